@@ -19,7 +19,7 @@ from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.mechanism.oscillating_roller import OscillatingRoller, excess_of
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.mechanism.values import (
     Angle,
@@ -136,7 +136,7 @@ def return_on_lever(
     side = 1 if chi > 0.0 else -1
     # |A_0 B_2| by the law of cosines, in the form that stays accurate for small angles.
     apart = 4.0 * main.centre_distance * own * math.sin(0.5 * chi) ** 2
-    base_radius = math.sqrt((main.centre_distance - own) ** 2 + apart)
+    base_radius = math.sqrt(excess_of(main.pivot, own) ** 2 + apart)
     flat = not FLAT < abs(chi) < math.pi - FLAT
     try:
         if not flat:

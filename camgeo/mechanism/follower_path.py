@@ -273,8 +273,8 @@ class SwingPath:
 
     @property
     def reach(self) -> tuple[float, float]:
-        l1, l3 = self.follower.centre_distance, self.follower.arm
-        return abs(l1 - l3), l1 + l3
+        follower = self.follower
+        return abs(follower.excess), follower.centre_distance + follower.arm
 
     def _frame(self, phi: FloatArray) -> ComplexArray:
         axis = cmath.phase(-self.follower.pivot)
@@ -293,9 +293,15 @@ class SwingPath:
         _require_reach(distance, self.reach)
         psi = self.coordinate(distance)
         follower = self.follower
-        tip = follower.arm * np.exp(1j * follower.arm_side * psi) - follower.centre_distance
-        angle = cmath.phase(-follower.pivot) + np.angle(tip) - np.angle(points)
+        angle = cmath.phase(-follower.pivot) + np.angle(self._centre(psi)) - np.angle(points)
         return _in_turn(self.rotation * angle), psi
+
+    def _centre(self, q: FloatArray) -> ComplexArray:
+        """W (n,) in axes along the line pivot -> cam axis, without cancellation of l_3 and l_1."""
+        half = 0.5 * self.follower.arm_side * q
+        bow: ComplexArray = 2j * self.follower.arm * np.sin(half) * np.exp(1j * half)
+        bow += self.follower.excess
+        return bow
 
     def _tip(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
         follower = self.follower
@@ -304,7 +310,7 @@ class SwingPath:
         return tip
 
     def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
-        return self._tip(phi, q) - self.follower.centre_distance * self._frame(phi)
+        return self._frame(phi) * self._centre(q)
 
     def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         tip = self._tip(phi, q)
@@ -312,14 +318,12 @@ class SwingPath:
 
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
         arm, side, frame = self.follower.arm, self.follower.arm_side, self._frame(phi)
-        pivot = -self.follower.centre_distance * frame
-        apart = bows.points - pivot
-        size = np.abs(apart)
-        towards = np.divide(apart, size, out=frame.copy(), where=size > 0.0)
-        circle = Bows(pivot + arm * towards, towards, np.full(len(phi), 1.0 / arm))
+        # The point of the circle as far from the cam axis as the bow's: near it if that is near.
+        near = self.coordinate(np.abs(bows.points))
+        towards = frame * np.exp(1j * side * near)
+        circle = Bows(self.point(phi, near), towards, np.full(len(phi), 1.0 / arm))
         turn = 2.0 * np.arctan(0.5 * circle.crossing(bows, facing * side) / arm)
-        psi = side * (np.angle(towards * frame.conj()) + turn)
-        wrapped: FloatArray = np.remainder(psi + math.pi, TURN) - math.pi
+        wrapped: FloatArray = np.remainder(near + side * turn + math.pi, TURN) - math.pi
         return wrapped
 
     def touching(self, bows: Bows) -> FloatArray:

@@ -17,6 +17,7 @@ from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.checked import check_fields
+from camgeo.numeric.doubled import hypot_rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +27,8 @@ class OscillatingRoller(Rocking, WithRoller):
     The rocker's angle chi is measured counter-clockwise from the line pivot -> cam axis:
     chi = h psi_G + (its swing), h = `arm_side`, with psi_G in (0, pi) from the triangle of l_1
     (pivot to cam axis), l_3 (`arm`) and r_G; W = exp(i alpha) (l_3 exp(i chi) - l_1), alpha the
-    direction of that line.
+    direction of that line. So that a distant pivot costs no digits, all is computed from
+    l_3 - l_1 and l (1 - cos chi) = 2 l sin^2(chi/2).
 
     Attributes
     ----------
@@ -56,7 +58,7 @@ class OscillatingRoller(Rocking, WithRoller):
 
     def __post_init__(self) -> None:
         check_fields(self, "follower.")
-        low, high = abs(self.centre_distance - self.arm), self.centre_distance + self.arm
+        low, high = abs(self.excess), self.centre_distance + self.arm
         if not low < self.base_radius < high:
             raise GeometryError(
                 f"pivot, cam axis and roller form no triangle: with the pivot"
@@ -67,12 +69,17 @@ class OscillatingRoller(Rocking, WithRoller):
             )
 
     @property
+    def excess(self) -> float:
+        """l_3 - l_1 [mm], by which the arm is longer than the distance of its pivot."""
+        return excess_of(self.pivot, self.arm)
+
+    @property
     def start_angle(self) -> float:
         """psi_G, angle between arm and the line pivot -> cam axis at cam angle 0 [rad], (0, pi)."""
-        l1, l3, base = self.centre_distance, self.arm, self.base_radius
+        excess, total, base = self.excess, self.centre_distance + self.arm, self.base_radius
         return 2.0 * math.atan2(
-            math.sqrt((base - (l1 - l3)) * (base + (l1 - l3))),
-            math.sqrt((l1 + l3 - base) * (l1 + l3 + base)),
+            math.sqrt((base - excess) * (base + excess)),
+            math.sqrt((total - base) * (total + base)),
         )
 
     @property
@@ -102,35 +109,41 @@ class OscillatingRoller(Rocking, WithRoller):
         plus the part that turns with the cam alone, gamma = chi - sigma phi.
         """
         l1, l3, sense = self.centre_distance, self.arm, float(self.swing_sense)
+        excess = self.excess
         chi = sense * jet[0]
         chi += self.arm_side * self.start_angle
-        tip_along, tip_across = np.cos(chi), np.sin(chi)
-        u = l1 * tip_across
-        v = l1 * tip_along
+        tip_across, tip_along, bow = np.sin(chi), np.cos(chi), np.sin(0.5 * chi)
+        bow *= 2.0 * bow  # 1 - cos chi
+        u, v = l1 * tip_across, l1 * bow
         tip_along *= l3
         tip_across *= l3
         turning = sense * jet[1]
         omega = turning - rotation
+        v += excess
+        v -= (rotation * l3) * turning
         along, across = np.empty((2, order + 1, jet.shape[1]))
-        np.subtract(tip_along, l1, out=along[0])
+        bow *= l3
+        np.subtract(excess, bow, out=along[0])
         across[0] = tip_across
         np.multiply(tip_across, omega, out=along[1])
         np.negative(along[1], out=along[1])
-        np.multiply(tip_along, omega, out=across[1])
-        across[1] += rotation * l1
-        v = -rotation * l3 * omega - v
+        np.multiply(tip_along, turning, out=across[1])
+        across[1] -= rotation * along[0]
         if order > 1:
             chi2 = sense * jet[2]
             square = omega * omega
-            along[2] = l1 - tip_along * square - tip_across * chi2
+            along[2] = tip_along * (turning * (2.0 * rotation - turning)) - along[0]
+            along[2] -= tip_across * chi2
             across[2] = tip_along * chi2 - tip_across * square
         if order > 2:
             # the third derivative of e^{i gamma} is (real + i imaginary) e^{i gamma}
             real = -3.0 * omega * chi2
-            imaginary = sense * jet[3] - square * omega
-            along[3] = tip_along * real - tip_across * imaginary
-            across[3] = tip_across * real + tip_along * imaginary
-            across[3] -= rotation * l1
+            chi3 = sense * jet[3]
+            along[3] = tip_along * real - tip_across * (chi3 - square * omega)
+            # imaginary - sigma
+            rest = chi3 - turning * (turning * (turning - 3.0 * rotation) + 3.0)
+            across[3] = tip_across * real + tip_along * rest
+            across[3] += rotation * along[0]
         return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning, self.reach)
 
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
@@ -140,20 +153,28 @@ class OscillatingRoller(Rocking, WithRoller):
         chi = chi + self.arm_side * self.start_angle
         along, across = l1 * np.cos(chi), l1 * np.sin(chi)
         relative = 1.0 - rotation * chi1
+        behind = rotation * l3 * chi1 - self.excess - 2.0 * l1 * np.sin(0.5 * chi) ** 2
         u = np.stack((across, along * chi1))
-        w = np.stack((along - l3 * relative, rotation * l3 * chi2 - across * chi1))
+        w = np.stack((behind, rotation * l3 * chi2 - across * chi1))
         swerve = l3 * (w[0] * chi1 * chi2 + across * (chi3 + chi1 * relative * relative))
         return TangentJet(u, w, chi1, swerve)
 
     def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.speed_bounds`."""
+        """See `Follower.speed_bounds`: R_k as of `camgeo.mechanism.follower`, W' = i chi' tip."""
         l1, l3 = self.centre_distance, self.arm
-        omega = 1.0 + bounds[1]
+        middle = np.hypot(
+            self.excess, 2.0 * math.sqrt(l1 * l3) * np.sin(0.5 * self.rocker_angle(jet[0]))
+        )
+        reach = np.minimum(middle + l3 * bounds[0], l1 + l3)  # |W|
+        chi1, chi2, chi3 = bounds[1:]
+        way1 = l3 * chi1
+        way2 = l3 * (chi2 + chi1**2)
+        way3 = l3 * (chi3 + 3.0 * chi1 * chi2 + chi1**3)
         return np.stack(
             (
-                l3 * omega + l1,
-                l3 * (omega**2 + bounds[2]) + l1,
-                l3 * (omega**3 + 3.0 * omega * bounds[2] + bounds[3]) + l1,
+                way1 + reach,
+                way2 + 2.0 * way1 + reach,
+                way3 + 3.0 * (way2 + way1) + reach,
             )
         )
 
@@ -174,3 +195,9 @@ class OscillatingRoller(Rocking, WithRoller):
         """See `Follower.return_sketch`: both arms are on the pivot."""
         here = self.traced_point(lift)
         return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))
+
+
+def excess_of(pivot: complex, arm: float) -> float:
+    """`arm` - |pivot| [mm] without cancellation of their digits."""
+    distance = abs(pivot)
+    return (arm - distance) - hypot_rest(pivot, distance)

@@ -175,3 +175,27 @@ def test_no_meeting_is_an_error() -> None:
         path.meet(np.zeros(1), away, np.ones(1))
     with pytest.raises(GeometryError, match="must lie at least 9 mm from the cam axis"):
         path.cam_angle_of(one(1.0))
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e6, 1e9])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_distant_pivot_costs_no_digits(distance: float, side: int) -> None:
+    """Against W = l_3 exp(i chi) - l_1 with 50 digits; a line is met on both sides of the way."""
+    pivot = cmath.rect(distance, 2.0)
+    follower = OscillatingRoller(pivot, abs(pivot) + 7.0, 50.0, 6.0, side)
+    path, phi = path_of(follower, 1), np.array([0.3, 1.7, 4.0])
+    q = path.start + path.outward * np.array([0.0, 3.0, 17.0]) / distance
+    found = path.point(phi, q)
+    with mpmath.workdps(50):
+        l1 = mpmath.hypot(pivot.real, pivot.imag)
+        for at, angle, point in zip(q.tolist(), phi.tolist(), found.tolist(), strict=True):
+            w = follower.arm * mpmath.expj(side * mpmath.mpf(at)) - l1
+            exact = w * mpmath.expj(mpmath.arg(-mpmath.mpc(pivot)) - angle)
+            assert abs(exact - point) <= 64 * 2.0**-53 * 50.0
+    angles, again = path.cam_angle_of(found)
+    assert angles == pytest.approx(phi, rel=64 * 2.0**-53)
+    assert again == pytest.approx(q, rel=64 * 2.0**-53)
+    along = path.along(phi, q)[0]
+    bows = Bows(found, along / np.abs(along), np.zeros(3))
+    met = path.meet(phi, bows, np.ones(3))
+    assert met == pytest.approx(q, rel=64 * 2.0**-53)

@@ -6,12 +6,17 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpc, mpf
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.plan import MotionPlan, Move
+from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
+from tests.strategies import attack
 
 PIVOT = complex(-96.0, -72.0)  # 120 mm from the cam axis
 SWING = 0.4
@@ -73,3 +78,70 @@ def test_the_rocker_angle_is_counted_on_the_arms_own_side() -> None:
         follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, direction)
         expected = follower.start_angle + sense * lift
         assert follower.rocker_angle(lift) == pytest.approx(expected, rel=1e-15)
+
+
+# Distant pivots -------------------------------------------------------------------------------
+
+
+@st.composite
+def rockers(draw: st.DrawFn) -> tuple[OscillatingRoller, float]:
+    """With a pivot up to 1e9 base radii away, about a base circle of any size; and that size."""
+    size = 10.0 ** draw(st.floats(-6.0, 6.0))
+    distance = size * 10.0 ** draw(st.floats(0.0, 9.0))
+    pivot = cmath.rect(distance, draw(st.floats(0.0, TURN)))
+    arm = abs(pivot) + draw(st.floats(-0.9, 0.9)) * size
+    side, direction = draw(st.sampled_from([1, -1])), draw(st.sampled_from([1, -1, None]))
+    return OscillatingRoller(pivot, arm, size, 0.0, side, direction), size
+
+
+@attack
+@given(rockers(), st.tuples(*[st.floats(-0.3, 0.3)] * 4), st.sampled_from([1, -1]))
+def test_a_distant_pivot_costs_no_digits(
+    made: tuple[OscillatingRoller, float], shares: tuple[float, ...], rotation: int
+) -> None:
+    """Against the law of cosines and W = l_3 exp(i chi) - l_1 with 60 digits."""
+    rocker, size = made
+    jet = np.array(shares)[:, np.newaxis] * (size / rocker.arm)
+    found = rocker.relative_jet(jet, rotation)
+    tangent = rocker.tangent_jet(jet, rotation)
+    with mp.workdps(60):
+        l1, l3 = mp.hypot(rocker.pivot.real, rocker.pivot.imag), mpf(rocker.arm)
+        start = mp.acos((l1**2 + l3**2 - mpf(rocker.base_radius) ** 2) / (2 * l1 * l3))
+        chi, chi1, chi2, chi3 = (rocker.swing_sense * mpf(float(each)) for each in jet[:, 0])
+        chi += rocker.arm_side * start
+        tip = l3 * mp.expj(chi)
+        i, turn = mpc(0, 1), rotation * mpc(0, 1)
+        w = tip - l1
+        w1 = i * chi1 * tip
+        w2 = (i * chi2 - chi1**2) * tip
+        w3 = (i * chi3 - 3 * chi1 * chi2 - i * chi1**3) * tip
+        exact = (
+            w,
+            w1 - turn * w,
+            w2 - 2 * turn * w1 - w,
+            w3 - 3 * turn * w2 - 3 * w1 + turn * w,
+        )
+        forward = rotation * exact[1] * mp.expj(-chi)
+        # Sums of a dozen terms, each some sizes at most and rounded a few times.
+        room = 512 * 2.0**-53 * size
+        for own, along, across in zip(exact, found.along[:, 0], found.across[:, 0], strict=True):
+            assert abs(own - mpc(float(along), float(across))) <= room
+        assert abs(forward - mpc(float(found.u[0]), -float(found.v[0]))) <= room
+        assert abs(forward - mpc(float(tangent.u[0, 0]), float(tangent.w[0, 0]))) <= room
+
+
+def test_bounds_do_not_grow_with_the_distance_of_the_pivot() -> None:
+    """The same way of the roller on ever larger circles: its bounds tend to those of a guide."""
+    low = np.linspace(0.0, TURN, 65)[:-1]
+    found = []
+    for distance in (1e4, 1e8):
+        way = MotionPlan(
+            (
+                Move(Decimal(180), 20.0 / distance, POLYNOMIAL),
+                Move(Decimal(180), 0.0, POLYNOMIAL),
+            )
+        )
+        rocker = OscillatingRoller(complex(-distance, 0.0), distance, 50.0, 5.0)
+        found.append(PitchCurve(way, rocker, 1).speed_bounds(low, low + TURN / 64.0))
+    assert np.all(found[1] <= 1.01 * found[0])
+    assert np.all(found[0] <= 1000.0)

