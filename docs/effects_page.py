@@ -79,6 +79,7 @@ MARGIN: Final = 2.0
 """Factor from an estimate to the stated value."""
 
 NUMBERS: Final[dict[str, Any]] = {
+    "contact": ", ".join(each for each in EFFECTS if find_effect(each).premise == "contact"),
     "gravity": STANDARD_GRAVITY / 1e3,
     "near": math.degrees(NEAR),
     "listed": LISTED,
@@ -179,6 +180,16 @@ def _declarations(_name: str) -> str:
             ]
         )
     return _table(heads, rows)
+
+
+def _refinements(_name: str) -> str:
+    """What each effect takes as simpler than another effect of the scene does."""
+    rows = [
+        [name, each.taken, f"[{each.by}](#{each.by})"]
+        for name in EFFECTS
+        for each in find_effect(name).refined_by
+    ]
+    return _table(("figures of", "hold for", "simpler than in"), rows)
 
 
 def _declared(name: str) -> str:
@@ -362,6 +373,7 @@ def _row(cells: Iterable[str]) -> str:
 INSERTS: Final[dict[str, Callable[..., str]]] = {
     "declarations": _declarations,
     "declared": _declared,
+    "refinements": _refinements,
     "check": _check,
     "explain": _explain,
     "picture": _picture,

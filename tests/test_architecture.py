@@ -62,6 +62,8 @@ EFFECT_FRAME = {
     "graph",
     "immovable",
     "materials",
+    "premises",
+    "ranges",
     "registry",
     "results",
     "rules",

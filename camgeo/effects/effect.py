@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
@@ -212,6 +212,33 @@ class Result:
     error: float | None = None
 
 
+Premise = Literal["contact", "motion", "disc"]
+"""What must be true for the figures of an effect: that the follower touches the cam all round and
+makes the demanded motion; that it makes this motion, which a trimmed disc does not give; or nothing
+but the disc itself.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """Another effect that, in the same scene, computes what this one takes as simpler than it is.
+
+    Attributes
+    ----------
+    by : name of the other effect.
+    taken : what the figures of this effect hold for, as in "a rigid follower".
+    caution : what differs, where one can tell, e.g. "an elastic one leaves the cam earlier".
+    """
+
+    by: str
+    taken: str
+    caution: str = ""
+
+
+RIGID: Final = Refinement("vibration", "a rigid follower")
+GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
+
+
 SPEED: Final = ("cam.speed", "cam.speed_curve")
 """Keys of the scene, one of which gives the speed of the cam."""
 
@@ -242,6 +269,9 @@ class Effect:
         other effects that need it.
     numerical : whether it takes a tolerance and estimates its error.
     of_drive : whether it needs no follower, only the drive.
+    premise : what its figures stand on.
+    regardless : names of its findings that hold even where the premise does not.
+    refined_by : effects that know better, if the scene names them too.
     """
 
     name: str
@@ -256,6 +286,9 @@ class Effect:
     tabled: bool = False
     numerical: bool = False
     of_drive: bool = False
+    premise: Premise = "contact"
+    regardless: tuple[str, ...] = ()
+    refined_by: tuple[Refinement, ...] = ()
 
 
 def data_of(kind: Callable[..., Data], table: Mapping[str, Any]) -> Data:

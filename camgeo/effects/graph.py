@@ -8,7 +8,9 @@ from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
+from camgeo.effects.premises import not_made, qualified
 from camgeo.effects.registry import find_effect
+from camgeo.effects.results import CONTACT_FORCE, LostContact, Touching
 from camgeo.effects.rules import Table
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -151,27 +153,52 @@ class Effects:
             raise GeometryError(message, _place(effect.name, key))
 
     def findings(self, name: str) -> tuple[Finding, ...]:
-        """The findings of the effect `name`; a "broken" one that says why if there is no answer."""
+        """The findings of the effect `name`; a "broken" one that says why if there is no answer.
+
+        First come those that say what the others do not hold for, see `camgeo.effects.premises`.
+        """
         try:
-            found: tuple[Finding, ...] = self.result(name).findings
+            result = self.result(name)
         except GeometryError as error:
             if error.key:
                 raise
             return (Finding(name, "broken", f"not computed: {error.message}"),)
         except EffectError as error:
-            return (
-                Finding(
-                    name=error.finding or name,
-                    severity="broken",
-                    sentence=error.message,
-                    value=error.value,
-                    limit=error.limit,
-                    unit=error.unit,
-                    cam_angle=error.cam_angle,
-                    cam_range=error.cam_range,
-                ),
+            refusal = Finding(
+                name=error.finding or name,
+                severity="broken",
+                sentence=error.message,
+                value=error.value,
+                limit=error.limit,
+                unit=error.unit,
+                cam_angle=error.cam_angle,
+                cam_range=error.cam_range,
             )
+            return (*not_made(self.effect(name), self.subject), refusal)
+        lost = result.lost_contact if isinstance(result, Touching) else None
+        if lost is None:
+            lost = self._lost_contact(name)
+        return qualified(self.effect(name), result.findings, self.subject, lost, self.names)
+
+    def _lost_contact(self, name: str) -> LostContact | None:
+        """Where contact is lost; None if the effect `name` can do without contact, if no effect of
+        the scene needs the contact force, or if there is no contact force.
+        """
+        if self.effect(name).premise != "contact" or not self._called_for(CONTACT_FORCE):
+            return None
+        try:
+            found: LostContact = self.result(CONTACT_FORCE).lost_contact
+        except (EffectError, GeometryError):  # which its own findings report
+            return None
         return found
+
+    def _called_for(self, name: str) -> bool:
+        """Whether the scene names the effect `name` or one that needs it."""
+
+        def needed(each: str) -> bool:
+            return each == name or any(needed(other) for other in self._inputs(each))
+
+        return any(needed(each) for each in self.names)
 
     def recomputed(self, name: str, tolerance: float | None = None) -> Effects:
         """Effects of the same design in which only `name` is computed again.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity
     from camgeo.effects.force import Force
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-    from camgeo.numeric.extremes import Extremes
+    from camgeo.numeric.extremes import Extreme, Extremes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,8 +118,58 @@ class Friction(Acting):
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
 
 
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A range of the turn, and the smallest value in it.
+
+    Attributes
+    ----------
+    start, end : cam angles [rad] in [0, 2 pi]; the end is below the start if the range passes cam
+        angle 0.
+    lowest : the smallest value and its cam angle.
+    """
+
+    start: float
+    end: float
+    lowest: Extreme
+
+
+@dataclass(frozen=True, slots=True)
+class LostContact:
+    """Where the follower leaves its only flank, at one speed of the cam.
+
+    Attributes
+    ----------
+    ranges : in which the flank would have to pull, each with its lowest force [N].
+    leaps : cam angles [rad] at which the velocity of a mass jumps away from the flank.
+    """
+
+    ranges: tuple[Range, ...] = ()
+    leaps: tuple[float, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.ranges or self.leaps)
+
+    @property
+    def lowest(self) -> Extreme | None:
+        """The lowest force [N] of all ranges; None if there are only leaps."""
+        return min((each.lowest for each in self.ranges), key=lambda low: low.value, default=None)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Touching(Result):
+    """A result that knows where the follower leaves the cam at the speed that it is for.
+
+    Attributes
+    ----------
+    lost_contact : by the definition of `camgeo.effects.touching.lost_contact`.
+    """
+
+    lost_contact: LostContact
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactForce(Result):
+class ContactForce(Touching):
     """The normal force N [N] on the follower, positive where the inner flank carries.
 
     For a conjugate pair it is positive where the main disc carries and negative where the return

@@ -1,4 +1,4 @@
-"""The contact between follower and cam: which flank or disc carries, and how a flat face slides.
+"""The contact between follower and cam: which side carries, where it is lost, how a face slides.
 
 The normal force N is positive where the inner flank of the disc carries. Where it is negative, the
 outer flank of a groove carries, or the inner flank of the return disc of a conjugate pair. These
@@ -15,22 +15,35 @@ moves along the outline, the face slides relative to the cam at
 because the velocities along t at the contact are -h for the cam and -sigma f Omega for the face
 (rigid bodies). In a guide g = h: the motion of the contact along the face is not sliding. A sliding
 face is pressed on the cam by the whole normal force, during dwells too.
+
+Contact is lost where the only flank would have to pull, and where the velocity of a mass jumps away
+from it. `lost_contact` is the definition of this for all effects.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
+from camgeo.effects.immovable import shocks
+from camgeo.effects.ranges import ranges_below
+from camgeo.effects.results import LostContact, Range
 from camgeo.errors import EffectError
+from camgeo.numeric.extremes import Extreme, Extremes
 
 if TYPE_CHECKING:
-    from camgeo.effects.effect import Subject
+    from camgeo.effects.effect import Quantity, Subject
+    from camgeo.effects.results import Inertia
     from camgeo.numeric.arrays import FloatArray, Side
 
 INNER: Final = 1
 OUTER: Final = -1
 
 FLANKS: Final = {INNER: "inner", OUTER: "outer"}
+
+TOUCH: Final = 1e-12
+"""A contact force below this share of the largest one of the turn is 0."""
 
 OF_GROOVE: Final = (FLANKS, "flank")
 OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
@@ -51,6 +64,61 @@ def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
     """The disc that carries on the side `sense`, and its flank: +1 inner, -1 outer."""
     other = subject.returning
     return (subject, sense) if other is None or sense == INNER else (other, INNER)
+
+
+def lost_contact(
+    subject: Subject,
+    normal: Quantity,
+    extremes: Extremes,
+    edges: FloatArray,
+    inertia: Inertia | None,
+    margin: float = 0.0,
+) -> LostContact:
+    """Where less than `margin` [N] presses the follower on its only flank.
+
+    Nothing is lost by a follower that is held in both directions.
+
+    Parameters
+    ----------
+    normal : contact force [N], positive where the inner flank carries, smooth between neighbouring
+        `edges` (k,) [rad] from 0 to 2 pi.
+    extremes : of `normal`.
+    inertia : the masses; None without any.
+    """
+    if holds_both_ways(subject):
+        return LostContact()
+    sense = subject.cam.contact.push
+    lowest, limit = lowest_on_flank(extremes, sense), margin - TOUCH * extremes.magnitude
+    ranges: tuple[Range, ...] = ()
+    if lowest.value < limit:
+        ranges = ranges_below(lambda phi, side: sense * normal(phi, side), edges, limit, lowest)
+    return LostContact(ranges, _leaps(subject, inertia, sense))
+
+
+def lowest_on_flank(extremes: Extremes, sense: int) -> Extreme:
+    """The smallest force [N] on the flank `sense`, negative where it would have to pull."""
+    if sense > 0:
+        return extremes.lowest
+    return Extreme(-extremes.highest.value, extremes.highest.place)
+
+
+def _leaps(subject: Subject, inertia: Inertia | None, sense: int) -> tuple[float, ...]:
+    """Cam angles [rad] at which the velocity of a mass jumps away from the flank `sense`.
+
+    No finite force holds the follower on the flank there.
+    """
+    motion, found = subject.drive.motion, []
+    for angle in shocks(subject, inertia):
+        here = np.array([angle])
+        jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
+        if jump[0] * outwards_of(subject, here, "right", sense)[0] < 0.0:
+            found.append(angle)
+    return tuple(found)
+
+
+def outwards_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+    """(n,) direction of q in which the flank `sense` of a single disc pushes, +1 or -1."""
+    return sense * np.sign(subject.cam.disc.pitch_curve.leverage(phi, side))
 
 
 def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:

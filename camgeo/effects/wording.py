@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import Finding
-from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import EffectError
-from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.units import TURN
 from camgeo.wording import at_cam_angles, cam_angle, over_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
-    from camgeo.effects.effect import Quantity, Subject
-    from camgeo.numeric.arrays import FloatArray
     from camgeo.numeric.extremes import Extreme, Extremes
     from camgeo.units import LiftUnit
 
@@ -45,9 +41,6 @@ FORCES: Final[Mapping[LiftUnit, Label]] = {
 }
 """The generalised force on a follower, by the unit of its lift."""
 
-TOUCH: Final = 1e-9
-"""A contact force of the wrong sign is rounding below this share of the largest one."""
-
 
 def at(phi: float) -> str:
     """The place `phi` [rad] in words."""
@@ -62,6 +55,36 @@ def degrees(phi: float) -> str:
 def between(stretch: tuple[float, float]) -> str:
     """The range (from, to) [rad] in words."""
     return over_cam_angles(*stretch, form=".4f")
+
+
+MOST_LISTED: Final = 8
+"""Largest number of places that are listed one by one."""
+
+
+def listed(words: Sequence[str]) -> str:
+    """The words as a list: "a", "a and b", "a, b and c"."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def angles(places: Sequence[float]) -> str:
+    """The cam angles `places` [rad], one or more, in words."""
+    shown = list(dict.fromkeys(cam_angle(phi, ".4f") for phi in places))
+    return f"at cam angle{'s' * (len(shown) > 1)} {listed(_first(shown))} deg"
+
+
+def over(ranges: Sequence[tuple[float, float]]) -> str:
+    """The ranges (from, to) [rad], one or more, in words."""
+    if len(ranges) == 1:
+        return between(ranges[0])
+    shown = [f"{cam_angle(start, '.4f')} to {cam_angle(end, '.4f')}" for start, end in ranges]
+    return f"from cam angle {listed(_first(shown))} deg"
+
+
+def _first(words: Sequence[str]) -> list[str]:
+    """The first of them, and how many more there are."""
+    rest = len(words) - MOST_LISTED
+    return [*words[:MOST_LISTED], *([f"{rest} more"] if rest > 0 else [])]
 
 
 def placed(
@@ -104,25 +127,3 @@ def missed(
         limit=tolerance,
         cam_angle=cam_angle,
     )
-
-
-def loss_of_contact(
-    name: str, what: str, subject: Subject, normal: Quantity, edges: FloatArray
-) -> tuple[Finding, ...]:
-    """A warning if the only flank would have to pull, so that `what` is not valid.
-
-    `normal` is the contact force [N], positive where the inner flank carries, smooth between
-    neighbouring `edges` (k,) [rad].
-    """
-    if holds_both_ways(subject):
-        return ()
-    push = float(subject.cam.contact.push)
-    ends = piecewise_extremes(lambda phi, side: push * normal(phi, side), edges)
-    lowest = ends.lowest
-    if lowest.value >= -TOUCH * ends.magnitude:
-        return ()
-    sentence = (
-        f"the {subject.cam.follower.touching} leaves the flank, and the {what} is valid only while"
-        f" it does not: contact force {lowest.value:.5g} N {at(lowest.place)}"
-    )
-    return (placed(name, sentence, lowest, "N", 0.0, "warning"),)

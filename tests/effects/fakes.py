@@ -21,5 +21,5 @@ def fake(
     """An effect that `compute` computes; its table may have any keys."""
     function = f"compute_{next(NUMBERS)}"
     globals()[function] = compute
-    options = {"schema": {"type": "object"}} | options
+    options = {"schema": {"type": "object"}, "premise": "disc"} | options
     return Effect(name, title or name, f"{__name__}:{function}", **options)

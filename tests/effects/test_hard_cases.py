@@ -332,7 +332,7 @@ def test_a_force_that_touches_zero_and_does_not_cross_it(preload: float, stiffne
     assert found(design, "lift-off", "contact-touches-zero").cam_angle == pytest.approx(
         math.pi, abs=1e-4
     )
-    assert "torque-without-contact" not in names(design, "drive-torque")
+    assert "contact-lost" not in names(design, "drive-torque")
     speed = found(design, "lift-off", "lift-off-speed")
     assert speed.value == pytest.approx(60.0, rel=1e-9)
     assert found(design, "lift-off", "least-preload").value == pytest.approx(preload, rel=1e-9)
@@ -596,7 +596,7 @@ def test_a_load_that_lifts_the_roller_off_everywhere(name: str) -> None:
     phi = np.linspace(0.0, TURN, 100)
     pressure = design.effect("contact-pressure").columns[0].values(phi, "right")
     assert not np.any(pressure)
-    assert "torque-without-contact" in names(design, "drive-torque")
+    assert "contact-lost" in names(design, "drive-torque")
 
 
 def test_a_speed_curve_is_the_same_as_its_time_course() -> None:

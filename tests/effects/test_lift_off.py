@@ -9,7 +9,7 @@ import pytest
 from camgeo.design import Design
 from camgeo.effects.lift_off import crossing
 from camgeo.effects.lift_off.crossing import Change
-from camgeo.effects.lift_off.ranges import ranges_below, runs
+from camgeo.effects.ranges import ranges_below, runs
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes

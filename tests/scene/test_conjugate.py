@@ -135,8 +135,8 @@ def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
     for one, two in zip(pair.disc.columns(), alone.disc.columns(), strict=True):
         assert one.name == two.name
         assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
-    assert "torque-without-contact" in {each.name for each in effect_findings(alone)}
-    assert "torque-without-contact" not in {each.name for each in effect_findings(pair)}
+    assert "contact-lost" in {each.name for each in effect_findings(alone)}
+    assert "contact-lost" not in {each.name for each in effect_findings(pair)}
 
 
 def test_the_return_disc_is_a_design_of_its_own() -> None:

@@ -18,4 +18,5 @@ EFFECT: Final = Effect(
     rules=(Only(ONE_DISC),),
     keys=(("part.thickness",),),
     numerical=True,
+    premise="disc",
 )

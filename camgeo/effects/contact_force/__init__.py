@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, data_of
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, LOAD, SPRING
 from camgeo.effects.rules import ONE_CONTACT, Only
 
@@ -31,4 +31,5 @@ EFFECT: Final = Effect(
     rules=(Only(ONE_CONTACT),),
     uses=(*FORCES, FRICTION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),
+    refined_by=(RIGID, GIVEN_SPEED),
 )

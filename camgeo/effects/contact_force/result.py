@@ -11,7 +11,14 @@ from camgeo.effects.effect import Column, Quantity, Request, Subject
 from camgeo.effects.force import all_borders, total
 from camgeo.effects.immovable import shocks
 from camgeo.effects.results import FRICTION, INERTIA, ContactForce
-from camgeo.effects.touching import INNER, OUTER, holds_both_ways, require_convex, sides_of
+from camgeo.effects.touching import (
+    INNER,
+    OUTER,
+    holds_both_ways,
+    lost_contact,
+    require_convex,
+    sides_of,
+)
 from camgeo.effects.wording import at, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -45,9 +52,11 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     limit = request.data.limit
     extremes = piecewise_extremes(normal, edges)
     found = force_findings(extremes, subject, limit)
+    inertia = request.results.get(INERTIA)
     return ContactForce(
         findings=(*found, *shock_findings(request)),
         columns=_columns(subject, normal, limit, all_borders(forces)),
+        lost_contact=lost_contact(subject, normal, extremes, edges, inertia),
         forces=balance.forces,
         friction=friction,
         edges=edges,

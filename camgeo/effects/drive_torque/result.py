@@ -16,7 +16,7 @@ from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import all_borders
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.results import CONTACT_FORCE, DriveTorque
-from camgeo.effects.wording import KG_M2, N_M, at, degrees, loss_of_contact, placed
+from camgeo.effects.wording import KG_M2, N_M, at, degrees, placed
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -76,8 +76,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
 
 def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
     """All findings."""
-    subject, contact = law.subject, law.contact
-    turning = subject.drive.time_course is not None
+    turning = law.subject.drive.time_course is not None
     peaks, static = found.peaks, found.static_peaks
     out = [
         _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),
@@ -99,10 +98,7 @@ def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Findin
     out += _flywheel(found, data.fluctuation)
     if turning:
         out += _shock(law)
-    lost = loss_of_contact(
-        "torque-without-contact", "drive torque", subject, contact.normal, contact.edges
-    )
-    return (*out, *lost)
+    return tuple(out)
 
 
 def _value(name: str, words: str, value: float, unit: str) -> Finding:

@@ -42,4 +42,6 @@ EFFECT: Final = Effect(
     parse=partial(data_of, GravityDirection),
     needs=(INERTIA,),
     keys=((f"effects.{INERTIA}",),),
+    premise="motion",
+    regardless=("weight",),
 )

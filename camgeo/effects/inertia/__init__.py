@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, SPEED, Effect
 from camgeo.effects.inertia.table import OF_COUPLER, OF_ROCKER, parse
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import LINKED, ROCKING, ROLLERS, STRAIGHT, TURNING, Only
@@ -25,4 +25,7 @@ EFFECT: Final = Effect(
     ),
     keys=(SPEED,),
     tabled=True,
+    premise="motion",
+    regardless=("reduced-mass", "reduced-moment-of-inertia"),
+    refined_by=(RIGID, GIVEN_SPEED),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
 
 EFFECT: Final = Effect(
     name="kinematics",
@@ -14,4 +14,7 @@ EFFECT: Final = Effect(
     schema=schema_beside(__file__),
     keys=(SPEED,),
     of_drive=True,
+    premise="motion",
+    regardless=("turn-time",),
+    refined_by=(GIVEN_SPEED,),
 )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, data_of
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
@@ -37,4 +37,9 @@ EFFECT: Final = Effect(
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, SPRING),
     numerical=True,
+    premise="motion",
+    refined_by=(
+        replace(RIGID, caution="an elastic one may leave the cam at a lower speed"),
+        GIVEN_SPEED,
+    ),
 )

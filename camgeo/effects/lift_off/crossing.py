@@ -23,7 +23,7 @@ import numpy as np
 
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates
-from camgeo.effects.lift_off.ranges import runs
+from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import leverage_of
 from camgeo.effects.wording import degrees, missed

@@ -8,16 +8,13 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.effects.immovable import shocks
-from camgeo.effects.results import ContactForce, Inertia
+from camgeo.effects.results import ContactForce
+from camgeo.effects.touching import lowest_on_flank, outwards_of
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme
 
 ROUNDING: Final = 64.0 * 2.0**-52
 """Forces whose sum is below this share of their magnitudes cancel; the rest is rounding."""
-
-TOUCH: Final = 1e-12
-"""A force below this share of the largest one of the turn is 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,14 +27,12 @@ class Flank:
     contact : the contact force.
     sense : +1 for the inner flank, -1 for the outer one.
     margin : contact force that must remain [N].
-    inertia : None without masses.
     """
 
     subject: Subject
     contact: ContactForce
     sense: int
     margin: float
-    inertia: Inertia | None = None
 
     @property
     def toucher(self) -> str:
@@ -53,27 +48,11 @@ class Flank:
     @property
     def lowest(self) -> Extreme:
         """The smallest `force` of the turn."""
-        extremes = self.contact.extremes
-        if self.sense > 0:
-            return extremes.lowest
-        return Extreme(-extremes.highest.value, extremes.highest.place)
+        return lowest_on_flank(self.contact.extremes, self.sense)
 
     def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) direction of q in which the flank pushes, +1 or -1."""
-        return self.sense * np.sign(self.subject.cam.disc.pitch_curve.leverage(phi, side))
-
-    def leaps(self) -> tuple[float, ...]:
-        """Cam angles [rad] at which the velocity of a mass jumps away from the flank.
-
-        No finite force holds the follower on the flank there.
-        """
-        motion, found = self.subject.drive.motion, []
-        for angle in shocks(self.subject, self.inertia):
-            here = np.array([angle])
-            jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
-            if jump[0] * self.outwards(here, "right")[0] < 0.0:
-                found.append(angle)
-        return tuple(found)
+        return outwards_of(self.subject, phi, side, self.sense)
 
     def reserve(
         self, phi: FloatArray, side: Side, outwards: FloatArray | None = None

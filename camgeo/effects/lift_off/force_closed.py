@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Result
-from camgeo.effects.lift_off.flank import TOUCH, Flank
-from camgeo.effects.lift_off.ranges import Range, ranges_below
+from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
-from camgeo.effects.results import Spring
-from camgeo.effects.touching import FLANKS
+from camgeo.effects.results import Inertia, Range, Spring
+from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
 from camgeo.effects.wording import N_M, at, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
@@ -39,13 +38,15 @@ class ForceClosed(Result):
     stiffness: Extreme | None
 
 
-def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
-    """The findings for `flank`."""
+def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> ForceClosed:
+    """The findings for `flank`, with the masses and the spring of the scene if it has any."""
     edges, course = flank.contact.edges, flank.subject.drive.time_course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
-    limit = flank.margin - least
-    lost = ranges_below(flank.force, edges, limit, lowest) if lowest.value < limit else ()
-    leaps = flank.leaps()
+    contact = flank.contact
+    off = lost_contact(
+        flank.subject, contact.normal, contact.extremes, edges, inertia, flank.margin
+    )
+    lost, leaps = off.ranges, off.leaps
     found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in leaps]
     if not found:
         found.append(_kept(flank, lowest))

@@ -50,8 +50,8 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
             key=f"effects.{NAME}.backlash",
             value=f"{data.backlash:g}",
         )
-    flank = Flank(subject, contact, subject.cam.contact.push, data.margin, inertia)
-    return of_flank(flank, request.results.get(SPRING))
+    flank = Flank(subject, contact, subject.cam.contact.push, data.margin)
+    return of_flank(flank, inertia, request.results.get(SPRING))
 
 
 def _backlash(data: ContactMargin, side_clearance: float) -> float:

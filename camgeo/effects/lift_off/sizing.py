@@ -20,7 +20,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.lift_off.flank import TOUCH, Flank
+from camgeo.effects.lift_off.flank import Flank
+from camgeo.effects.touching import TOUCH
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import Effect, data_of
+from camgeo.effects.effect import GIVEN_SPEED, Effect, Refinement, data_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,4 +30,8 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.shock_spectrum.result:compute",
     schema=schema_beside(__file__),
     parse=partial(data_of, SpectrumRange),
+    refined_by=(
+        Refinement("vibration", "a train that is at rest when a move begins"),
+        GIVEN_SPEED,
+    ),
 )

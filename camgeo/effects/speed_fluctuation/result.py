@@ -15,21 +15,22 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgeo.check.finding import Finding, held
-from camgeo.effects.effect import Column, Quantity, Request, Result
+from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
-from camgeo.effects.results import DRIVE_TORQUE
+from camgeo.effects.results import DRIVE_TORQUE, Touching
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.effects.speed_fluctuation.solve import refuse_shocks, solve
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
-from camgeo.effects.wording import N_M, at, loss_of_contact, placed
+from camgeo.effects.touching import lost_contact
+from camgeo.effects.wording import N_M, at, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import RPM, TURN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedFluctuation(Result):
+class SpeedFluctuation(Touching):
     """The steady state.
 
     Attributes
@@ -118,7 +119,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,
-        findings=found + loss_of_contact("speed-without-contact", "speed", subject, normal, edges),
+        findings=found,
+        lost_contact=lost_contact(subject, normal, piecewise_extremes(normal, edges), edges, None),
         columns=(
             Column("cam speed", "rev/min", lambda phi, side: omega(phi, side) / RPM),
             Column("motor torque", "N m", lambda phi, side: N_M * motor(phi, side)),

@@ -16,4 +16,5 @@ EFFECT: Final = Effect(
     schema=schema_beside(__file__),
     parse=parse,
     tabled=True,
+    premise="motion",
 )

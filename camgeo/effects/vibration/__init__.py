@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.table import parse
@@ -21,4 +21,6 @@ EFFECT: Final = Effect(
     keys=(SPEED,),
     tabled=True,
     numerical=True,
+    regardless=("natural-frequency", "settling"),
+    refined_by=(GIVEN_SPEED,),
 )

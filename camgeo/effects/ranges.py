@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from camgeo.effects.effect import Quantity
+from camgeo.effects.results import Range
 from camgeo.numeric.arrays import BoolArray, FloatArray, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
 from camgeo.numeric.roots import roots_on_grid
-
-
-@dataclass(frozen=True, slots=True)
-class Range:
-    """A range of the turn, and the smallest value in it.
-
-    Attributes
-    ----------
-    start, end : cam angles [rad] in [0, 2 pi]; the end is below the start if the range passes cam
-        angle 0.
-    lowest : the smallest value and its cam angle.
-    """
-
-    start: float
-    end: float
-    lowest: Extreme
 
 
 def ranges_below(

@@ -1,0 +1,188 @@
+"""What the figures of an effect stand on, and what a design takes from under them.
+
+Three things are checked for every effect, whatever it computes: that the follower touches the cam
+(`camgeo.effects.touching.lost_contact`); that the disc makes the demanded motion, which a trimmed
+one does not; and that no other effect of the scene knows better (`Effect.refined_by`). Each that
+fails gives one finding. While one of the first two fails, no figure of the effect is "ok".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from camgeo.check.finding import STATED, Finding
+from camgeo.effects.wording import angles, at, listed, over
+from camgeo.errors import GeometryError
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.cam.disc import Disc
+    from camgeo.effects.effect import Effect, Subject
+    from camgeo.effects.results import LostContact
+    from camgeo.outline.replay_result import Replay
+
+Range = tuple[float, float]
+"""Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
+
+SLACK: Final = 1e-9
+"""Cam angles [rad] this close are equal but for rounding."""
+
+
+def qualified(
+    effect: Effect,
+    findings: tuple[Finding, ...],
+    subject: Subject,
+    lost: LostContact | None,
+    named: Sequence[str],
+) -> tuple[Finding, ...]:
+    """The `findings` of `effect`, after those that say what they do not hold for.
+
+    Parameters
+    ----------
+    lost : where the follower leaves the cam; None if that is not known.
+    named : the effects that the scene names.
+    """
+    if all(each.value is None for each in findings):
+        return findings  # without figures there is nothing to qualify
+    broken: list[Finding] = []
+    if effect.premise == "contact" and lost:
+        broken.append(_without_contact(lost, subject))
+    broken += not_made(effect, subject)
+    if broken:
+        findings = tuple(_doubted(each, effect) for each in findings)
+    return (*broken, *_simplified(effect, named), *findings)
+
+
+def _doubted(finding: Finding, effect: Effect) -> Finding:
+    """A figure that stands on a premise which is not true; it is not "ok"."""
+    if finding.severity != "ok" or finding.value is None or finding.name in effect.regardless:
+        return finding
+    return replace(finding, severity="warning")
+
+
+def _without_contact(lost: LostContact, subject: Subject) -> Finding:
+    """Where contact is lost, though the figures take it for granted."""
+    ranges = [(each.start, each.end) for each in lost.ranges]
+    touching = subject.cam.follower.touching
+    places = [over(ranges)] if ranges else []
+    if lost.leaps:
+        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from it")
+    low = lost.lowest
+    force = "" if low is None else f": contact force {low.value:.6g} N {at(low.place)}"
+    return Finding(
+        name="contact-lost",
+        severity="broken",
+        sentence=(
+            f"the {touching} leaves the cam {listed(places)}{force}; these figures are for one"
+            " that stays on it"
+        ),
+        value=None if low is None else low.value,
+        limit=0.0,
+        unit="N",
+        cam_angle=(lost.leaps[0] if low is None else low.place) % TURN,
+        cam_range=_only(ranges),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Trimmed:
+    """A flank of which less than all is left.
+
+    Attributes
+    ----------
+    dropped : ranges [rad] in which the disc does not make the demanded motion.
+    replay : the motion that it makes.
+    """
+
+    dropped: tuple[Range, ...]
+    replay: Replay
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """Cam angles [rad] in these ranges at which velocity or lift jump."""
+        jumps = [*self.replay.shocks.phi.tolist(), *self.replay.drops.phi.tolist()]
+        return tuple(
+            sorted(phi for phi in jumps if any(_inside(phi, each) for each in self.dropped))
+        )
+
+
+def not_made(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """A warning for each trimmed flank: between which cam angles the disc makes another motion."""
+    if effect.premise == "disc" or subject.disc is None:
+        return
+    factor, unit = STATED[subject.cam.lift_unit]
+    for which, disc in _discs(subject):
+        for name, _ in disc.flanks:
+            trimmed = _trimmed(disc, name)
+            if trimmed is None:
+                continue
+            loss = trimmed.replay.largest_loss
+            jumps = trimmed.shocks
+            corner = (
+                f"velocity or lift jump {angles(jumps)}, and these shocks are not computed"
+                if jumps
+                else "at the corner of the disc there the acceleration jumps, which is not computed"
+            )
+            yield Finding(
+                name="trimmed-motion",
+                severity="warning",
+                sentence=(
+                    "these figures are for the demanded motion, which the trimmed"
+                    f" {which}{name} flank does not make"
+                    f" {over(trimmed.dropped)}: up to"
+                    f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
+                    f" {corner}"
+                ),
+                value=factor * loss.value,
+                limit=0.0,
+                unit=unit,
+                cam_angle=loss.place % TURN,
+                cam_range=_only(trimmed.dropped),
+            )
+
+
+def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
+    """The discs, each with the words that tell it from the other one."""
+    yield "", subject.cam.disc
+    if subject.returning is not None:
+        yield "return disc's ", subject.returning.cam.disc
+
+
+def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
+    """What a flank has lost; None if nothing, or if there is no disc at all, as the checks tell."""
+    try:
+        outline = disc.outline(flank)
+        return _Trimmed(outline.dropped, disc.replay(flank)) if outline.is_trimmed else None
+    except GeometryError:
+        return None
+
+
+def _simplified(effect: Effect, named: Sequence[str]) -> Iterator[Finding]:
+    """A warning if other effects that the scene names know better."""
+    found = [each for each in effect.refined_by if each.by in named]
+    if not found:
+        return
+    others = listed([each.by for each in found])
+    knows, them = ("knows", "it is") if len(found) == 1 else ("know", "they are")
+    sentence = (
+        f"these figures hold for {listed([each.taken for each in found])}; {others} of the same"
+        f" scene {knows} better, and {them} not taken into account here"
+    )
+    cautions = [each.caution for each in found if each.caution]
+    yield Finding("simplified", "warning", "; ".join((sentence, *cautions)))
+
+
+def _inside(phi: float, range_: Range) -> bool:
+    """Whether the cam angle `phi` lies in the range, its ends included but for rounding."""
+    start, end = range_
+    return (phi - start + SLACK) % TURN <= (end - start) % TURN + 2.0 * SLACK
+
+
+def _only(ranges: Sequence[Range]) -> Range | None:
+    """The range if there is one alone, its ends in [0, 2 pi]."""
+    if len(ranges) != 1:
+        return None
+    start, end = ranges[0]
+    return start % TURN, end if end == TURN else end % TURN

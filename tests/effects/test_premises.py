@@ -1,0 +1,214 @@
+"""What figures of effects stand on: contact, the demanded motion, and what other effects know."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Final
+
+import numpy as np
+import pytest
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.results import CONTACT_FORCE
+from camgeo.scene.load import load_scene
+from tests.effects.scenes import SCENES, design
+from tests.effects.test_laziness import TABLES
+
+WEAK: Final = SCENES.parent / "effects" / "pressure_off_the_cam.toml"
+ELASTIC: Final = SCENES.parent / "effects" / "lift_off_elastic.toml"
+
+LOST: Final = ((50.3518, 86.4716), (93.5284, 129.6482))
+"""Where the rigid follower of both scenes leaves the cam [degrees]."""
+
+NEEDS_CONTACT: Final = tuple(name for name in EFFECTS if find_effect(name).premise == "contact")
+
+
+@cache
+def loaded(name: str) -> Design:
+    return Design(load_scene(str(SCENES.parent / "effects" / f"{name}.toml")))
+
+
+def found(of: Design, effect: str, name: str) -> Finding:
+    (finding,) = (each for each in of.effects.findings(effect) if each.name == name)
+    return finding
+
+
+def names(of: Design, effect: str) -> set[str]:
+    return {each.name for each in of.effects.findings(effect)}
+
+
+# Contact ------------------------------------------------------------------------------------------
+
+
+def test_pressure_and_life_are_not_ok_while_the_roller_is_off_the_cam() -> None:
+    weak = loaded("pressure_off_the_cam")
+    lost = found(weak, "contact-pressure", "contact-lost")
+    assert lost.severity == "broken"
+    assert lost.value == pytest.approx(-183.027, abs=1e-3)
+    assert lost.limit == 0.0
+    told = re.findall(r"(\d+\.\d{4}) to (\d+\.\d{4})", lost.sentence)
+    assert [(float(start), float(end)) for start, end in told] == list(LOST)
+    figures = [each for each in weak.effects.findings("contact-pressure") if each.value is not None]
+    assert {"largest-contact-pressure", "roller-life"} <= {each.name for each in figures}
+    assert not [each for each in figures if each.severity == "ok"]
+
+
+def off_the_cam() -> Design:
+    """A scene with every effect, whose spring is too weak."""
+    tables = dict(TABLES, spring="stiffness = 0.1\npreload = 1", load="constant = -500")
+    text = "\n".join(f"[effects.{name}]\n{table}" for name, table in tables.items())
+    return design("plate_translating", text)
+
+
+def test_each_effect_that_takes_contact_for_granted_says_where_it_is_lost() -> None:
+    weak = off_the_cam()
+    assert {"contact-pressure", "drive-torque", "speed-fluctuation", "friction"} < {*NEEDS_CONTACT}
+    for name in EFFECTS:
+        told = "contact-lost" in names(weak, name)
+        assert told == (name in NEEDS_CONTACT), name
+        for each in weak.effects.findings(name) if told else ():
+            free = each.name in find_effect(name).regardless or each.value is None
+            assert free or each.severity != "ok", each
+
+
+def test_it_is_the_same_place_for_all_of_one_speed() -> None:
+    weak = off_the_cam()
+    given = [name for name in NEEDS_CONTACT if name != "speed-fluctuation"]
+    assert len({found(weak, name, "contact-lost") for name in given}) == 1
+
+
+def test_lift_off_and_contact_force_define_it_alike() -> None:
+    elastic = loaded("lift_off_elastic")
+    lost = elastic.effect(CONTACT_FORCE).lost_contact
+    told = [each.cam_range for each in elastic.effects.findings("lift-off") if each.cam_range]
+    assert told == [(each.start, each.end) for each in lost.ranges]
+    assert np.degrees(told) == pytest.approx(np.array(LOST), abs=1e-4)
+
+
+def test_a_follower_that_stays_loses_nothing() -> None:
+    for name in ("press", "groove_lever", "tappet"):
+        for effect in loaded(name).scene.effects:
+            assert "contact-lost" not in names(loaded(name), effect)
+            assert "trimmed-motion" not in names(loaded(name), effect)
+
+
+def test_a_jump_of_the_velocity_away_from_the_cam_loses_contact() -> None:
+    jumping = design(
+        "straight_moves",
+        "[effects.inertia]\nmass = 1\n[effects.spring]\nstiffness = 50\npreload = 1e4\n"
+        "[effects.contact-pressure]",
+    )
+    lost = jumping.effect(CONTACT_FORCE).lost_contact
+    assert lost.leaps
+    assert not lost.ranges
+    assert "the velocity jumps away" in found(jumping, "contact-pressure", "contact-lost").sentence
+
+
+def test_without_an_effect_that_needs_the_contact_force_it_is_not_computed() -> None:
+    text = "[effects.inertia]\nmass = 1\n[effects.vibration]\nnatural_frequency = 60"
+    alone = design("plate_translating", text)
+    alone.effects.findings("vibration")
+    assert "effects.contact-force" not in {run.name for run in alone.ledger.runs}
+
+
+# The demanded motion ------------------------------------------------------------------------------
+
+SPRUNG: Final = (
+    "[effects.kinematics]\n[effects.inertia]\nmass = 0.5\n[effects.spring]\nstiffness = 20\n"
+    "preload = 2000\n[effects.contact-force]\nlimit = 1e5\n[effects.lift-off]\n"
+    "[effects.drive-torque]\n[effects.contact-pressure]\nwidth = 5\n[effects.balance]\n"
+)
+
+
+@pytest.mark.parametrize("name", ["swallow_tail", "cut_lobe"])
+def test_figures_of_a_trimmed_disc_are_of_the_demanded_motion(name: str) -> None:
+    trimmed = design(name, SPRUNG)
+    outline = trimmed.cam.disc.outline("inner")
+    replay = trimmed.cam.disc.replay("inner")
+    ((start, end),) = outline.dropped
+    for effect in trimmed.scene.effects:
+        found_here = trimmed.effects.findings(effect)
+        told = [each for each in found_here if each.name == "trimmed-motion"]
+        assert len(told) == (effect != "balance"), effect
+        for each in told:
+            assert each.severity == "warning"
+            assert each.cam_range == (start, end)
+            assert f"{math.degrees(start):.4f} to {math.degrees(end):.4f}" in each.sentence
+            assert each.value == replay.largest_loss.value
+            assert "demanded motion" in each.sentence
+            assert "the acceleration jumps, which is not computed" in each.sentence
+    forces = {each.name: each for each in trimmed.effects.findings("contact-force")}
+    assert forces["largest-contact-force"].severity == "warning"
+
+
+def test_a_roller_turns_about_a_corner_without_a_jump_of_its_velocity() -> None:
+    """By the replay: the acceleration alone jumps where the roller reaches and leaves a corner."""
+    disc = design("swallow_tail", "").cam.disc
+    replay = disc.replay("inner")
+    assert not len(replay.shocks)
+    ((start, _),) = disc.outline("inner").dropped
+    place = np.array([start])
+    before, after = (replay.lift.jet(place + step)[:3, 0] for step in (-1e-9, 1e-9))
+    assert after[1] == pytest.approx(before[1], abs=1e-6)
+    assert abs(after[2] - before[2]) > 1.0
+
+
+def test_shocks_elsewhere_are_not_put_down_to_the_corner() -> None:
+    """The velocity of straight moves jumps at 50 and 320 degrees, and their corners are others."""
+    jumping = design("straight_moves", "[effects.kinematics]")
+    told = found(jumping, "kinematics", "trimmed-motion")
+    assert "shocks" not in told.sentence
+    assert told.cam_range is None
+    assert len(re.findall(r"\d to \d", told.sentence)) == 2
+
+
+def test_the_outer_flank_of_a_ring() -> None:
+    ring = design("trimmed_ring", "[effects.load]\nconstant = 5")
+    told = found(ring, "load", "trimmed-motion")
+    assert "trimmed outer flank" in told.sentence
+
+
+# What other effects know --------------------------------------------------------------------------
+
+
+def test_the_limit_speed_of_a_rigid_follower_is_not_told_as_that_of_the_elastic_one() -> None:
+    elastic = loaded("lift_off_elastic")
+    told = found(elastic, "lift-off", "simplified")
+    assert told.severity == "warning"
+    assert told.sentence == (
+        "these figures hold for a rigid follower; vibration of the same scene knows better, and it"
+        " is not taken into account here; an elastic one may leave the cam at a lower speed"
+    )
+    assert found(elastic, "lift-off", "lift-off-speed").value == pytest.approx(355.245, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_what_knows_better_is_told_if_it_is_in_the_scene(name: str) -> None:
+    whole = loaded("press")
+    refined = [each.by for each in find_effect(name).refined_by]
+    told = [each for each in whole.effects.findings(name) if each.name == "simplified"]
+    assert len(told) == (1 if refined else 0)
+    for each in told:
+        assert all(by in each.sentence for by in refined)
+    assert name not in refined
+    assert set(refined) <= set(EFFECTS)
+
+
+def test_alone_nothing_knows_better() -> None:
+    alone = loaded("pressure_off_the_cam")
+    assert "simplified" not in names(alone, "contact-pressure")
+
+
+def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() -> None:
+    """All effects that compute with the time course, but speed-fluctuation itself and balance."""
+    dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
+    dependent |= {"contact-pressure", "vibration", "shock-spectrum"}
+    told = {
+        name for name in EFFECTS
+        if "speed-fluctuation" in [each.by for each in find_effect(name).refined_by]
+    }  # fmt: skip
+    assert told == dependent
