@@ -331,6 +331,7 @@ def estimates(scene: str) -> Estimates:
 def _accuracy(_name: str, scene: str, *more: str) -> str:
     """Estimates of a scene's effects, and of `more`, each a scene and an effect: "scene/effect"."""
     heads = ["effect", *(f"at {tolerance:g}" for tolerance in TOLERANCES), "off at the first"]
+    count = len(TOLERANCES)
     wanted = [(scene, effect) for effect in estimates(scene)]
     for each in more:
         other, _, effect = each.partition("/")
@@ -339,7 +340,9 @@ def _accuracy(_name: str, scene: str, *more: str) -> str:
     for place, effect in wanted:
         found = estimates(place)[effect]
         shown = effect if place == scene else f"{effect} of {place}"
-        rows.append([shown, *(claim(error) for error, _ in found), claim(found[0][1] or 0.0)])
+        # One that reaches rounding at once has one row.
+        errors = [claim(error) for error, _ in found] + ["the same"] * (count - len(found))
+        rows.append([shown, *errors, claim(found[0][1] or 0.0)])
     return _table(heads, rows)
 
 

@@ -158,7 +158,9 @@ def test_no_error_is_larger_than_the_page_says() -> None:
         effect, _, scene = name.partition(" of ")
         found = made.estimates(scene or "press")[effect]
         *cells, off = row.split(" | ")
-        for (error, _), cell, tolerance in zip(found, cells, made.TOLERANCES, strict=True):
+        # One that reaches rounding at once is not computed again.
+        assert set(cells[len(found) :]) <= {"the same"}
+        for (error, _), cell, tolerance in zip(found, cells, made.TOLERANCES, strict=False):
             if error is None:
                 assert cell == "exact"
             else:

@@ -129,12 +129,15 @@ class EffectRow:
     Attributes
     ----------
     effect : its name.
-    tolerance : requested, relative to the largest magnitude of the effect's results.
+    tolerance : requested, relative to the scale of each figure, see `camgeo.effects.effect.Bound`.
     seconds : of computing it, without the effects that it needs; None if it has no answer.
-    error : its own estimate, relative likewise; None if it gives none.
-    difference : from the result at the tightest tolerance that has an answer, relative likewise;
-        None for that one, and where the two cannot be compared.
-    fault : why it has no answer; empty if it has one.
+    error : its own estimate, the largest of all figures, relative likewise; None if it is exact.
+    difference : the largest of all figures from a result to a tolerance at most a hundredth of
+        this, relative likewise; None where there is no such result.
+    fault : why it has no answer, or which figures are off by more than estimated; else empty.
+    figure : name of the finding or column with this difference; empty if it is 0.
+    rounded : whether estimate and difference are those of rounding. The effect then has no further
+        rows, as no tolerance changes it.
     """
 
     effect: str
@@ -143,3 +146,5 @@ class EffectRow:
     error: float | None = None
     difference: float | None = None
     fault: str = ""
+    figure: str = ""
+    rounded: bool = False

@@ -29,7 +29,8 @@ class Survey:
     ----------
     contours, solids, tables : the measured rows.
     knee : beyond which more cost gains nothing; None if nothing could be reached.
-    effects : rows of the numerical effects that the scene names.
+    effects : rows of the numerical effects that the scene names and that a tolerance changes.
+    rounded : a row for each of the others, which reach rounding at once.
     """
 
     contours: tuple[ContourRow, ...]
@@ -37,6 +38,7 @@ class Survey:
     tables: tuple[TableRow, ...]
     knee: Knee | None
     effects: tuple[EffectRow, ...] = ()
+    rounded: tuple[EffectRow, ...] = ()
 
 
 def survey(
@@ -66,7 +68,15 @@ def survey(
     contours = contour_rows(design, tolerances, ripple=ripple, progress=progress)
     bodies = solid_rows(design, tolerances, progress=progress) if solids else ()
     tables = table_rows(design, steps, progress=progress)
-    return Survey(contours, bodies, tables, knee_of(contours), _effects(design, progress))
+    effects = _effects(design, progress)
+    return Survey(
+        contours,
+        bodies,
+        tables,
+        knee_of(contours),
+        tuple(row for row in effects if not row.rounded),
+        tuple(row for row in effects if row.rounded),
+    )
 
 
 def solid_rows(

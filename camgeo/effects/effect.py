@@ -137,7 +137,7 @@ class Request(Generic[Data]):
     data : what `Effect.parse` makes of the table ``[effects.NAME]``, or of an empty table if the
         effect is computed only because another one needs it.
     results : by key, of the effects that it needs, and of those it uses if the scene names them.
-    tolerance : largest permitted error, relative to the largest magnitude of the result; only
+    tolerance : largest permitted error of each figure, relative to the scale of its `Bound`; only
         numerical effects use it.
     """
 
@@ -195,6 +195,29 @@ class DataFile:
     data: bytes = field(repr=False)
 
 
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """How far a figure may be off.
+
+    Attributes
+    ----------
+    error : estimated largest error, in the unit of the figure.
+    scale : magnitude that the tolerance refers to, in the same unit; 0 if there is none.
+    """
+
+    error: float
+    scale: float
+
+    @property
+    def share(self) -> float:
+        """The error relative to the scale."""
+        return self.error / self.scale if self.scale > 0.0 else 0.0
+
+    def times(self, factor: float) -> Bound:
+        """That of a figure which is `factor` times this one."""
+        return Bound(abs(factor) * self.error, abs(factor) * self.scale)
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Result:
     """The result of an effect; subclasses add what the effect offers to others.
@@ -203,13 +226,17 @@ class Result:
     ----------
     findings : all values found, good and bad.
     columns : the quantities over the cam angle.
-    error : estimate of the largest error, relative to the largest magnitude of the result; None if
-        the result is exact to rounding.
+    errors : by the names of findings and columns; figures without an entry are exact to rounding.
     """
 
     findings: tuple[Finding, ...] = ()
     columns: tuple[Column, ...] = ()
-    error: float | None = None
+    errors: Mapping[str, Bound] = field(default_factory=dict)
+
+    @property
+    def error(self) -> float | None:
+        """The largest of the errors, each relative to its scale; None if all is exact."""
+        return max((each.share for each in self.errors.values()), default=None)
 
 
 Premise = Literal["contact", "motion", "disc"]

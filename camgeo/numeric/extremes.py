@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side, merged
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.roots import Function, roots_on_grid
 from camgeo.units import TURN
 
 
@@ -169,6 +169,32 @@ def climbed(
         width = (high - low) / SECTIONS
         low, high = best - width, best + width
     return best
+
+
+def dips(function: Function, grid: FloatArray) -> FloatArray:
+    """Places where `function` has the opposite sign of the three points of `grid` around it.
+
+    A parabola through three points falls below the middle one by at most 1/8 of the larger
+    difference; where twice that could change the sign, the minimum is computed.
+    """
+    values = function(grid.ravel()).reshape(grid.shape)
+    size = np.abs(values)
+    before, here, after = size[:, :-2], size[:, 1:-1], size[:, 2:]
+    signs = np.sign(values)
+    near = (signs[:, :-2] == signs[:, 1:-1]) & (signs[:, 2:] == signs[:, 1:-1])
+    near &= (here <= before) & (here <= after) & (here > 0.0)
+    near &= 4.0 * here <= np.maximum(before, after) - here
+    found = []
+    for row, column in np.argwhere(near):
+        sign = signs[row, column + 1]
+
+        def upright(phi: FloatArray, _side: Side, sign: float = sign) -> FloatArray:
+            return sign * function(phi)
+
+        lowest = piecewise_extremes(upright, grid[row, [column, column + 2]]).lowest
+        if lowest.value < 0.0:
+            found.append(lowest.place)
+    return np.array(found)
 
 
 def stretch_below(

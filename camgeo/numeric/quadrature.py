@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.rounding import SHARE
 
 NODES: Final = 16
 """Nodes of the Gauss-Legendre rule on a piece; the rule on both halves gives its error."""
@@ -23,14 +24,15 @@ the rounding of the function exceeds the tolerance, and halving does not help.""
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """An integral, and an estimate of its absolute error.
+    """An integral, an estimate of its absolute error, and the integral of the magnitude.
 
     The estimate is the change in the last halving, of which the error is a small fraction; it is at
-    least the rounding of the sum.
+    least the rounding of the sum, see `camgeo.numeric.rounding`.
     """
 
     value: float
     error: float
+    magnitude: float
 
 
 def piecewise_integral(
@@ -40,8 +42,8 @@ def piecewise_integral(
 
     See `piecewise_integrals`; the error includes the rounding of the sum.
     """
-    parts, error = piecewise_integrals(function, edges, tolerance)
-    return Integral(float(np.sum(parts)), error)
+    parts, error, magnitude = _integrals(function, edges, tolerance)
+    return Integral(float(np.sum(parts)), error, magnitude)
 
 
 def piecewise_integrals(
@@ -56,6 +58,14 @@ def piecewise_integrals(
     tolerance : a piece is halved until that changes its integral by less than this fraction of the
         integral of the magnitude.
     """
+    parts, error, _ = _integrals(function, edges, tolerance)
+    return parts, error
+
+
+def _integrals(
+    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
+) -> tuple[FloatArray, float, float]:
+    """As `piecewise_integrals`, and the integral of the magnitude."""
     low, high = edges[:-1], edges[1:]
     owner = np.arange(len(low))
     out = np.zeros(len(low))
@@ -87,7 +97,7 @@ def piecewise_integrals(
     else:
         np.add.at(out, owner, parts)
         error += float(np.sum(magnitude))
-    return out, error + float(np.finfo(np.float64).eps) * scale
+    return out, error + SHARE * scale, scale
 
 
 def gauss(

@@ -16,17 +16,22 @@ import numpy as np
 import pytest
 
 from camgeo.accuracy import survey as surveys
-from camgeo.accuracy.effects import TOLERANCES, compared, difference, effect_rows
+from camgeo.accuracy.effects import (
+    TIGHTER,
+    TOLERANCES,
+    compared,
+    effect_rows,
+    figures_of,
+)
 from camgeo.accuracy.rows import EffectRow
 from camgeo.accuracy.survey import Survey
 from camgeo.check.finding import Finding
 from camgeo.cli.main import parser
 from camgeo.design import Design
-from camgeo.effects.effect import Column, Effect, Request, Result
+from camgeo.effects.effect import Bound, Column, Effect, Request, Result
 from camgeo.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
 from camgeo.figure.accuracy import figure
-from camgeo.numeric.arrays import FloatArray
 from camgeo_export.plots.render import render
 from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
@@ -46,18 +51,36 @@ def off(request: Request[Any]) -> float:
 
 
 def with_column(request: Request[Any]) -> Result:
-    columns = (curve(off(request)), curve(0.0))
-    return Result(columns=columns, error=request.tolerance / 2.0)
+    columns = (curve(0.0), replace(curve(off(request)), name="torque"))
+    bound = Bound(2.0 * BENT * 50.0 * request.tolerance, 50.0)
+    return Result(columns=columns, errors={"torque": bound})
 
 
 def with_findings(request: Request[Any]) -> Result:
     findings = (
-        Finding("work", "ok", "work", value=off(request), unit="N m"),
-        Finding("rest", "ok", "rest", value=50.0 - off(request), unit="N m"),
-        Finding("none", "ok", "none"),
         Finding("speed", "ok", "speed", value=7.0, unit="rev/min"),
+        Finding("none", "ok", "none"),
+        Finding("rest", "ok", "rest", value=50.0 - off(request), unit="N m"),
     )
-    return Result(findings=findings, error=request.tolerance)
+    bound = Bound(2.0 * BENT * 50.0 * request.tolerance, 50.0)
+    return Result(findings=findings, columns=(curve(7.0),), errors={"rest": bound})
+
+
+def too_sure(request: Request[Any]) -> Result:
+    """States less than its figure is off."""
+    sure = with_column(request)
+    return Result(columns=sure.columns, errors={"torque": Bound(50.0 * request.tolerance, 50.0)})
+
+
+def unstated(request: Request[Any]) -> Result:
+    """Has a figure that depends on the tolerance, and states no error."""
+    return Result(columns=with_column(request).columns)
+
+
+def settled(request: Request[Any]) -> Result:
+    """Depends on the tolerance by rounding alone."""
+    columns = (curve(50.0 + 1e-13 * (request.tolerance < 1e-9)),)
+    return Result(columns=columns, errors={"force": Bound(2e-13, 50.0)})
 
 
 def no_answer(request: Request[Any]) -> Any:
@@ -114,9 +137,17 @@ def test_a_row_for_each_numerical_effect_and_tolerance(made: Made) -> None:
     assert [(row.effect, row.tolerance) for row in rows] == [
         ("force", 1e-2), ("force", 1e-4), ("work", 1e-2), ("work", 1e-4),
     ]  # fmt: skip
-    assert reported == ["force, 0.01", "force, 0.0001", "work, 0.01", "work, 0.0001"]
+    for name in ("force", "work"):
+        own = [each for each in reported if each.startswith(name)]
+        assert own == [f"{name}, reference to 1e-06", f"{name}, 0.01", f"{name}, 0.0001"]
     assert {name for name, _ in made.calls} == {"force", "work"}
-    assert {tolerance for _, tolerance in made.calls} == {1e-2, 1e-4}
+    assert {tolerance for _, tolerance in made.calls} == {1e-2, 1e-4, 1e-4 / TIGHTER}
+
+
+def test_the_reference_is_computed_once(made: Made) -> None:
+    made.add("force", with_column)
+    made.rows("force", tolerances=(1e-2, 1e-4))
+    assert [call for call in made.calls if call[1] < 1e-4] == [("force", 1e-4 / TIGHTER)]
 
 
 def test_tolerances_are_one_a_decade() -> None:
@@ -125,26 +156,50 @@ def test_tolerances_are_one_a_decade() -> None:
     ]
 
 
-@pytest.mark.parametrize("compute", [with_column, with_findings])
-def test_differences_are_those_from_the_tightest(
-    made: Made, compute: Callable[[Request[Any]], Result]
+@pytest.mark.parametrize(("compute", "figure"), [(with_column, "torque"), (with_findings, "rest")])
+def test_every_figure_is_compared_with_a_much_tighter_result(
+    made: Made, compute: Callable[[Request[Any]], Result], figure: str
 ) -> None:
+    """Not the first column alone, which depends on no tolerance here."""
     made.add("effect", compute)
     rows = made.rows("effect")
     assert [row.tolerance for row in rows] == list(TOLERANCES)
-    for row in rows[:-1]:
-        # The share is of the larger one of both; a double keeps 1e-16 of 1.
-        larger = 1.0 + BENT * row.tolerance
-        expected = BENT * (row.tolerance - TOLERANCES[-1]) / larger
-        assert row.difference == pytest.approx(expected, rel=1e-5)
-    assert rows[-1].difference is None
+    for row in rows:
+        expected = BENT * (row.tolerance - TOLERANCES[-1] / TIGHTER)
+        assert row.difference == pytest.approx(expected, rel=1e-4)
+        assert row.figure == figure
+        assert row.error == pytest.approx(2.0 * BENT * row.tolerance)
+        assert not row.rounded
     assert all(row.seconds is not None and row.seconds >= 0.0 for row in rows)
     assert [row.fault for row in rows] == [""] * len(rows)
 
 
+@pytest.mark.parametrize("compute", [too_sure, unstated])
+def test_a_figure_off_by_more_than_stated_is_reported(
+    made: Made, compute: Callable[[Request[Any]], Result]
+) -> None:
+    made.add("effect", compute)
+    for row in made.rows("effect", tolerances=(1e-2, 1e-4)):
+        assert row.fault == "off by more than estimated: torque"
+        assert row.difference is not None
+        assert not row.rounded
+
+
+def test_an_effect_that_reaches_rounding_at_once_has_one_row(made: Made) -> None:
+    made.add("effect", settled)
+    (row,) = made.rows("effect")
+    assert row.rounded
+    assert row.tolerance == TOLERANCES[0]
+    assert row.error == 2e-13 / 50.0
+    assert row.difference is not None
+    assert 0.0 < row.difference <= row.error
+    assert {tolerance for _, tolerance in made.calls} == {TOLERANCES[0], TOLERANCES[-1] / TIGHTER}
+
+
 def test_the_estimate_is_the_effect_s(made: Made) -> None:
     made.add("effect", with_column)
-    assert [row.error for row in made.rows("effect")] == [t / 2.0 for t in TOLERANCES]
+    expected = [2.0 * BENT * tolerance for tolerance in TOLERANCES]
+    assert [row.error for row in made.rows("effect")] == pytest.approx(expected)
 
 
 def test_what_it_needs_is_computed_once_and_not_timed(made: Made) -> None:
@@ -165,11 +220,11 @@ def test_an_effect_without_an_answer_has_rows_that_say_why(made: Made) -> None:
     ]
 
 
-def test_other_tolerances_are_compared_with_the_tightest_that_has_an_answer(made: Made) -> None:
+def test_rows_too_near_the_tightest_that_has_an_answer_are_not_compared(made: Made) -> None:
     made.add("effect", not_beyond)
     rows = made.rows("effect", tolerances=(1e-2, 1e-6, 1e-8))
     assert [row.fault for row in rows] == ["", "", "cannot be had to this tolerance"]
-    assert rows[0].difference == pytest.approx(BENT * 1e-2 / (1.0 + BENT * 1e-2), rel=1e-3)
+    assert rows[0].difference == pytest.approx(BENT * 1e-2, rel=1e-3)
     assert rows[1].difference is None
     assert (rows[2].seconds, rows[2].difference, rows[2].error) == (None, None, None)
 
@@ -195,48 +250,60 @@ def test_other_errors_are_not_hidden(made: Made) -> None:
 # Comparing ----------------------------------------------------------------------------------------
 
 
-def array(*values: float) -> FloatArray:
-    return np.array(values)
+def of_value(value: float, *, bound: Bound | None = None) -> Result:
+    finding = Finding("force", "ok", "force", value=value, unit="N")
+    return Result(findings=(finding,), errors={} if bound is None else {"force": bound})
 
 
-def test_shares_are_of_the_largest_magnitude_of_the_unit() -> None:
-    best = {"N": array(1.0, -100.0), "deg": array(0.5)}
-    assert difference({"N": array(2.0, -100.0), "deg": array(0.5)}, best) == pytest.approx(0.01)
-    assert difference({"N": array(1.0, -100.0), "deg": array(0.25)}, best) == 0.5
-    assert difference({"N": array(0.0)}, {"N": array(0.0)}) == 0.0
-    assert difference({"N": array(0.0)}, {"N": array(2.0)}) == 1.0
+def test_shares_are_of_the_scale_of_each_figure() -> None:
+    (found,) = compared(of_value(2.0, bound=Bound(1.5, 100.0)), of_value(1.0))
+    assert (found.figure, found.off, found.share, found.holds) == ("force", 1.0, 0.01, True)
+    (found,) = compared(of_value(2.0, bound=Bound(0.5, 100.0)), of_value(1.0))
+    assert not found.holds
 
 
-def test_what_is_not_the_same_is_not_compared() -> None:
-    best = {"N": array(1.0, 2.0)}
-    assert difference(None, best) is None
-    assert difference(best, None) is None
-    assert difference({"N": array(1.0)}, best) is None
-    assert difference({"mm": array(1.0, 2.0)}, best) is None
-    assert difference({}, {}) is None
+def test_a_figure_without_a_bound_may_differ_by_rounding() -> None:
+    (found,) = compared(of_value(1.0), of_value(1.0 + 2.0**-50))
+    assert found.holds
+    (found,) = compared(of_value(1.0), of_value(1.0 + 1e-12))
+    assert not found.holds
+    (found,) = compared(of_value(0.0), of_value(0.0))
+    assert (found.share, found.holds) == (0.0, True)
 
 
-def test_the_first_column_goes_before_findings() -> None:
-    finding = Finding("force", "ok", "force", value=3.0, unit="kN")
-    assert set(compared(Result(findings=(finding,), columns=(curve(1.0),)))) == {"N"}
-    (values,) = compared(Result(columns=(curve(1.0),))).values()
-    assert np.max(values) == pytest.approx(1.0, abs=1e-5)
-    assert compared(Result(findings=(finding,))) == {"kN": [3.0]}
-    assert compared(Result()) == {}
+def test_what_is_not_in_both_is_not_compared() -> None:
+    assert compared(of_value(1.0), Result()) == ()
+    twice = Result(findings=(*of_value(1.0).findings, *of_value(2.0).findings))
+    assert compared(twice, of_value(1.0)) == ()
+
+
+def test_all_findings_and_columns_are_figures() -> None:
+    both = Result(
+        findings=(*of_value(3.0).findings, *of_value(4.0).findings), columns=(curve(1.0),)
+    )
+    figures = figures_of(replace(both, columns=(replace(curve(1.0), name="torque"),)))
+    assert figures["force"].tolist() == [3.0, 4.0]
+    assert np.max(figures["torque"]) == pytest.approx(1.0, abs=1e-5)
+    assert figures_of(Result()) == {}
 
 
 # In the survey ------------------------------------------------------------------------------------
 
 
 ROWS = (
-    EffectRow("vibration", 1e-2, 0.0123, 3.2e-3, 4.44e-3),
+    EffectRow("vibration", 1e-2, 0.0123, 3.2e-3, 4.44e-4, figure="vibration deflection"),
     EffectRow("vibration", 1e-4, 0.5, 1.2e-5, None),
     EffectRow("balance", 1e-2, fault="there is no disc"),
 )
 
+ROUNDED = (
+    EffectRow("drive-torque", 1e-2, 0.0222, 3.3e-15, 0.0, rounded=True),
+    EffectRow("lift-off", 1e-2, 0.5, None, 0.0, rounded=True),
+)
 
-def survey_of(effects: tuple[EffectRow, ...]) -> Survey:
-    return Survey((), (), (), None, effects)
+
+def survey_of(effects: tuple[EffectRow, ...], rounded: tuple[EffectRow, ...] = ()) -> Survey:
+    return Survey((), (), (), None, effects, rounded)
 
 
 Found = list[tuple[EffectRow, ...]]
@@ -245,8 +312,8 @@ Found = list[tuple[EffectRow, ...]]
 @pytest.fixture
 def found(monkeypatch: pytest.MonkeyPatch) -> Found:
     """Rows that the survey finds, in a test in which it measures nothing."""
-    rows: Found = [ROWS]
-    monkeypatch.setattr(surveys, "survey", lambda *_, **__: survey_of(rows[-1]))
+    rows: Found = [ROWS, ROUNDED]
+    monkeypatch.setattr(surveys, "survey", lambda *_, **__: survey_of(*rows[-2:]))
     return rows
 
 
@@ -266,21 +333,30 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
     reported: list[str] = []
     found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), progress=reported.append)
     assert [row.tolerance for row in found.effects] == list(TOLERANCES)
-    assert reported[0] == "effect, 0.01"
-    assert len(reported) == len(TOLERANCES)
+    assert reported[:2] == ["effect, reference to 1e-12", "effect, 0.01"]
+    assert len(reported) == 1 + len(TOLERANCES)
     assert surveys.survey(made.named(), (1e-3,), (Decimal(5),)).effects == ()
 
 
 def test_the_table(found: Found, capsys: Capture) -> None:
     assert call(SETZHUB) == 0
     captured = capsys.readouterr()
-    head, first, second, third = captured.out.split("\n\n")[-2].splitlines()
-    assert head.split() == ["effect", "tolerance", "computed", "estimate", "off"]
-    assert first.split() == ["vibration", "0.01", "0.012", "0.0032", "0.0044"]
-    assert second.split() == ["vibration", "0.0001", "0.5", "1.2e-05", "-"]
-    assert third.split() == ["balance", "0.01", "-", "-", "-", "there", "is", "no", "disc"]
+    *_, rows, sentences, _ = captured.out.split("\n\n")
+    head, first, second, third = rows.splitlines()
+    assert head.split() == ["effect", "tolerance", "computed", "estimate", "off", "figure"]
+    assert first.split() == [
+        "vibration", "0.01", "0.012", "0.0032", "0.00044", "vibration", "deflection",
+    ]  # fmt: skip
+    assert second.split() == ["vibration", "0.0001", "0.5", "1.2e-05", "-", "-"]
+    assert third.split() == ["balance", "0.01", "-", "-", "-", "-", "there", "is", "no", "disc"]
+    assert sentences.splitlines() == [
+        "drive-torque: rounding at any tolerance (estimate 3.3e-15, off 0), computed in 0.022 s",
+        "lift-off: rounding at any tolerance (it is exact, off 0), computed in 0.5 s",
+    ]
     assert captured.out.splitlines()[-1].startswith("advice: ")
-    assert "\neffects: tolerance, estimate and off are shares of the largest" in captured.out
+    assert (
+        "\neffects: tolerance, estimate and off are shares of the scale of a figure" in captured.out
+    )
 
 
 def test_json_has_the_same(found: Found, capsys: Capture) -> None:
@@ -289,21 +365,25 @@ def test_json_has_the_same(found: Found, capsys: Capture) -> None:
     assert document["effects"] == [
         {
             "effect": "vibration", "tolerance": 0.01, "seconds": 0.0123, "error": 3.2e-3,
-            "difference": 4.44e-3, "fault": "",
+            "difference": 4.44e-4, "figure": "vibration deflection", "fault": "",
         },
         {
             "effect": "vibration", "tolerance": 1e-4, "seconds": 0.5, "error": 1.2e-5,
-            "difference": None, "fault": "",
+            "difference": None, "figure": "", "fault": "",
         },
         {
             "effect": "balance", "tolerance": 0.01, "seconds": None, "error": None,
-            "difference": None, "fault": "there is no disc",
+            "difference": None, "figure": "", "fault": "there is no disc",
         },
     ]  # fmt: skip
+    assert document["effects_at_rounding"] == [
+        {"effect": "drive-torque", "seconds": 0.0222, "error": 3.3e-15, "difference": 0.0},
+        {"effect": "lift-off", "seconds": 0.5, "error": None, "difference": 0.0},
+    ]
 
 
-def test_without_effects_they_are_not_mentioned(found: Found, capsys: Capture) -> None:
-    found.append(())
+def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) -> None:
+    found += [(), ()]
     call(SETZHUB)
     assert "effect" not in capsys.readouterr().out
     call(SETZHUB, "--json")
@@ -349,5 +429,5 @@ def test_tolerances_of_a_scene_are_left_alone(made: Made, tmp_path: Path) -> Non
     named = made.named("effect")
     effect_rows(named, (1e-2, 1e-3), progress=lambda _: None)
     assert named.effects.tables == {"effect": {}}
-    assert named.effect("effect").error == 0.5e-6
+    assert named.effect("effect").error == pytest.approx(2.0 * BENT * 1e-6)
     assert math.isclose(made.calls[-1][1], 1e-6)

@@ -524,7 +524,7 @@ def test_the_error_of_the_life_is_stated(tolerance: float) -> None:
 
 def test_a_tolerance_that_cannot_be_reached_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     module = "camgeo.effects.contact_pressure.life.piecewise_integral"
-    monkeypatch.setattr(module, lambda *_: Integral(1.0, 1e-3))
+    monkeypatch.setattr(module, lambda *_: Integral(1.0, 1e-3, 1.0))
     with pytest.raises(EffectError, match="the tolerance is") as caught:
         pressed(scene("groove"), steady(400.0), {"rating": 9000.0}, 1e-6)
     assert (caught.value.value, caught.value.limit) == (1e-3, 1e-6)

@@ -286,7 +286,7 @@ def test_energy_of_a_sinusoidal_torque() -> None:
     def torque(phi: FloatArray) -> FloatArray:
         return np.asarray(5.0 + 3.0 * np.sin(2.0 * phi))
 
-    stored = stored_energy(torque, 5.0, np.linspace(0.0, TURN, 4), 1e-13)
+    stored = stored_energy(torque, 5.0, 0.0, np.linspace(0.0, TURN, 4), 1e-13)
     assert stored.span == pytest.approx(3.0, rel=1e-13)
     # E = -(3 / 2) (1 - cos 2 phi): smallest at 90 and 270 degrees
     assert stored.extremes.lowest.place == pytest.approx(math.pi / 2.0, abs=1e-12)
@@ -299,7 +299,7 @@ def test_energy_of_a_torque_that_jumps() -> None:
     def torque(phi: FloatArray) -> FloatArray:
         return np.where(phi < 0.5 * math.pi, 8.0, 0.0)
 
-    stored = stored_energy(torque, 2.0, edges, 1e-13)
+    stored = stored_energy(torque, 2.0, 0.0, edges, 1e-13)
     assert stored.span == pytest.approx(6.0 * 0.5 * math.pi, rel=1e-14)
 
 

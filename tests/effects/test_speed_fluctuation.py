@@ -120,6 +120,7 @@ def test_energy_is_kept_by_a_weak_motor(plate: Design) -> None:
     omega = result.turn.omega(phi)
     energy = 0.5 * (moment + mass * q1**2) * omega**2 + 90.0 * q + 2.0 * q**2
     allowed = TURN * stall * np.max(np.abs(1.0 - omega / NO_LOAD))
+    assert result.error is not None
     allowed += 2.0 * (result.error + EPS) * np.max(energy)
     assert np.ptp(energy) <= allowed
     assert result.fluctuation > 0.1  # there is something to be kept
@@ -218,6 +219,7 @@ def test_the_error_holds_as_the_tolerance_falls(plate: Design, kinked: bool) -> 
     reached = []
     for tolerance in (1e-3, 1e-6, 1e-9):
         result = steady(plate, torque, 9.0, 6000.0, tolerance, **more)
+        assert result.error is not None
         assert 0.0 < result.error <= tolerance
         reached.append(float(np.max(np.abs(result.turn.omega(phi) - best)) / np.max(best)))
         assert reached[-1] <= result.error + 1e-13

@@ -22,9 +22,10 @@ error: bound on the error of the lift if it is interpolated linearly between two
 """The columns of the tables, explained below them."""
 
 EFFECT_COLUMNS: Final = """\
-effects: tolerance, estimate and off are shares of the largest magnitude of an effect's results;
-    computed: seconds, without the effects that it needs; estimate: its own estimate of its error;
-    off: its difference from the result at the tightest tolerance"""
+effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
+    computed: seconds, without the effects that it needs; estimate: its own, of its error, and off:
+    the difference from a result to a hundredth of the tightest tolerance, both the largest of all
+    values and columns, off with the name of its figure"""
 """The same for the table of effects."""
 
 CONTOURS: Final = (
@@ -32,7 +33,7 @@ CONTOURS: Final = (
     "proof", "write", "read", "round",
 )  # fmt: skip
 SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
-EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off")
+EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off", "figure")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
 
 NONE: Final = "-"
@@ -51,6 +52,8 @@ def text(answer: Accuracy) -> str:
     lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
     if found.effects:
         lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
+    if found.rounded:
+        lines += ["", *map(_rounded, found.rounded)]
     lines += ["", COLUMNS, *([EFFECT_COLUMNS] if found.effects else [])]
     return "\n".join([*lines, f"advice: {answer.advice}"])
 
@@ -111,7 +114,16 @@ def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
 
 def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
     cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), _share(row.error)]
-    return [*cells, _share(row.difference)], row.fault
+    return [*cells, _share(row.difference), row.figure or NONE], row.fault
+
+
+def _rounded(row: EffectRow) -> str:
+    """The sentence on an effect that no tolerance changes."""
+    estimate = "it is exact" if row.error is None else f"estimate {_share(row.error)}"
+    return (
+        f"{row.effect}: rounding at any tolerance ({estimate}, off {_share(row.difference)}),"
+        f" computed in {_seconds(row.seconds)} s"
+    )
 
 
 def _share(value: float | None) -> str:

@@ -11,22 +11,18 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Final
 
-import numpy as np
-
 from camgeo.check.finding import Finding
 from camgeo.effects.balance.holes import Room, Row, most, rows
+from camgeo.effects.balance.spin import GRAM_MM, Errors, Spin
 from camgeo.effects.balance.table import BalanceRequirements
-from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.effect import Request, Result
 from camgeo.effects.wording import KG, at, missed
 from camgeo.errors import EffectError, GeometryError, ToleranceError
-from camgeo.motion.time_course import ConstantSpeed, TimeCourse
-from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
-from camgeo.numeric.extremes import Extreme, piecewise_extremes
-from camgeo.numeric.roots import Function
+from camgeo.motion.time_course import ConstantSpeed
 from camgeo.outline.moments import Moments, path_moments, total
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part
@@ -37,9 +33,6 @@ TAKEN: Final = 0.1
 the disc, which is smaller than its outline, they are larger.
 """
 
-GRAM_MM: Final = 1e6
-"""From t mm to g mm."""
-
 
 @dataclass(frozen=True, slots=True)
 class Balance(Result):
@@ -47,8 +40,8 @@ class Balance(Result):
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`. As an unbalance may be 0, its
-        error is relative to the mass times the radius of a solid disc of that mass.
+    findings, columns, errors : see `camgeo.effects.effect.Result`. As an unbalance may be 0, the
+        scale of its error is the mass times the radius of a solid disc of that mass.
     mass : m [t].
     centre : complex [mm], centre of mass in cam coordinates, the frame coordinates at cam angle 0.
     unbalance : complex U [t mm], m times `centre`.
@@ -63,7 +56,6 @@ class Balance(Result):
     unbalance_error: float
     counterweight: float | None
     holes: Row | None
-    error: float = field(kw_only=True)
 
 
 def compute(request: Request[BalanceRequirements]) -> Balance:
@@ -93,6 +85,10 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         )
 
     balanced = abs(unbalance) <= unsure
+    errors = Errors(mass, moments.area_error, abs(unbalance), unsure, radius)
+    if balanced:  # what was found may be off by all of it
+        errors = replace(errors, unsure=unsure + abs(unbalance))
+        unbalance = 0.0j
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
@@ -111,11 +107,11 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     return Balance(
         findings=tuple(findings),
         columns=() if spin is None else spin.columns(),
-        error=error,
+        errors=errors.figures(spin, data.counterweight_radius, holes),
         mass=mass,
         centre=unbalance / mass,
         unbalance=unbalance,
-        unbalance_error=unsure,
+        unbalance_error=errors.unsure,
         counterweight=counterweight,
         holes=holes,
     )
@@ -306,53 +302,3 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
         ).scaled(density * height)
         for height, walls in groupby(part.walls, lambda wall: wall.z1 - wall.z0)
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Spin:
-    """A turning disc with an unbalance.
-
-    Attributes
-    ----------
-    unbalance : U [t mm] in cam coordinates.
-    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
-    course : how it turns.
-    smooth_angles : (k,) [rad], between which the motion is smooth.
-    """
-
-    unbalance: complex
-    rotation: int
-    course: TimeCourse
-    smooth_angles: FloatArray
-
-    def force(self, phi: FloatArray) -> ComplexArray:
-        """(n,) [N] inertia force on the shaft, in the axes of the frame.
-
-        The centre of mass is at U/m exp(i sigma phi). Minus m times its second derivative is
-        U exp(i sigma phi) (omega^2 - i sigma alpha): the centrifugal force U omega^2, and at
-        varying speed the tangential one (Norton, "Machine Design", chapter on balancing, for the
-        first; the second derivative gives both).
-        """
-        omega, alpha = self.course.rates(phi)[:2]
-        turned = np.exp(1j * self.rotation * phi)
-        found: ComplexArray = self.unbalance * turned * (omega**2 - 1j * self.rotation * alpha)
-        return found
-
-    def largest_force(self) -> Extreme:
-        """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""
-        return self._largest(lambda phi: np.abs(self.force(phi)))
-
-    def largest_speed(self) -> float:
-        """The largest omega [rad/s]."""
-        return self._largest(lambda phi: self.course.rates(phi)[0]).value
-
-    def _largest(self, values: Function) -> Extreme:
-        edges = merged(np.concatenate((self.smooth_angles, self.course.borders)))
-        return piecewise_extremes(lambda phi, _side: values(phi), edges).highest
-
-    def columns(self) -> tuple[Column, ...]:
-        """The components of the inertia force on the shaft along the axes of the frame."""
-        return (
-            Column("unbalance force x", "N", lambda phi, _side: self.force(phi).real),
-            Column("unbalance force y", "N", lambda phi, _side: self.force(phi).imag),
-        )

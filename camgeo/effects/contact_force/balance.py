@@ -30,12 +30,10 @@ from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
-from camgeo.numeric.extremes import grid_of, piecewise_extremes, stretch_below
-from camgeo.numeric.roots import Function, roots_on_grid
+from camgeo.numeric.extremes import dips, grid_of, piecewise_extremes, stretch_below
+from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.rounding import SHARE
 from camgeo.units import TURN
-
-ROUNDING: Final = 64.0 * 2.0**-52
-"""Forces whose sum is below this share of their magnitudes cancel; the rest is rounding."""
 
 VANISHING: Final = 1e-12
 """A normal force moves nothing if its leverage, with friction, is below this share of the reach of
@@ -70,7 +68,7 @@ class ForceBalance:
             coefficients = force.coefficients(phi, side)
             needed -= at_rates(coefficients, rates)
             size += at_rates(np.abs(coefficients), np.abs(rates))
-        needed[np.abs(needed) <= ROUNDING * size] = 0.0
+        needed[np.abs(needed) <= SHARE * size] = 0.0
         return needed
 
     def leverage(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
@@ -187,36 +185,10 @@ def edges_of(balance: ForceBalance) -> FloatArray:
         return balance.leverage(phi, "right", sense)
 
     senses = (INNER,) if balance.subject.returning is None else (INNER, OUTER)
-    inner = grid_of(merged(np.concatenate((edges, _dips(demand, grid)))))
+    inner = grid_of(merged(np.concatenate((edges, dips(demand, grid)))))
     found = [edges, roots_on_grid(demand, inner)]
     found += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
     return merged(np.concatenate(found))
-
-
-def _dips(function: Function, grid: FloatArray) -> FloatArray:
-    """Places where `function` has the opposite sign of the three points of `grid` around it.
-
-    A parabola through three points falls below the middle one by at most 1/8 of the larger
-    difference; where twice that could change the sign, the minimum is computed.
-    """
-    values = function(grid.ravel()).reshape(grid.shape)
-    size = np.abs(values)
-    before, here, after = size[:, :-2], size[:, 1:-1], size[:, 2:]
-    signs = np.sign(values)
-    near = (signs[:, :-2] == signs[:, 1:-1]) & (signs[:, 2:] == signs[:, 1:-1])
-    near &= (here <= before) & (here <= after) & (here > 0.0)
-    near &= 4.0 * here <= np.maximum(before, after) - here
-    found = []
-    for row, column in np.argwhere(near):
-        sign = signs[row, column + 1]
-
-        def upright(phi: FloatArray, _side: Side, sign: float = sign) -> FloatArray:
-            return sign * function(phi)
-
-        lowest = piecewise_extremes(upright, grid[row, [column, column + 2]]).lowest
-        if lowest.value < 0.0:
-            found.append(lowest.place)
-    return np.array(found)
 
 
 def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:

@@ -46,12 +46,15 @@ class Life:
     load : P [N].
     speed : mean rate at which the roller turns on its pin [rad/s].
     seconds : L10 [s]; None if unlimited, because there is no load.
-    error : estimate of the relative error of `seconds` and the other values.
+    load_error, speed_error, error : estimates of the relative errors of `load`, `speed` and
+        `seconds`.
     """
 
     load: float
     speed: float
     seconds: float | None
+    load_error: float
+    speed_error: float
     error: float
 
 
@@ -93,14 +96,17 @@ def rolling_life(
     worn = piecewise_integral(wear, borders, share)
     duration = period(course)
     speed = turns.value / duration
+    turned = turns.error / turns.value
     if not worn.value > 0.0:
-        return Life(0.0, speed, None, turns.error / turns.value)
-    error = max(turns.error / turns.value, worn.error / worn.value)
-    if error > tolerance:
-        raise missed("the life of the roller bearing", error, "itself", tolerance)
+        return Life(0.0, speed, None, 0.0, turned, 0.0)
+    error = worn.error / worn.value
+    if max(error, turned) > tolerance:
+        raise missed("the life of the roller bearing", max(error, turned), "itself", tolerance)
     return Life(
         load=rating * (worn.value / turns.value) ** (1.0 / EXPONENT),
         speed=speed,
         seconds=TURNS * TURN * duration / worn.value,
+        load_error=(error + turned) / EXPONENT,
+        speed_error=turned,
         error=error,
     )

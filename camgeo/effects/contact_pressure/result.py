@@ -13,17 +13,17 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.contact_pressure.findings import Worst, life_findings, pressure_findings
+from camgeo.effects.contact_pressure.findings import HOUR, Worst, life_findings, pressure_findings
 from camgeo.effects.contact_pressure.life import Life, rolling_life
 from camgeo.effects.contact_pressure.line_contact import SHEAR_SHARE, LineContact
 from camgeo.effects.contact_pressure.table import PressureRequirements
-from camgeo.effects.effect import SPEED, Column, Quantity, Request, Result, Subject
+from camgeo.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.touching import FLANKS
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_extremes
-from camgeo.units import TURN
+from camgeo.units import RPM, TURN
 
 KEY: Final = "effects.contact-pressure"
 
@@ -34,7 +34,7 @@ class ContactPressure(Result):
 
     Attributes
     ----------
-    findings, columns, error : see `camgeo.effects.effect.Result`; the pressure is exact, the life
+    findings, columns, errors : see `camgeo.effects.effect.Result`; the pressure is exact, the life
         is integrated.
     contact : force, relative curvature and pressure over the cam angle.
     largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
@@ -78,12 +78,12 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
         for disc, of in (("main", main), ("return", other))
         for column in of.columns
     ]
-    errors = [each.error for each in (main, other) if each.error is not None]
+    errors = {f"return-{name}": bound for name, bound in other.errors.items()}
     return replace(
         main,
         findings=(*main.findings, *found),
         columns=tuple(columns),
-        error=max(errors, default=None),
+        errors={**main.errors, **errors},
         returning=other,
     )
 
@@ -126,11 +126,24 @@ def _of_disc(
             Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
             Column("subsurface shear", "MPa", shear, None, inside),
         ),
-        error=None if life is None else life.error,
+        errors={} if life is None else errors_of(life),
         contact=contact,
         largest=Extreme(worst.pressure(data.modulus), worst.angle),
         life=life,
     )
+
+
+def errors_of(life: Life) -> dict[str, Bound]:
+    """The errors of what is integrated; all else is exact."""
+    found = {"roller-speed": _relative(life.speed / RPM, life.speed_error)}
+    if life.seconds is not None:
+        found["roller-life"] = _relative(life.seconds / HOUR, life.error)
+        found["equivalent-roller-load"] = _relative(life.load, life.load_error)
+    return found
+
+
+def _relative(value: float, error: float) -> Bound:
+    return Bound(error * value, value)
 
 
 def _of_return(

@@ -12,7 +12,7 @@ from camgeo.check.finding import Finding, Severity
 from camgeo.effects.drive_torque import TorqueLimits
 from camgeo.effects.drive_torque.law import TorqueLaw
 from camgeo.effects.drive_torque.summary import Summary, moment_of_inertia, summary
-from camgeo.effects.effect import Column, Quantity, Request
+from camgeo.effects.effect import Bound, Column, Quantity, Request
 from camgeo.effects.force import all_borders
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.results import CONTACT_FORCE, DriveTorque
@@ -47,7 +47,7 @@ def compute(request: Request[TorqueLimits]) -> DriveTorque:
     return DriveTorque(
         findings=findings(law, found, data),
         columns=_columns(law, data.limit),
-        error=found.error,
+        errors=errors_of(found, data),
         contact=contact,
         law=law.coefficients,
         at=law.at,
@@ -55,6 +55,25 @@ def compute(request: Request[TorqueLimits]) -> DriveTorque:
         static=law.static,
         edges=contact.edges,
     )
+
+
+def errors_of(found: Summary, data: TorqueLimits) -> dict[str, Bound]:
+    """The errors of the integrals; peaks and columns are exact."""
+    scale = N_M * found.peaks.magnitude
+    mean = Bound(N_M * found.mean_error, scale)
+    out = {
+        "mean-torque": mean,
+        "work-per-turn": mean.times(TURN),
+        "mean-power": mean.times(found.speed),
+        "rms-torque": Bound(N_M * found.rms_error, scale),
+    }
+    if found.stored is not None and data.fluctuation is not None:
+        energy = Bound(N_M * found.stored.error, TURN * scale)
+        out["energy-fluctuation"] = energy
+        out["flywheel"] = energy.times(
+            moment_of_inertia(1.0, data.fluctuation, found.speed) * KG_M2 / N_M
+        )
+    return out
 
 
 def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:

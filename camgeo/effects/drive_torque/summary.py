@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -27,10 +26,8 @@ from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extremes, extremes_of, grid_of, piecewise_extremes
 from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
 from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.rounding import SHARE, resolved
 from camgeo.units import TURN
-
-ROUNDING: Final = 1e-14
-"""An error or mean below this share of the largest torque is rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +37,7 @@ class StoredEnergy:
     Attributes
     ----------
     extremes : smallest and largest E [N mm], with their cam angles [rad].
-    error : estimate of the error of both [N mm].
+    error : estimate of the error of `span` [N mm].
     """
 
     extremes: Extremes
@@ -63,8 +60,7 @@ class Summary:
     rms : root mean square over time.
     speed : mean speed over time [rad/s]; 0 if the scene gives none.
     stored : energy in the flywheel; None if none is requested.
-    error : estimate of the largest error, relative to the largest torque; errors of energies are
-        divided by 2 pi.
+    mean_error, rms_error : estimates of the errors of `mean` and `rms` [N mm].
     """
 
     peaks: Extremes
@@ -73,7 +69,16 @@ class Summary:
     rms: float
     speed: float
     stored: StoredEnergy | None
-    error: float
+    mean_error: float
+    rms_error: float
+
+    @property
+    def error(self) -> float:
+        """The largest error, relative to the largest torque; that of the energy divided by 2 pi."""
+        largest = self.peaks.magnitude
+        stored = 0.0 if self.stored is None else self.stored.error / TURN
+        worst = max(self.mean_error, self.rms_error, stored)
+        return worst / largest if largest > 0.0 else 0.0
 
 
 def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
@@ -99,40 +104,37 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
     duration = TURN if course is None else period(course)
     peaks = piecewise_extremes(law.torque, edges)
     static_peaks = piecewise_extremes(law.static, law.static_edges())
-    largest = peaks.magnitude
     work = piecewise_integral(values, edges, tolerance)
-    mean = work.value / TURN
-    if abs(mean) <= ROUNDING * largest:
-        mean = 0.0  # conservative forces do no work
+    mean = resolved(work.value, work.magnitude) / TURN  # conservative forces do no work
     square = piecewise_integral(squares, edges, tolerance)
-    mean_square = max(square.value, 0.0) / duration
+    mean_square, unsure = max(square.value, 0.0) / duration, square.error / duration
     rms = math.sqrt(mean_square)
+    rms_error = rms - math.sqrt(max(mean_square - unsure, 0.0))
     stored = None
     if fluctuation is not None:
-        stored = stored_energy(values, mean, edges, tolerance)
-    error = 0.0
-    if largest > 0.0:
-        errors = [work.error / TURN]
-        if rms > 0.0:
-            errors.append(0.5 * square.error / duration / rms)
-        if stored is not None:
-            errors.append(stored.error / TURN)
-        error = max(errors) / largest
-    if error > max(tolerance, ROUNDING):
-        raise missed("an integral of the drive torque", error, "the largest torque", tolerance)
+        stored = stored_energy(values, mean, work.error / TURN, edges, tolerance)
     speed = 0.0 if course is None else TURN / duration
-    return Summary(peaks, static_peaks, mean, rms, speed, stored, error)
+    found = Summary(peaks, static_peaks, mean, rms, speed, stored, work.error / TURN, rms_error)
+    if found.error > max(tolerance, SHARE):
+        raise missed(
+            "an integral of the drive torque", found.error, "the largest torque", tolerance
+        )
+    return found
 
 
 def stored_energy(
-    torque: Callable[[FloatArray], FloatArray], mean: float, edges: FloatArray, tolerance: float
+    torque: Callable[[FloatArray], FloatArray],
+    mean: float,
+    unsure: float,
+    edges: FloatArray,
+    tolerance: float,
 ) -> StoredEnergy:
     """The energy stored if the drive provides the mean torque.
 
     Parameters
     ----------
     torque : (n,) cam angles [rad] -> (n,) [N mm], smooth between neighbouring edges.
-    mean : of the torque over the turn [N mm].
+    mean, unsure : mean of the torque over the turn, and its error [N mm].
     edges : (m + 1,) [rad] from 0 to 2 pi, ascending.
     tolerance : of the integrals, relative to the integral of the magnitude.
     """
@@ -144,7 +146,7 @@ def stored_energy(
     places = merged(np.concatenate((edges, passing)))
     stretches, error = piecewise_integrals(surplus, places, tolerance)
     energy = np.concatenate(([0.0], np.cumsum(stretches)))
-    return StoredEnergy(extremes_of(places, energy), error)
+    return StoredEnergy(extremes_of(places, energy), error + TURN * unsure)
 
 
 def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import lowest_on_flank, outwards_of
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme
-
-ROUNDING: Final = 64.0 * 2.0**-52
-"""Forces whose sum is below this share of their magnitudes cancel; the rest is rounding."""
+from camgeo.numeric.rounding import SHARE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +73,6 @@ class Flank:
             bracket = self.margin * self.contact.bracket(phi, side, self.sense)
             needed[0] -= bracket
             size[0] += np.abs(bracket)
-        needed[np.abs(needed) <= ROUNDING * size] = 0.0
+        needed[np.abs(needed) <= SHARE * size] = 0.0
         needed *= self.outwards(phi, side) if outwards is None else outwards
         return needed

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Result, Subject
+from camgeo.effects.effect import Bound, Result, Subject
 from camgeo.effects.immovable import shocks
 from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_changes
 from camgeo.effects.results import ContactForce, Inertia
@@ -27,7 +27,7 @@ class FormClosed(Result):
 
     Attributes
     ----------
-    error : of the impact speeds, relative to the largest.
+    errors : of the impact speeds, relative to the largest.
     first : side that carries first in the turn, +1 inner, -1 outer or return, 0 if none does.
     changes : changes of side.
     impacts : after each change, None where there is none; empty if they were not computed.
@@ -64,11 +64,12 @@ def of_groove(
             impacts = tuple(clearance.impact_after(change, tolerance) for change in changes)
             found += sides.impacts(changes, impacts, backlash)
     hits = [impact for impact in impacts if impact is not None]
-    error = None
+    errors = {}
     if hits:
         fastest = max(each.speed for each in hits)
-        error = max(each.error * each.speed for each in hits) / fastest
-    return FormClosed(first, changes, impacts, findings=tuple(found), error=error)
+        bound = Bound(max(each.error * each.speed for each in hits), fastest)
+        errors = dict.fromkeys(("impact-speed", "largest-impact-speed"), bound)
+    return FormClosed(first, changes, impacts, findings=tuple(found), errors=errors)
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:

@@ -40,6 +40,14 @@ class Shaft:
     inertia: float
     motor: Motor
 
+    def push(self, law: FloatArray, y: FloatArray) -> FloatArray:
+        """J r + c3 T_m (...), which has the sign of R; parameters as for `rate`."""
+        c0, c1, c2, c3 = law[:4]
+        omega = np.sqrt(2.0 * y)
+        found: FloatArray = self.inertia * (c0 + omega * (c1 + omega * c2))
+        found += c3 * self.motor.torque(omega)[0]
+        return found
+
     def rate(self, law: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """alpha [rad/s^2], and its derivative with respect to y [1/rad].
 
@@ -52,7 +60,7 @@ class Shaft:
         omega = np.sqrt(2.0 * y)
         drive, slope = self.motor.torque(omega)
         rest = c0 + omega * (c1 + omega * c2)
-        gain = np.where(self.inertia * rest + c3 * drive >= 0.0, ahead, behind)
+        gain = np.where(self.push(law, y) >= 0.0, ahead, behind)
         gain = np.where((rest == 0.0) & (c3 == 0.0), 0.0, gain)
         moment = self.inertia + gain * c3
         if not np.all(moment > 0.0):

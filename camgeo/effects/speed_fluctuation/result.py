@@ -10,7 +10,7 @@ that repeats after each turn.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,15 +18,16 @@ from camgeo.check.finding import Finding, held
 from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
 from camgeo.effects.results import DRIVE_TORQUE, Touching
+from camgeo.effects.speed_fluctuation.errors import accurate
 from camgeo.effects.speed_fluctuation.rate import Shaft
-from camgeo.effects.speed_fluctuation.solve import refuse_shocks, solve
+from camgeo.effects.speed_fluctuation.solve import refuse_shocks
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.touching import lost_contact
 from camgeo.effects.wording import N_M, at, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +46,6 @@ class SpeedFluctuation(Touching):
     alpha: Quantity
     mean_speed: float
     fluctuation: float
-    error: float = field(kw_only=True)
 
 
 def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
@@ -64,7 +64,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     edges = smooth_edges(subject.drive.smooth_angles, contact.forces)
     refuse_shocks(subject, law)
     shaft = Shaft(data.moment_of_inertia, data.motor)
-    turn = solve(shaft, law, edges, request.tolerance)
+    steady = accurate(shaft, law, edges, request.tolerance)
+    turn, mean, work = steady.turn, steady.mean, steady.work
 
     def omega(phi: FloatArray, _: Side) -> FloatArray:
         return turn.omega(phi)
@@ -80,11 +81,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         return contact.normal_at(phi, side, rates)
 
     speeds, torques = piecewise_extremes(omega, edges), piecewise_extremes(motor, edges)
-    mean = TURN / turn.period
     fluctuation = (speeds.highest.value - speeds.lowest.value) / mean
-    motor_torque = shaft.motor.torque(np.sqrt(2.0 * (turn.state.base + turn.state.nodes)))[0]
-    work = TURN * turn.mean(motor_torque)
-    taken = work - shaft.inertia * TURN * turn.mean(turn.rates)
     text = f"speed fluctuation {fluctuation:.5g}, largest minus smallest speed divided by the mean"
     found = (
         held("speed-fluctuation", text, fluctuation, data.limit),
@@ -102,15 +99,15 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
             "motor-work",
             "ok",
             f"work of the motor over a turn {N_M * work:.5g} J, of which the cam takes"
-            f" {N_M * taken:.5g} J",
+            f" {N_M * steady.taken:.5g} J",
             N_M * work,
             unit="J",
         ),
         Finding(
             "mean-motor-power",
             "ok",
-            f"mean power of the motor {N_M * work / turn.period:.5g} W",
-            N_M * work / turn.period,
+            f"mean power of the motor {N_M * work / steady.period:.5g} W",
+            N_M * work / steady.period,
             unit="W",
         ),
     )
@@ -125,7 +122,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
             Column("cam speed", "rev/min", lambda phi, side: omega(phi, side) / RPM),
             Column("motor torque", "N m", lambda phi, side: N_M * motor(phi, side)),
         ),
-        error=turn.error,
+        errors=steady.figures(),
     )
 
 

@@ -25,6 +25,7 @@ from camgeo.effects.wording import at, between, placed
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, stretch_below
+from camgeo.numeric.rounding import SHARE
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 
 NEWTON_METRE: Final = 1e3
 """From N m to N mm, and from N m/rad to N mm/rad."""
-
-ROUNDING: Final = 64.0 * 2.0**-52
-"""A force or lever arm below this share of its largest magnitude is rounding."""
 
 
 def compute(request: Request[SpringData]) -> Spring:
@@ -129,7 +127,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
         for size, extreme in (("largest", found.highest), ("smallest", found.lowest))
     ]
     lowest = found.lowest
-    if lowest.value < -ROUNDING * found.magnitude:
+    if lowest.value < -SHARE * found.magnitude:
         slack = _below(force, edges, lowest.place)
         findings.append(
             Finding(
@@ -172,7 +170,7 @@ def opening(way: Travel, subject: Subject) -> list[Finding]:
         return np.asarray(towards * way(phi, side)[1])
 
     found = piecewise_extremes(closing, edges)
-    if found.lowest.value >= -ROUNDING * found.magnitude:
+    if found.lowest.value >= -SHARE * found.magnitude:
         return []
     away = _below(closing, edges, found.lowest.place)
     return [

@@ -9,13 +9,13 @@ are piecewise smooth, and on each piece the response is known in closed form, se
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Result
+from camgeo.effects.effect import Bound, Column, Request, Result
 from camgeo.effects.results import INERTIA
 from camgeo.effects.vibration.findings import (
     MotionUnit,
@@ -36,6 +36,14 @@ from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_st
 from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
 from camgeo.units import TURN
 
+DEFLECTIONS: Final = (
+    "vibration deflection",
+    "largest-motion-error",
+    "residual-vibration",
+    "largest-residual-vibration",
+)
+"""Figures that are deflections."""
+
 FORCING: Final = 1e-3
 """Initial tolerance of the forcing, as a share of that of the response, which magnifies errors."""
 
@@ -47,12 +55,12 @@ class Vibration(Result):
     Attributes
     ----------
     findings, columns : see `camgeo.effects.effect.Result`.
-    error : estimate of the error of the deflection, relative to the largest lift.
+    errors : of deflections, relative to the largest lift, and of accelerations, relative to that of
+        a free vibration with this amplitude.
     output : over the cam angle.
     """
 
     output: Output
-    error: float = field(kw_only=True)
 
 
 def compute(request: Request[TrainData]) -> Vibration:
@@ -74,9 +82,10 @@ def compute(request: Request[TrainData]) -> Vibration:
     period = float(clock.time(clock.edges[-1:])[0])
     edges = search_edges(subject.drive.smooth_angles, train, period)
     findings: list[Finding] = []
-    response, error = None, 0.0
+    response, errors = None, {}
     if train is not None:
-        response, error = _response(clock, train, request.tolerance)
+        response, deflection = _response(clock, train, request.tolerance)
+        errors = _errors(deflection, train, shown)
         findings += of_modes(train, period)
     output = Output(clock, response)
     most = magnitude(piecewise_extremes(output.deflection, edges))
@@ -89,12 +98,23 @@ def compute(request: Request[TrainData]) -> Vibration:
         output,
         findings=tuple(findings),
         columns=_columns(output, shown, limit),
-        error=error,
+        errors=errors,
     )
 
 
-def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, float]:
-    """The steady state, and the error of its deflection relative to the largest lift."""
+def _errors(deflection: Bound, train: Train, shown: MotionUnit) -> dict[str, Bound]:
+    """The errors of all figures; frequencies, settling and amplification are exact.
+
+    The acceleration of a mode is its deflection times the square of its rate.
+    """
+    own = deflection.times(shown.scale)
+    fast = own.times(float(np.max(np.abs(train.rates))) ** 2)
+    found = dict.fromkeys(DEFLECTIONS, own)
+    return found | dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
+
+
+def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, Bound]:
+    """The steady state, and the error of its deflection, with the largest lift as the scale."""
     lift = float(np.max(np.abs(clock.plan.jet(clock.edges)[0])))
     error = math.inf
     for share in (FORCING * tolerance, 0.0):
@@ -111,7 +131,7 @@ def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, f
             ) from None
         error = response.error / lift if lift > 0.0 else 0.0
         if error <= tolerance:
-            return response, error
+            return response, Bound(response.error, lift)
     raise EffectError(
         f"the deflection has an error of {error:.3g} of the lift; the tolerance is {tolerance:.3g}:"
         " an undamped train this close to resonance magnifies rounding errors",

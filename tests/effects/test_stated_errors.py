@@ -1,0 +1,185 @@
+"""Stated errors are true: no figure of a numerical effect is off by more than its result says.
+
+Figures are the values of all findings and the columns over the turn, compared with those of a
+computation to a hundredth of the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import Final
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.accuracy.effects import TIGHTER, compared
+from camgeo.design import Design
+from camgeo.effects.effect import Bound, Result
+from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.errors import EffectError
+from camgeo.numeric.rounding import SHARE, resolved
+from camgeo.scene.load import load_scene, parse_scene
+from tests.effects.scenes import SCENES, design
+from tests.long_form import LONG, examples
+
+NAMES: Final = (
+    "plate_translating", "setzhub", "groove", "inch", "querhub", "schnitt", "feed", "shuttle",
+    "measured", "vorschub", "ring",
+)  # fmt: skip
+"""Scenes with rollers of all kinds; with friction the torque has kinks wherever the load changes
+sides."""
+
+TOLERANCES: Final = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10) if LONG else (1e-2, 1e-6)
+
+NUMERICAL: Final = tuple(name for name in EFFECTS if find_effect(name).numerical)
+
+
+def drawn(rng: Random) -> Design:
+    """A scene with all numerical effects, whose numbers range over decades."""
+    name = rng.choice(NAMES)
+    text = (SCENES / f"{name}.toml").read_text("utf-8")
+    rocks = "oscillating" in text
+
+    def number(low: float, high: float) -> str:
+        return f"{math.exp(rng.uniform(math.log(low), math.log(high))):.3g}"
+
+    moving = ("moment_of_inertia", (1e-4, 1e-1)) if rocks else ("mass", (0.1, 5.0))
+    tables = [f"[effects.inertia]\n{moving[0]} = {number(*moving[1])}"]
+    if rocks:
+        kind = 'kind = "torsion"\ntorsional_stiffness = '
+        tables.append(f"[effects.spring]\n{kind}{number(1, 50)}\npreload_torque = {number(1, 100)}")
+    else:
+        tables.append(
+            f"[effects.spring]\nstiffness = {number(0.1, 20)}\npreload = {number(10, 1e3)}"
+        )
+    if rng.random() < 0.6:
+        tables.append("[effects.friction]\nrolling = 0.02")
+    motor = f"no_load_speed = {number(20, 600)}\nstall_torque = {number(5, 5e4)}"
+    damping = f"damping = {rng.choice((0.0, 0.01, 0.1, 0.4))}"
+    backlash = 'contact = "groove"' in text and "side_clearance" not in text
+    tables += [
+        "[effects.drive-torque]\nfluctuation = 0.05",
+        f"[effects.speed-fluctuation]\nmoment_of_inertia = {number(1e-3, 10)}\n{motor}",
+        f"[effects.vibration]\nnatural_frequency = {number(2, 500)}\n{damping}",
+        "[effects.lift-off]" + (f"\nbacklash = {number(5e-3, 0.3)}" if backlash else ""),
+        "[effects.contact-pressure]\nwidth = 4\nrating = 5000",
+        "[effects.balance]",
+    ]
+    changes = [] if "\nspeed = " in text else [("[cam]\n", "[cam]\nspeed = 200\n")]
+    return design(name, "\n".join(tables), *changes)
+
+
+def result_of(of: Design, name: str, tolerance: float) -> Result | None:
+    """The effect to a tolerance; None if it has no answer."""
+    try:
+        result: Result = of.effects.recomputed(name, tolerance).result(name)
+    except EffectError:
+        return None
+    return result
+
+
+def assert_true(of: Design, name: str, tolerance: float) -> None:
+    own, best = (result_of(of, name, each) for each in (tolerance, tolerance / TIGHTER))
+    if own is None or best is None:
+        return
+    for each in compared(own, best):
+        assert each.holds, (name, tolerance, each)
+
+
+@settings(max_examples=examples(2, long=50), deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_no_figure_of_any_scene_is_off_by_more_than_stated(rng: Random) -> None:
+    found = drawn(rng)
+    for name in NUMERICAL:
+        for tolerance in TOLERANCES:
+            assert_true(found, name, tolerance)
+
+
+def test_a_false_statement_is_seen() -> None:
+    of = design("schnitt", KINKED)
+    own, best = (result_of(of, "speed-fluctuation", each) for each in (1e-2, 1e-6))
+    assert own is not None
+    assert best is not None
+    assert all(each.holds for each in compared(own, best))
+    sure = {name: Bound(0.0, bound.scale) for name, bound in own.errors.items()}
+    object.__setattr__(own, "errors", sure)
+    assert {"cam speed", "motor-work"} <= {
+        each.figure for each in compared(own, best) if not each.holds
+    }
+
+
+# What was off by more ----------------------------------------------------------------------------
+
+KINKED: Final = (
+    "[effects.inertia]\nmoment_of_inertia = 0.0635\n[effects.friction]\nrolling = 0.02\n"
+    "[effects.speed-fluctuation]\nmoment_of_inertia = 1.21\nno_load_speed = 61.34\n"
+    "stall_torque = 1700\n"
+)
+"""The load changes sides a hundredth of a degree behind an end of a smooth piece."""
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_kink_that_no_node_sees(tolerance: float) -> None:
+    assert_true(design("schnitt", KINKED), "speed-fluctuation", tolerance)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
+def test_the_work_of_the_motor_is_as_accurate_as_stated(tolerance: float) -> None:
+    """A strong motor: its torque follows from a slip that is small beside the speed."""
+    strong = KINKED.replace("1700", "5e5")
+    of = design("schnitt", strong)
+    assert_true(of, "speed-fluctuation", tolerance)
+    result = result_of(of, "speed-fluctuation", tolerance)
+    assert result is not None
+    for figure in ("motor-work", "mean-motor-power", "motor torque"):
+        assert result.errors[figure].share <= tolerance
+
+
+def test_each_figure_that_depends_on_the_tolerance_has_its_error() -> None:
+    press = Design(load_scene(str(SCENES.parent / "effects" / "press.toml")))
+    assert set(press.effect("drive-torque").errors) == {
+        "mean-torque", "rms-torque", "work-per-turn", "mean-power", "energy-fluctuation",
+        "flywheel",
+    }  # fmt: skip
+    assert set(press.effect("contact-pressure").errors) == {
+        "roller-life", "equivalent-roller-load", "roller-speed",
+    }  # fmt: skip
+    for name in NUMERICAL:
+        result = press.effect(name)
+        figures = {each.name for each in (*result.findings, *result.columns)}
+        known = {"largest-impact-speed", "impact-speed", "residual-vibration"}
+        assert set(result.errors) <= figures | known, name
+
+
+# Rounding ----------------------------------------------------------------------------------------
+
+
+def test_conservative_forces_do_no_work() -> None:
+    scene = Design(load_scene(str(SCENES.parent / "effects" / "motor_work_zero.toml")))
+    values = {each.name: each.value for each in scene.effect("speed-fluctuation").findings}
+    assert values["motor-work"] == 0.0
+    assert values["mean-motor-power"] == 0.0
+    assert values["largest-motor-torque"] > 0.9
+
+
+def test_a_sum_is_rounding_below_the_bound_of_its_terms() -> None:
+    assert resolved(0.5 * SHARE, 1.0) == 0.0
+    assert resolved(-0.5 * SHARE, 1.0) == 0.0
+    assert resolved(2.0 * SHARE, 1.0) == 2.0 * SHARE
+    assert resolved(1e-300, 0.0) == 1e-300
+    terms = [0.1] * 10 + [-1.0]
+    assert sum(terms) != 0.0
+    assert resolved(sum(terms), sum(map(abs, terms))) == 0.0
+
+
+def test_a_balanced_disc_has_no_force_on_its_shaft() -> None:
+    """The centre of mass of a ring is off its axis by rounding alone."""
+    text = (SCENES / "plate_translating.toml").read_text("utf-8")
+    head, tail = text[: text.index("[[motion]]")], "[part]\nthickness = 15\nbore = 25\n"
+    table = "[effects.balance]\ncounterweight_radius = 30\n"
+    ring = Design(parse_scene(f"{head}[[motion]]\ndwell = 360\n\n{tail}\n{table}"))
+    values = {each.name: each.value for each in ring.effect("balance").findings}
+    for name in ("centre-of-mass", "unbalance", "unbalance-force", "counterweight"):
+        assert values[name] == 0.0
