@@ -31,8 +31,8 @@ TABLE: Final = ".csv"
 """How the name of a table ends; that of a picture in one of `SUFFIXES`."""
 
 SUMMARY: Final = (
-    "roll the roller over the real outline, or over a contour from a file: lift, velocity,"
-    " acceleration, shocks, compared with the motion demanded"
+    "press the follower against the real outline, or a contour from a file, over a turn: lift,"
+    " velocity, acceleration, shocks, compared with the motion demanded"
 )
 
 EXAMPLE: Final = (
@@ -67,7 +67,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
-        "--flank", choices=tuple(Flank), help="flank of the roller; default the scene's"
+        "--flank", choices=tuple(Flank), help="flank of the follower; default the scene's"
     )
     parser.add_argument(
         "--step", metavar="DEG", type=decimal, default=STEP,

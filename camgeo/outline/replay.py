@@ -1,4 +1,4 @@
-"""Replay: the roller pressed against a real outline, or any contour, and rolled over a turn.
+"""Replay: the follower pressed against a real outline, or any contour, over a turn.
 
 The actual motion of the follower, compared with the demanded one: lift, velocity and acceleration
 over the cam angle, lost stroke, shocks. The lift is that of the follower itself; behind a linkage
@@ -17,14 +17,16 @@ from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import FollowerPath, path_of
+from camgeo.mechanism.follower_path import path_of
 from camgeo.motion.motion import Motion
 from camgeo.motion.piece import SNAP
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending
 from camgeo.numeric.extremes import Extreme
+from camgeo.outline.face_hull import hull_of
+from camgeo.outline.face_lift import face_between, face_on
 from camgeo.outline.path import Flank, Path, Stretch
 from camgeo.outline.replay_lift import AS_DEMANDED, ActualLift, PlayedLift, pressed
-from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Jumps, Replay
+from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, DiscLift, Jumps, Replay
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
 
@@ -53,7 +55,9 @@ def replay_contour(
     step: float = STEP,
     corner: float = CORNER,
 ) -> Replay:
-    """The roller of `pitch` on any closed contour of lines and arcs.
+    """The follower of `pitch` on any closed contour of lines and arcs.
+
+    A flat face touches the convex hull of the contour.
 
     Parameters
     ----------
@@ -67,9 +71,12 @@ def replay_contour(
     ------
     GeometryError
         If the contour does not run counter-clockwise, or not round the cam axis within the
-        follower's reach.
+        follower's reach; for a flat face on an outer flank.
     """
     press = Flank(flank).sign
+    if not pitch.follower.has_pitch_curve:
+        _require_inner(press)
+        return _replay(pitch, face_on(hull_of(contour), pitch), press, step, corner)
     path = path_of(pitch.follower, pitch.rotation)
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
@@ -86,11 +93,11 @@ def replay_outline(
     corner: float = CORNER,
     clearance: float = 0.0,
 ) -> Replay:
-    """The roller of `pitch` on a real outline, exactly.
+    """The follower of `pitch` on a real outline, exactly.
 
     On a stretch of the working curve the roller is where it should be. Where a stretch is missing,
     it runs over the outline's corners: it cannot touch another stretch there, for the roller that
-    touches a stretch has its own cam angle.
+    touches a stretch has its own cam angle. A flat face rocks over the corner itself.
 
     With a `clearance` [mm] the outline is a flank of a groove that is wider than the roller by it;
     pressed against the flank the roller is off by about half of that everywhere.
@@ -103,9 +110,17 @@ def replay_outline(
     """
     stretches = outline.stretches
     if not stretches:
-        raise GeometryError("an outline without any stretch of the working curve holds no roller")
+        raise GeometryError("an outline without any stretch of the working curve holds no follower")
     distance = stretches[0].curve.distance
     press = -1 if math.copysign(1.0, distance) < 0.0 else 1  # -0 on the inside of a knife edge
+    if not pitch.follower.has_pitch_curve:
+        _require_inner(press)
+        corners = np.array([each.centre for each in outline.pivots], dtype=np.complex128)
+        starts, ends = _gaps(stretches)
+        if len(corners) != len(starts):
+            raise GeometryError("a stretch is missing where the outline has no corner for the face")
+        face = face_between(pitch, corners, starts, ends)
+        return _replay(pitch, face, press, step, corner, _inside(starts, ends))
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
@@ -122,13 +137,22 @@ def replay_outline(
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
     found = branches(circles(centres, radius or 1.0), path)  # a knife edge has no such pivots
     starts, ends = _gaps(stretches)
-    shares = np.arange(1, INNER_SAMPLES + 1) / (INNER_SAMPLES + 1.0)
-    within = (starts[:, None] + (ends - starts)[:, None] * shares).ravel() % TURN
     borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
     lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
-    return _replay(pitch, lift, press, step, corner, within)
+    return _replay(pitch, lift, press, step, corner, _inside(starts, ends))
+
+
+def _require_inner(press: int) -> None:
+    if press > 0:
+        raise GeometryError("a flat face runs on the inner flank, outside of the disc", key="flank")
+
+
+def _inside(starts: FloatArray, ends: FloatArray) -> FloatArray:
+    """Cam angles [rad] in [0, 2 pi) inside the ranges from `starts` (k,) to `ends` (k,) [rad]."""
+    shares = np.arange(1, INNER_SAMPLES + 1) / (INNER_SAMPLES + 1.0)
+    return np.asarray((starts[:, None] + (ends - starts)[:, None] * shares).ravel() % TURN)
 
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
@@ -144,14 +168,14 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
 
 def _replay(
     pitch: PitchCurve,
-    lift: ActualLift,
+    lift: DiscLift,
     press: int,
     step: float,
     corner: float,
     within: FloatArray | None = None,
 ) -> Replay:
     """`within` are further cam angles [rad] in [0, 2 pi) at which to sample."""
-    motion, path = pitch.motion, lift.path
+    motion = pitch.motion
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
@@ -164,7 +188,7 @@ def _replay(
     special = special[~dropped]
     grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
     left, right = (_Samples.of(lift, special, side) for side in SIDES)
-    shocks = _shocks(path, left, right, corner)
+    shocks = _shocks(lift, left, right, corner)
     # The left side of cam angle 0 is the end of the turn.
     left = replace(left, phi=np.where(left.phi == 0.0, TURN, left.phi))
     parts = (left, _Samples.of(lift, grid, "right"), right)
@@ -173,9 +197,9 @@ def _replay(
     numbers = np.concatenate([part.numbers for part in parts])[order]
     held = numbers != AS_DEMANDED
     element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
-    element[held] = lift.branches.elements[numbers[held]]
     smooth = np.ones(len(numbers), dtype=np.bool_)
-    smooth[held] = lift.branches.corners[numbers[held]] > corner
+    element[held], turns = lift.held_by(numbers[held])
+    smooth[held] = turns > corner
     return Replay(
         lift=lift,
         press=press,
@@ -201,7 +225,7 @@ class _Samples:
     actual: FloatArray
 
     @classmethod
-    def of(cls, lift: ActualLift, phi: FloatArray, side: Side) -> _Samples:
+    def of(cls, lift: DiscLift, phi: FloatArray, side: Side) -> _Samples:
         return cls(
             phi,
             lift.number(phi, side),
@@ -210,12 +234,9 @@ class _Samples:
         )
 
 
-def _shocks(path: FollowerPath, left: _Samples, right: _Samples, corner: float) -> Jumps:
+def _shocks(lift: DiscLift, left: _Samples, right: _Samples, corner: float) -> Jumps:
     """Where the direction in which the roller centre runs turns by more than `corner`."""
-    q = path.start + path.outward * right.actual[0]
-    turn = -1j * path.rotation * path.point(right.phi, q)
-    along, _ = path.along(right.phi, q)
-    before, after = (turn + along * path.outward * side.actual[1] for side in (left, right))
+    before, after = (lift.heading(side.phi, side.actual) for side in (left, right))
     turned = np.abs(np.angle(after * before.conj()))
     found = turned > corner
     return Jumps(right.phi[found], left.actual[1][found], right.actual[1][found])

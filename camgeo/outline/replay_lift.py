@@ -24,7 +24,15 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, grouped
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    ascending,
+    grouped,
+)
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
 
@@ -156,6 +164,29 @@ class ActualLift:
         if self.played is None:
             return self.motion.breaks
         return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
+
+    @property
+    def outward(self) -> int:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return self.path.outward
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return self.branches.elements[numbers], self.branches.corners[numbers]
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """See `camgeo.outline.replay_result.DiscLift`: where the roller centre runs in the cam."""
+        q = self.path.start + self.outward * jet[0]
+        turn = -1j * self.path.rotation * self.path.point(phi, q)
+        along, _ = self.path.along(phi, q)
+        way: ComplexArray = turn + along * self.outward * jet[1]
+        return way
+
+    def shift_of(self, _: float, error: FloatArray) -> FloatArray:
+        """See `camgeo.outline.replay_result.DiscLift`: as far as the roller centre is off."""
+        at_start = np.zeros(1), np.full(1, self.path.start)
+        along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
+        return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the branch at `phi` (n,) [rad]."""

@@ -9,15 +9,23 @@ squeezed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, frozen
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    ascending,
+    frozen,
+)
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots
-from camgeo.outline.replay_lift import ActualLift
 from camgeo.units import TURN
 
 AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
@@ -32,6 +40,52 @@ AROUND = 0.02
 
 SEAM = 1e-9
 """Least distance [rad] within which a joint is sought: rounding of cam angles."""
+
+
+class DiscLift(Protocol):
+    """The actual lift of a follower on a disc, over the cam angle.
+
+    Attributes
+    ----------
+    motion : the demanded lift.
+    outward : +1 if a positive lift moves the follower outward, else -1.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
+    breaks : (m,) cam angles [rad] where a derivative of what is demanded may jump.
+    """
+
+    @property
+    def motion(self) -> Motion: ...
+
+    @property
+    def outward(self) -> int: ...
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
+        """(n,) number of what holds it at `phi` (n,) [rad], or AS_DEMANDED."""
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """(n,) the contour's elements, as of `Replay`, and (n,) the turns of the contour [rad] at
+        vertices, a full turn elsewhere, for `numbers` (n,) other than AS_DEMANDED.
+        """
+
+    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """(n,) complex, a direction that turns where the velocity of `jet` (3, n) jumps."""
+
+    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
+        """(n,) [rad] how far from a `joint` [rad] of the demanded motion its place on the disc may
+        lie, by the `error` (3, n) of the lift and its derivatives around it.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +139,7 @@ class Replay:
     demanded_velocity, demanded_acceleration : largest magnitudes [mm or rad per rad^k].
     """
 
-    lift: ActualLift
+    lift: DiscLift
     press: int
     phi: FloatArray
     demanded: FloatArray
@@ -109,7 +163,7 @@ class Replay:
         disc. Negative where the disc holds it off.
         """
         difference: FloatArray = self.actual[0] - self.demanded[0]
-        return self.press * self.lift.path.outward * difference
+        return self.press * self.lift.outward * difference
 
     @property
     def largest_loss(self) -> Extreme:
@@ -129,7 +183,7 @@ class Replay:
             if len(slopes) == 2 and slopes[0] * slopes[1] < 0.0:
                 phi = bracketed_roots(self._loss_velocity, *ends)
                 apart = self.lift.at(phi) - self.lift.motion.jet(phi, "right", 1)[0]
-                value = self.press * self.lift.path.outward * float(apart[0])
+                value = self.press * self.lift.outward * float(apart[0])
                 if value > lost[index]:
                     return Extreme(value, float(phi[0]) % TURN)
         return Extreme(float(lost[index]), self._place(index))
@@ -185,17 +239,16 @@ class Replay:
 
     def _beyond_joints(self) -> FloatArray:
         """(n,) acceleration error; 0 between the two values of a joint."""
-        path, motion = self.lift.path, self.lift.motion
-        error = self.actual[2] - self.demanded[2]
-        lift_error = np.abs(self.actual[0] - self.demanded[0])
+        motion = self.lift.motion
+        errors = self.actual - self.demanded
+        error = errors[2].copy()
         left, right = _accelerations(motion)
-        at_start = np.zeros(1), np.full(1, path.start)
-        scale = abs(complex(path.along(*at_start)[0][0]) / complex(path.point(*at_start)[0]))
         for joint, before, after in zip(motion.breaks, left, right, strict=True):
             if before == after:
                 continue
             away = np.abs(np.remainder(self.phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
-            reach = SEAM + SHIFT * scale * float(np.max(lift_error[away < AROUND], initial=0.0))
+            shift = self.lift.shift_of(float(joint), errors[:, away < AROUND])
+            reach = SEAM + SHIFT * float(np.max(shift, initial=0.0))
             near = away < reach
             low, high = min(before, after), max(before, after)
             actual = self.actual[2][near]
@@ -223,7 +276,7 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
     In the unit of the lift [mm or rad]: outward times (q_2 - q_1), outward the sense of a lift that
     takes the main roller away from the cam axis.
     """
-    outward = main.lift.path.outward
+    outward = main.lift.outward
     return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
 
 
@@ -235,7 +288,7 @@ def closing_error(main: Replay, other: Replay) -> Extremes:
     GeometryError
         If both discs push the follower in the same sense, so that it is not between them.
     """
-    if main.lift.path.outward == other.lift.path.outward:
+    if main.lift.outward == other.lift.outward:
         raise GeometryError("the two discs push the follower in the same sense: they do not close")
     ends = np.array([0.0, TURN])
     borders = (ends, main.lift.borders, other.lift.borders, main.lift.motion.borders)

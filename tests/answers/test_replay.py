@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from camgeo.answers.render import figure, table, text
-from camgeo.answers.replay import DiscReplay, FollowerReplay, replay
+from camgeo.answers.replay import DiscReplay, FollowerReplay, Reading, replay
 from camgeo.design import Design
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import path_of
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.replay_result import Jumps
 from camgeo.scene.load import load_scene
@@ -23,15 +22,6 @@ from tests.answers.documents import FIXTURES, SCENES, document
 FOLDER = FIXTURES / "scenes"
 
 DEGREE = Decimal(1)
-
-
-def rolls(design: Design) -> bool:
-    """Whether a roller runs on real outlines of the discs."""
-    try:
-        path_of(design.cam.follower, design.cam.rotation)
-    except GeometryError:
-        return False
-    return design.judgement.has_outline
 
 
 def replayed(name: str) -> FollowerReplay:
@@ -45,8 +35,8 @@ def changed(found: FollowerReplay, disc: DiscReplay) -> FollowerReplay:
 @pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design = Design(load_scene(scene))
-    if not rolls(design):
-        pytest.skip("no roller runs on a real outline")
+    if design.scene.follower is None or not design.judgement.has_outline:
+        pytest.skip("no follower on a real outline")
     found = replay(design, step=DEGREE)
     reported = document(found)
     assert [each["name"] for each in reported["discs"]] == [each.name for each in design.discs]
@@ -101,3 +91,23 @@ def test_a_pair_is_reported_with_its_play() -> None:
     assert "-0.25 mm" in last
     assert last.endswith("the rollers are squeezed there")
     assert "squeezed" not in text(found)
+
+
+def test_a_flat_face_is_told_as_such() -> None:
+    found = replayed("flat_rocker")
+    assert text(found).startswith("flat_rocker: the face on the real outline, inner flank")
+    assert document(found)["discs"][0]["lift_error"]["value"] == 0.0
+    with pytest.raises(GeometryError, match="inner flank"):
+        replay(Design(load_scene(FOLDER / "tappet.toml")), flank="outer")
+
+
+def test_a_tappet_on_points_that_were_measured(tmp_path: Path) -> None:
+    """A list of points every degree: within the sagitta of the chords of the outline."""
+    design = Design(load_scene(FOLDER / "tappet.toml"))
+    points = design.disc.pictured.curve("inner", np.radians(np.arange(360.0)))
+    file = tmp_path / "measured.csv"
+    file.write_text("x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in points.tolist()))
+    found = replay(design, [file], reading=Reading(unit="mm"))
+    (disc,) = found.discs
+    assert 0.0 < disc.lost_stroke.value < 0.02
+    assert len(disc.shocks) > 100

@@ -24,6 +24,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.outline import real_outline
 from camgeo.outline.path import Path, Pivot, Stretch, whole
 from camgeo.outline.replay import replay_contour, replay_outline
+from camgeo.outline.replay_lift import ActualLift
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Replay
 from tests.contour.cams import curves, dwell, flank, move, outline, polyline, translating
 from tests.long_form import examples
@@ -44,6 +45,7 @@ def resting(follower: TranslatingRoller | OscillatingRoller, sigma: int = 1) -> 
 
 def centres(replay: Replay, phi: FloatArray, lift: FloatArray) -> ComplexArray:
     """Roller centres in the cam, by the follower's own formulas."""
+    assert isinstance(replay.lift, ActualLift)
     pitch = replay.lift.path
     jet = np.zeros((4, len(phi)))
     jet[0] = lift

@@ -142,7 +142,7 @@ def test_a_linkage_drives_a_flat_rocker() -> None:
         pytest.fail("one of both directions contradicts the linkage")
 
 
-@pytest.mark.parametrize("command", ["replay", "size"])
+@pytest.mark.parametrize("command", ["size"])
 def test_commands_for_rollers_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([command, str(SCENES / "tappet.toml")]) == 2
     reported = capsys.readouterr().err

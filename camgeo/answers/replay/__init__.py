@@ -18,7 +18,6 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.simple import crossing
 from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
-from camgeo.mechanism.follower_path import path_of
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.path import Flank
@@ -156,7 +155,7 @@ def replay(
     step: Decimal = STEP,
     reading: Reading | None = None,
 ) -> FollowerReplay:
-    """Roll the roller over the real outline, or over contours from files.
+    """Press the follower against the real outline, or against contours from files.
 
     Parameters
     ----------
@@ -170,9 +169,8 @@ def replay(
     SceneError
         If there are more files than discs, or one has no contour of a disc.
     GeometryError
-        If the follower has no roller, or as `replay_contour` and `replay_outline`.
+        As `replay_contour` and `replay_outline`.
     """
-    path_of(design.cam.follower, design.cam.rotation)  # raises for a follower without roller
     side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
     found = tuple(
         _replayed(disc, file, side, math.radians(step), reading)

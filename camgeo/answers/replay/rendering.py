@@ -27,7 +27,8 @@ def text(answer: FollowerReplay) -> str:
     """What the follower does on each disc, and how a pair closes."""
     lines = []
     for each in answer.discs:
-        lines.append(f"{each.disc.name}: the roller on {each.contour}, {answer.flank} flank")
+        what = each.disc.cam.follower.touching
+        lines.append(f"{each.disc.name}: the {what} on {each.contour}, {answer.flank} flank")
         lines += _lines(each)
     if answer.closing is not None:
         lines += [f"{answer.scene.name}: both discs", *_closing_lines(answer.closing)]

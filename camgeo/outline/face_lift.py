@@ -1,0 +1,224 @@
+"""The part of the disc that a flat face touches at each cam angle, and the resulting lift.
+
+The face is pressed inward until it touches: what holds it is the convex hull of the disc, see
+`camgeo.outline.face_hull`. As long as the contact is on the rocker's own side of the pivot's foot,
+the cam angle runs steadily with the normal, so that each place of the hull holds the face over one
+range of cam angle, known exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.face import flat_follower
+from camgeo.mechanism.face_path import FacePath, face_path_of
+from camgeo.motion.motion import Motion
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side
+from camgeo.outline.convex import touch
+from camgeo.outline.face_hull import Circles, Hull
+from camgeo.outline.replay_lift import AS_DEMANDED
+from camgeo.units import TURN
+
+SIDES: Final[tuple[Side, Side]] = ("left", "right")
+
+SIDE = 1e-6
+"""Difference of a lift from itself, by rounding, close to where the contact loses its lever."""
+
+STEADY = 1e-9
+"""Cam angle [rad] by which neighbouring borders may come in the wrong order, by rounding."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceLift:
+    """The actual lift of a flat face that is pressed against a disc, over the cam angle.
+
+    Attributes
+    ----------
+    path : of the face.
+    pitch : the demanded contact curve, of the demanded motion.
+    circles : what may be touched.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what is touched changes.
+    numbers : (k,) the circle from each border to the next, or AS_DEMANDED.
+    widths : (n,) range of normals [rad] over which each of `circles` is touched.
+    """
+
+    path: FacePath
+    pitch: PitchCurve
+    circles: Circles
+    borders: FloatArray
+    numbers: IntArray
+    widths: FloatArray
+
+    @property
+    def motion(self) -> Motion:
+        """The demanded lift."""
+        return self.pitch.motion
+
+    @property
+    def outward(self) -> int:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return self.path.outward
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative of the demanded lift may jump."""
+        return self.motion.breaks
+
+    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
+        """(n,) the circle at `phi` (n,) [rad]."""
+        turned = np.remainder(phi, TURN)
+        place = np.searchsorted(self.borders, turned, "right" if side == "right" else "left")
+        found: IntArray = self.numbers[place - 1]
+        return found
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        bent = self.circles.radii[numbers] > 0.0
+        return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
+
+    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
+        return np.asarray(self._rows(phi, side, 0)[0])
+
+    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
+        return self._rows(phi, side, 2)
+
+    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2]) -> FloatArray:
+        number = self.number(phi, side)
+        held = number != AS_DEMANDED
+        out = np.empty((order + 1, len(phi)))
+        if not np.all(held):
+            made = self.motion.jet(phi[~held], side, max(order, 1))
+            out[:, ~held] = made[: order + 1]
+        if np.any(held):
+            which = number[held]
+            circles = self.circles
+            jet = self.path.jet(phi[held], circles.centres[which], circles.radii[which])
+            out[:, held] = jet[: order + 1]
+        return out
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """See `camgeo.outline.replay_result.DiscLift`: of the contact, if it did not wander."""
+        at = flat_follower(self.pitch.follower).touch(_full(jet), self.path.rotation)
+        way: ComplexArray = at.distance + 1j * at.contact[0]
+        del phi
+        return way
+
+    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
+        """See `camgeo.outline.replay_result.DiscLift`.
+
+        The contact is off along the face by its error, in which that of the velocity counts, and
+        runs along the outline with the pace p.
+        """
+        shifts = []
+        for side in SIDES:
+            at = touch(self.pitch, np.array([joint]), side)
+            pace = abs(float(at.pace[0, 0]))
+            shifts.append(float(self.path.wander(at)[0]) / pace if pace > 0.0 else math.inf)
+        return np.asarray(max(shifts) * np.abs(error[1]))
+
+
+def _full(jet: FloatArray) -> FloatArray:
+    """A jet (3, n) with zeros for the third derivative."""
+    return np.vstack((jet, np.zeros_like(jet[:1])))
+
+
+def face_on(hull: Hull, pitch: PitchCurve) -> FaceLift:
+    """The flat face of `pitch` on a contour with the convex `hull`.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not go round the cam axis, or a rocker's face cannot lie on it all
+        round, with its contact on the rocker's own side of the pivot's foot.
+    """
+    path = face_path_of(pitch.follower, pitch.rotation)
+    _require_axis(hull)
+    lift = path.lift_of(hull.ends())
+    angles = path.angle_of(hull.normals, lift)
+    _require_side(hull, path, angles, lift)
+    ascent = -path.rotation * angles
+    low = np.maximum.accumulate(ascent)
+    if np.any(low - ascent > STEADY):
+        raise GeometryError(NO_LEVER)
+    low = np.minimum(low, low[0] + TURN)
+    high = np.append(low[1:], low[0] + TURN)
+    starts, ends = (low, high) if path.rotation < 0 else (-high, -low)
+    _require_lever(hull, path, starts, ends)
+    # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
+    order = np.arange(len(starts))[:: -path.rotation]
+    turned = starts[order] % TURN
+    order = np.roll(order, -_wrap(turned))
+    borders = np.maximum.accumulate(np.roll(turned, -_wrap(turned)))
+    numbers = hull.touched[order]
+    widths = np.zeros(len(hull.circles.radii))
+    np.add.at(widths, hull.touched, hull.widths)
+    return FaceLift(path, pitch, hull.circles, borders, numbers, widths)
+
+
+def _wrap(turned: FloatArray) -> int:
+    """Index of the first of the cam angles `turned` (k,) [rad], which ascend over a turn from
+    anywhere in it.
+    """
+    return int(np.argmin(np.diff(turned, prepend=turned[-1:])))
+
+
+NO_LEVER = (
+    "the contact comes to the pivot's foot on the face: the contour cannot move the rocker there"
+)
+
+
+def _require_axis(hull: Hull) -> None:
+    """Raise GeometryError unless all distances are positive: each is a sine, lowest at an end of
+    its range or where its circle lies opposite.
+    """
+    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+    opposite = (np.angle(centres) + math.pi - hull.normals) % TURN < hull.widths
+    lowest = np.where(opposite, radii - np.abs(centres), np.inf)
+    if not np.all(np.minimum(hull.ends(), lowest) > 0.0):
+        raise GeometryError("the contour must run once round the cam axis")
+
+
+def _require_side(hull: Hull, path: FacePath, phi: FloatArray, lift: FloatArray) -> None:
+    """Raise GeometryError unless the face is held at `phi` (k,) by a contact on its own side."""
+    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        apart = np.abs(path.jet(phi, centres, radii)[0] - lift)
+    if not np.all(apart <= SIDE * np.maximum(1.0, np.abs(lift))):
+        raise GeometryError(NO_LEVER)
+
+
+def _require_lever(hull: Hull, path: FacePath, starts: FloatArray, ends: FloatArray) -> None:
+    """Raise GeometryError where a contact comes to the pivot's foot between `starts` and `ends`."""
+    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+    offset = (path.nearest(centres) - starts) % TURN
+    within: BoolArray = offset < ends - starts
+    nearest = np.where(within, starts + offset, starts)
+    for phi in (starts, nearest, ends):
+        if not np.all(np.isfinite(path.contact(phi, centres, radii))):
+            raise GeometryError(NO_LEVER)
+
+
+def face_between(
+    pitch: PitchCurve, corners: ComplexArray, starts: FloatArray, ends: FloatArray
+) -> FaceLift:
+    """The flat face of `pitch` on a trimmed outline: on each of the `corners` (k,) [mm] from
+    `starts` to `ends` (k,) [rad], between them as demanded.
+    """
+    path = face_path_of(pitch.follower, pitch.rotation)
+    count = np.arange(len(corners))
+    circles = Circles(corners, np.zeros(len(corners)), -1 - count)
+    borders = np.concatenate((starts, ends)) % TURN
+    numbers = np.concatenate((count, np.full(len(corners), AS_DEMANDED)))
+    order = np.lexsort((numbers == AS_DEMANDED, borders))
+    borders, numbers = borders[order], numbers[order]
+    if not len(corners):
+        borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+    return FaceLift(path, pitch, circles, borders, numbers, np.full(len(corners), TURN))
