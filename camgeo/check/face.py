@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from camgeo.check.cures.cure import DIGITS, rounded_beyond
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import SMALLEST, Convexity, contact_extremes, convexity
+from camgeo.outline.path import Path
+from camgeo.units import TURN
 from camgeo.wording import counted
 
 ROUNDING = 1e-12
 """Rounding of the contact's position, as a fraction of the base radius."""
 
 
-def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
+def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
     """Findings of a flat follower's cam; with "no-disc" among them there is no such cam.
+
+    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
 
     The smallest radius of curvature is always reported. Moving the face outward by D gives the
     parallel outline, whose radii are larger by D: so exactly that much more base radius, and on a
@@ -24,7 +31,7 @@ def check_convexity(curve: PitchCurve) -> tuple[Finding, ...]:
     found = convexity(curve)
     if found.turn[0] <= 0.0:
         return (_turns_back(found),)
-    findings = [_radius(found, flat_follower(curve.follower).raised_by)]
+    findings = [_radius(found, flat_follower(curve.follower).raised_by, severity)]
     if found.jumps:
         findings.append(_jump(found))
     if found.clearance[0] <= SMALLEST * found.size:
@@ -42,7 +49,7 @@ def _turns_back(found: Convexity) -> Finding:
     return Finding("convexity", "no-disc", sentence, turn, 0.0, cam_angle=phi)
 
 
-def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
+def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Finding:
     radius, phi = found.radius
     least = SMALLEST * found.size
     place = f"at cam angle {degrees(phi)} deg"
@@ -56,11 +63,17 @@ def _radius(found: Convexity, sizes: tuple[str, ...]) -> Finding:
             " a little larger"
         )
     else:
+        missing = rounded_beyond(2.0 * least - radius, DIGITS, upward=True)
         sentence = (
             f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
-            f" touches only what is convex; make {keys} larger by more than {-radius:.6g} mm"
+            f" touches only what is convex; make {keys} larger by at least {missing} mm"
         )
-    return Finding("convexity", "no-disc", sentence, radius, 0.0, "mm", phi)
+    return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
+
+
+def is_undercut(found: Finding) -> bool:
+    """Whether a finding of `check_convexity` is that a face undercuts, or just does not."""
+    return found.name == "convexity" and found.unit == "mm" and found.severity != "ok"
 
 
 def _jump(found: Convexity) -> Finding:
@@ -93,14 +106,42 @@ def degrees(angle: float) -> str:
     return f"{math.degrees(angle):.4f}"
 
 
-def check_face(curve: PitchCurve) -> tuple[Finding, ...]:
+def _contacts(curve: PitchCurve, outline: Path) -> list[tuple[float, float]]:
+    """Places of the contact along the face [mm] with cam angles [rad], the extremes among them.
+
+    Over a corner they run from end to end; a rocker's comes nearest to the pivot where the corner
+    passes between pivot and axis.
+    """
+    found = contact_extremes(curve)
+    phi, values = found.phi % TURN, found.values
+    for pivot in outline.pivots:
+        outside = (phi - pivot.before) % TURN >= (pivot.after - pivot.before) % TURN
+        phi, values = phi[outside], values[outside]
+    places = list(zip(values.tolist(), phi.tolist(), strict=True))
+    if outline.is_whole:
+        return places
+    from camgeo.mechanism.face_path import face_path_of  # few cams have corners
+
+    path = face_path_of(curve.follower, curve.rotation)
+    for pivot in outline.pivots:
+        centre, none = np.array([pivot.centre]), np.zeros(1)
+        nearest = float(path.nearest(centre)[0]) % TURN
+        over = (nearest - pivot.before) % TURN <= (pivot.after - pivot.before) % TURN
+        for angle in (pivot.before, pivot.after, *([nearest] if over else [])):
+            at = path.contact(np.array([angle]), centre, none)
+            places.append((float(at[0]), angle % TURN))
+    return places
+
+
+def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     """The part of the face that the contact runs over; on a rocker, also whether it has a lever.
 
-    The cam must be convex. Positions along the face are measured as in `FlatFollower`.
+    The contact is that with `outline`, the real one: over its corners too. Positions along the face
+    are measured as in `FlatFollower`.
     """
     follower = flat_follower(curve.follower)
-    places = contact_extremes(curve)
-    (low, at_low), (high, at_high) = places.smallest(), places.largest()
+    places = _contacts(curve, outline)
+    (low, at_low), (high, at_high) = min(places), max(places)
     sentence = (
         f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
         f" {high:.6g} mm at {degrees(at_high)} deg, measured from the {follower.origin}: a face of"

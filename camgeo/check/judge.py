@@ -21,6 +21,7 @@ from camgeo.check.transmission_angle import check_transmission_angle
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.outline.path import Flank
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
@@ -173,15 +174,40 @@ def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:
 
 def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
     """Whether there is a cam for a flat face, and how the face is used."""
-    from camgeo.check.face import check_convexity, check_face  # few cams have a flat face
+    from camgeo.check.face import (  # few cams have a flat face
+        check_convexity,
+        check_face,
+        is_undercut,
+    )
 
-    curve = cam.disc.pitch_curve
-    found = [*check_convexity(curve)]
+    curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
+    found = [*check_convexity(curve, severity)]
+    wrong = [finding for finding in found if finding.severity != "ok"]
+    if len(wrong) == 1 and is_undercut(wrong[0]):
+        found += _left_of_face(cam, severity)
     if not forbidding(found):
         found.append(check_transmission_angle(curve, transmission_angle_limit(cam, limits)))
-        found += check_face(curve)
+        found += check_face(curve, cam.disc.outline(Flank.INNER).path)
         found += check_closure(curve)
-    return found
+    return _naming_trim(found)
+
+
+def _left_of_face(cam: Cam, severity: Severity) -> list[Finding]:
+    """What a flat face does on the disc that is left of an undercut cam."""
+    from camgeo.check.outline import check_lost_stroke
+
+    disc, name = cam.disc, Flank.INNER
+    try:
+        if not disc.outline(name).is_trimmed:
+            return []
+        return [check_lost_stroke(disc.replay(name), name, cam.lift_unit, severity)]
+    except GeometryError as error:
+        return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
+
+
+def _of_undercut(limits: Limits) -> Severity:
+    """Severity of what a disc that undercuts lacks: it may be made all the same."""
+    return "broken" if limits.undercut == "trim" else "no-disc"
 
 
 def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]:
@@ -191,8 +217,7 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
     stands = check_standstill(curve)
     if stands:
         return [*stands]
-    # A disc that undercuts may be made all the same.
-    severity: Severity = "broken" if limits.undercut == "trim" else "no-disc"
+    severity = _of_undercut(limits)
     found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
     mechanism = not any(finding.severity == "invalid" for finding in (*before, *found))
     radius = cam.follower.roller_radius

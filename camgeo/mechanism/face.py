@@ -42,7 +42,7 @@ from camgeo.mechanism.follower import Follower, RelativeJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import shown
 
 HIGHEST = FULL_ORDER - 1
@@ -102,6 +102,10 @@ class FlatFollower(Follower):
     @abstractmethod
     def facing(self) -> int:
         """See the class."""
+
+    @abstractmethod
+    def normal(self, lift: FloatArray) -> ComplexArray:
+        """(n,) unit normals of the face away from the cam axis at lifts (n,), in the frame."""
 
     @abstractmethod
     def touch(self, jet: Jet, rotation: int) -> Touch:

@@ -16,7 +16,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 
 
@@ -119,6 +119,12 @@ class OscillatingFlat(Rocking, FlatFollower):
     def face_angle(self, lift: FloatArray) -> FloatArray:
         """chi (n,) [rad] at lifts (n,)."""
         return self.start_angle + self.arm_side * self.swing_sense * lift
+
+    def normal(self, lift: FloatArray) -> ComplexArray:
+        """See `FlatFollower.normal`."""
+        angle = cmath.phase(-self.pivot) + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
+        normals: ComplexArray = np.exp(1j * angle)
+        return normals
 
     def touch(self, jet: Jet, rotation: int) -> Touch:
         """See `FlatFollower.touch`."""

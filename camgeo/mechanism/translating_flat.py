@@ -15,7 +15,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Angle, Length, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 
 
@@ -69,6 +69,10 @@ class TranslatingFlat(Guided, FlatFollower):
         distance = self.direction * jet
         distance[0] += self.base_radius
         return distance
+
+    def normal(self, lift: FloatArray) -> ComplexArray:
+        """See `FlatFollower.normal`."""
+        return np.full(len(lift), self.outward, dtype=np.complex128)
 
     def touch(self, jet: Jet, rotation: int) -> Touch:
         """See `FlatFollower.touch`."""

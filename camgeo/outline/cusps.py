@@ -82,7 +82,9 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
         ranges = undercut_ranges(flank, bends)
         if ranges == [(0.0, TURN)]:
             return [(0.0, envelope.total)]
-        for (start, end), least in zip(ranges, _least(bends.phi, margins, ranges), strict=True):
+        for (start, end), least in zip(
+            ranges, least_within(bends.phi, margins, ranges), strict=True
+        ):
             if least < -CUSP:
                 found.append((envelope.place_of(start), envelope.place_of(end, "left")))
     rotation = flank.pitch.rotation
@@ -92,7 +94,9 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     return _joined(found, envelope.total)
 
 
-def _least(phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float]]) -> FloatArray:
+def least_within(
+    phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float]]
+) -> FloatArray:
     """(k,) smallest of the `margins` (n,) at `phi` (n,) [rad] in each range of cam angle."""
     start, end = np.array(ranges).T
     order = np.argsort(np.mod(phi, TURN), kind="stable")

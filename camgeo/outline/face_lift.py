@@ -143,7 +143,8 @@ def face_on(hull: Hull, pitch: PitchCurve) -> FaceLift:
     _require_axis(hull)
     lift = path.lift_of(hull.ends())
     angles = path.angle_of(hull.normals, lift)
-    _require_side(hull, path, angles, lift)
+    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+    _require_side(path, angles, lift, centres, radii)
     ascent = -path.rotation * angles
     low = np.maximum.accumulate(ascent)
     if np.any(low - ascent > STEADY):
@@ -151,7 +152,7 @@ def face_on(hull: Hull, pitch: PitchCurve) -> FaceLift:
     low = np.minimum(low, low[0] + TURN)
     high = np.append(low[1:], low[0] + TURN)
     starts, ends = (low, high) if path.rotation < 0 else (-high, -low)
-    _require_lever(hull, path, starts, ends)
+    _require_lever(path, starts, ends, centres, radii)
     # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
     order = np.arange(len(starts))[:: -path.rotation]
     turned = starts[order] % TURN
@@ -186,18 +187,22 @@ def _require_axis(hull: Hull) -> None:
         raise GeometryError("the contour must run once round the cam axis")
 
 
-def _require_side(hull: Hull, path: FacePath, phi: FloatArray, lift: FloatArray) -> None:
-    """Raise GeometryError unless the face is held at `phi` (k,) by a contact on its own side."""
-    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+def _require_side(
+    path: FacePath, phi: FloatArray, lift: FloatArray, centres: ComplexArray, radii: FloatArray
+) -> None:
+    """Raise GeometryError unless the face has the `lift` (k,) at `phi` (k,) on these circles by a
+    contact on its own side.
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         apart = np.abs(path.jet(phi, centres, radii)[0] - lift)
     if not np.all(apart <= SIDE * np.maximum(1.0, np.abs(lift))):
         raise GeometryError(NO_LEVER)
 
 
-def _require_lever(hull: Hull, path: FacePath, starts: FloatArray, ends: FloatArray) -> None:
+def _require_lever(
+    path: FacePath, starts: FloatArray, ends: FloatArray, centres: ComplexArray, radii: FloatArray
+) -> None:
     """Raise GeometryError where a contact comes to the pivot's foot between `starts` and `ends`."""
-    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
     offset = (path.nearest(centres) - starts) % TURN
     within: BoolArray = offset < ends - starts
     nearest = np.where(within, starts + offset, starts)
@@ -211,8 +216,17 @@ def face_between(
 ) -> FaceLift:
     """The flat face of `pitch` on a trimmed outline: on each of the `corners` (k,) [mm] from
     `starts` to `ends` (k,) [rad], between them as demanded.
+
+    Raises
+    ------
+    GeometryError
+        If the contact with a corner comes to the pivot's foot.
     """
     path = face_path_of(pitch.follower, pitch.rotation)
+    at_ends = np.concatenate((starts, ends))
+    twice, none = np.concatenate((corners, corners)), np.zeros(2 * len(corners))
+    _require_side(path, at_ends, pitch.motion.jet(at_ends, "right", 1)[0], twice, none)
+    _require_lever(path, starts, ends, corners, none[: len(corners)])
     count = np.arange(len(corners))
     circles = Circles(corners, np.zeros(len(corners)), -1 - count)
     borders = np.concatenate((starts, ends)) % TURN

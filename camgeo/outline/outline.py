@@ -82,7 +82,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     ------
     UndercutError
         If nothing remains of the disc: the roller reaches over the cam axis, or covers everything.
-        Or if the cam of a flat face is not convex.
+        Or if a flat face turns back in the cam, or its contact jumps.
     GeometryError
         If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what remains.
     """
@@ -119,12 +119,19 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
-    """The whole contact curve of a flat face; `camgeo.outline.convex` shows why nothing crosses."""
+    """The whole contact curve of a flat face; `camgeo.outline.convex` shows why nothing crosses.
+
+    What is left of it where it undercuts.
+    """
     from camgeo.outline.convex import convexity  # only few cams have a flat face
 
-    if not convexity(flank.pitch).is_convex:
-        raise UndercutError("a flat face touches only a convex cam, and this one is not")
-    return Outline(whole(flank), (), ())
+    found = convexity(flank.pitch)
+    if found.is_convex:
+        return Outline(whole(flank), (), ())
+    from camgeo.outline.face_outline import trimmed_path  # few of them undercut
+
+    path = trimmed_path(flank, found)
+    return Outline(path, (), _dropped(path))
 
 
 def require_room(flank: WorkingCurve) -> None:

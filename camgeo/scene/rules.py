@@ -206,16 +206,8 @@ def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
 
 
 def rollers_have_what_is_theirs(values: ValidValues) -> Iterator[Broken]:
-    """Keys that a flat face does not have: a ratio of radii, undercut to be trimmed.
-
-    A flat face touches convex outlines only: nothing would remain of another cam.
-    """
-    if not values.flat:
-        return
-    if values.get("limits", "undercut") == "trim":
-        message = f'{FOR_ROLLERS}; a cam for a flat face is convex or not made: "refuse"'
-        yield ("limits", "undercut"), message
-    if values.has("limits", "radius_ratio"):
+    """A ratio of radii needs a roller."""
+    if values.flat and values.has("limits", "radius_ratio"):
         yield ("limits", "radius_ratio"), FOR_ROLLERS
 
 

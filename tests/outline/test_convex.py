@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import UndercutError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import FloatArray, Side
@@ -115,14 +114,6 @@ def test_a_proved_deviation_holds_for_samples(curve: PitchCurve, tolerance: floa
         share = np.clip((np.conj(chords) * (sample - starts)).real / length**2, 0.0, 1.0)
         farthest = max(farthest, float(np.min(np.abs(starts + share * chords - sample))))
     assert farthest <= fit.deviation + 1e-3 * tolerance + 1e-12
-
-
-def test_a_cam_that_is_not_convex_has_no_outline() -> None:
-    plan = plan_of({"phi_H": [30, 40, 40, 120, 130]}, 20.0)
-    curve = PitchCurve(plan, TranslatingFlat(20.0), 1)
-    assert convexity(curve).radius[0] < 0.0
-    with pytest.raises(UndercutError, match="convex"):
-        real_outline(WorkingCurve(curve, 0.0))
 
 
 def test_undercut_between_the_samples_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

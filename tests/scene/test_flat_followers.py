@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.check.judge import TRIM
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
@@ -65,7 +66,7 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
     for key in ("follower.roller_radius", "follower.contact", "follower.offset"):
         assert "belongs to a translating-roller follower" in faults.pop(key)
     assert "must end beyond where it begins" in faults.pop("follower.face")
-    assert faults.pop("limits.undercut").startswith("is for roller followers")
+    assert "limits.undercut" not in faults
     for key in (
         "limits.radius_ratio",
         "effects.inertia.roller_mass",
@@ -156,6 +157,24 @@ def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:
     assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
     assert not (tmp_path / "out").exists()
     assert main(["plot", str(scene), "-o", str(tmp_path / "small.png")]) == 0
+
+
+def test_a_cam_that_is_not_convex_is_trimmed_if_told_to(tmp_path: Path) -> None:
+    small = (SCENES.parent / "refused" / "undercut_tappet.toml").read_text(encoding="utf-8")
+    refused = Design(parse_scene(small))
+    found = {finding.name: finding for finding in refused.findings}
+    assert (found["convexity"].severity, found["lost-stroke-inner"].severity) == ("no-disc",) * 2
+    assert TRIM in found["lost-stroke-inner"].sentence
+    trimmed = changed(small, ('undercut = "refuse"', 'undercut = "trim"'))
+    found = {finding.name: finding for finding in Design(parse_scene(trimmed)).findings}
+    assert (found["convexity"].severity, found["lost-stroke-inner"].severity) == ("broken",) * 2
+    assert found["face-length"].severity == "ok"
+    scene = tmp_path / "trimmed.toml"
+    scene.write_text(trimmed)
+    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "dxf,gcode"]) == 1
+    drawing = tmp_path / "out" / f"{refused.name}.dxf"
+    assert drawing.exists()
+    assert main(["replay", str(scene), str(drawing)]) == 0
 
 
 @pytest.mark.parametrize("text", [TAPPET, ROCKER])

@@ -1,0 +1,240 @@
+"""What is left of the disc of a flat face that undercuts, against intersections of half planes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, reject, settings
+from scipy.spatial import ConvexHull
+from shapely.geometry.base import BaseGeometry
+
+from camgeo.contour.arcs.fast import fit_arcs
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.mechanism.face import flat_follower
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.motion.laws import make_law
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.outline.convex import Convexity, convexity, touch
+from camgeo.outline.moments import area
+from camgeo.outline.outline import Outline, real_outline
+from camgeo.outline.replay import replay_contour, replay_outline
+from tests.long_form import examples
+from tests.mechanism.flat_faces import flat_curves
+from tests.strategies import attack
+
+TURN = 2.0 * math.pi
+
+LAW = make_law("polynomial-345")
+
+STEP = math.radians(0.02)
+
+
+def tappet(base: float = 25.0, *strokes: tuple[int, float]) -> PitchCurve:
+    """A tappet with moves (span [deg], position [mm]), and a rest of 20 degrees before each."""
+    moves = strokes or ((60, 20.0), (80, 0.0))
+    segments: list[Dwell | Move] = []
+    for span, to in moves:
+        segments += [Dwell(Decimal(20)), Move(Decimal(span), to, LAW)]
+    segments.append(Dwell(360 - sum((each.span for each in segments), Decimal(0))))
+    return PitchCurve(MotionPlan(tuple(segments)), TranslatingFlat(base), 1)
+
+
+def outline_of(pitch: PitchCurve) -> Outline:
+    return real_outline(WorkingCurve(pitch, -0.0))
+
+
+def demanded(pitch: PitchCurve, phi: FloatArray) -> tuple[ComplexArray, FloatArray]:
+    """Normals of the face in the cam and its distances from the axis, as demanded."""
+    lift = pitch.motion.jet(phi)[0]
+    normal = flat_follower(pitch.follower).normal(lift) * np.exp(-1j * pitch.rotation * phi)
+    return normal, touch(pitch, phi).distance
+
+
+def support(outline: Outline, pitch: PitchCurve, phi: FloatArray) -> FloatArray:
+    """Distance of the face from the axis on the outline with the normals of `phi`: the largest of
+    its points, stretches and corners.
+    """
+    normal, found = demanded(pitch, phi)
+    for start, end in outline.dropped:
+        cut = (phi - start) % TURN < end - start
+        (corner,) = (p for p in outline.path.pivots if abs(p.before % TURN - start) < 1e-12)
+        found[cut] = (np.conj(normal[cut]) * corner.centre).real
+    return found
+
+
+def check_against_half_planes(pitch: PitchCurve, outline: Outline) -> None:
+    """The polar dual of an intersection of half planes is the convex hull of their duals n / h."""
+    phi = np.arange(0.0, TURN, STEP)
+    normal, distance = demanded(pitch, phi)
+    dual = normal / distance
+    hull = ConvexHull(np.column_stack((dual.real, dual.imag)))
+    kept = np.zeros(len(phi), dtype=np.bool_)
+    kept[hull.vertices] = True
+    size = float(np.max(distance))
+    # No face that a stretch is left of may be cut off, none in a range that is left out be kept:
+    # but next to the ends of the ranges, and where the outline is as good as straight.
+    for start, end in outline.dropped:
+        inside = (phi - start) % TURN
+        within = (inside > 2.0 * STEP) & (inside < end - start - 2.0 * STEP)
+        assert not np.any(kept[within])
+    actual = support(outline, pitch, phi)
+    # The intersection of the half planes that were sampled contains the disc, and is larger by at
+    # most the height of a triangle over an arc of one step, rho STEP^2 / 8.
+    corners = _corners(dual[hull.vertices])
+    sampled = np.array([np.max((np.conj(n) * corners).real) for n in normal[::37]])
+    steep = np.max(np.abs(touch(pitch, phi).pace[0]))
+    assert np.all(actual[::37] <= sampled + 1e-12 * size)
+    assert np.all(actual[::37] >= sampled - 2.0 * steep * STEP**2 - 1e-12 * size)
+
+
+def _corners(dual: ComplexArray) -> ComplexArray:
+    """Corners of the intersection of half planes Re(conj(d) z) <= 1, d in order."""
+    one, other = dual, np.roll(dual, -1)
+    across = (np.conj(one) * other).imag
+    corners: ComplexArray = 1j * (one - other) / across
+    return corners
+
+
+def undercuts(found: Convexity) -> bool:
+    least = 1e-9 * found.size
+    return (
+        found.turn[0] > 0.0
+        and not found.jumps
+        and found.clearance[0] > least
+        and -math.inf < found.radius[0] < -least
+    )
+
+
+@settings(attack, max_examples=examples(6, long=200))
+@given(curve=flat_curves())
+def test_what_is_left_is_the_intersection_of_all_half_planes(curve: PitchCurve) -> None:
+    assume(undercuts(convexity(curve)))
+    try:
+        outline = outline_of(curve)
+    except UndercutError:
+        reject()
+    assert outline.dropped
+    assert not outline.lobes
+    check_against_half_planes(curve, outline)
+    for stretch in outline.path.stretches:
+        inner = np.linspace(stretch.start, stretch.end, 400)[1:-1]
+        assert np.all(touch(curve, inner).pace[0] >= -1e-9 * curve.follower.base_radius)
+    for corner in outline.path.pivots:
+        ends = curve.point(np.array([corner.before, corner.after]))
+        assert np.max(np.abs(ends - corner.centre)) <= 1e-11 * np.max(np.abs(ends))
+    lost = replay_outline(curve, outline.path)
+    assert np.min(lost.lost) >= -1e-12 * curve.follower.lift_scale
+    assert lost.largest_loss.value > 0.0
+    assert len(lost.drops) == 0
+
+
+def test_the_area_is_that_of_the_half_planes() -> None:
+    """By intersecting squares with shapely: a disc with two corners."""
+    pitch = tappet()
+    outline = outline_of(pitch)
+    assert len(outline.path.pivots) == 2
+    step = math.radians(0.5)
+    normal, distance = demanded(pitch, np.arange(0.0, TURN, step))
+    left: BaseGeometry = shapely.box(-200.0, -200.0, 200.0, 200.0)
+    for n, h in zip(normal.tolist(), distance.tolist(), strict=True):
+        ends = [n * (h + far + 1j * side) for far, side in ((-400, -400), (0, -400), (0, 400),
+                                                            (-400, 400))]  # fmt: skip
+        left = left.intersection(shapely.Polygon([(z.real, z.imag) for z in ends]))
+    # An arc of the radius rho over one step is left out by rho^2 step^3 / 24 at most.
+    rho = float(np.max(np.abs(touch(pitch, np.arange(0.0, TURN, step)).pace[0])))
+    assert 0.0 <= left.area - abs(area(outline.path)) <= rho**2 * step**2 * TURN / 24.0
+
+
+def test_an_arc_that_two_corners_cut_off_is_left_out() -> None:
+    """Two rises with a short rest between them: the rest is not touched at all."""
+    pitch = tappet(10.0, (20, 6.0), (20, 12.0), (60, 0.0))
+    outline = outline_of(pitch)
+    start, end = outline.dropped[0]
+    assert start < math.radians(40.0)
+    assert end > math.radians(60.0)
+    check_against_half_planes(pitch, outline)
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_tail_however_small_is_found(share: float) -> None:
+    """A base radius just below the least: cusps about the deepest place, and a blunt corner."""
+    least = -convexity(tappet(1000.0)).radius[0] + 1000.0
+    pitch = tappet(least - share * 20.0)
+    outline = outline_of(pitch)
+    assert 1 <= len(outline.dropped) <= 2
+    phi = convexity(pitch).radius[1]
+    (hit,) = [each for each in outline.dropped if (phi - each[0]) % TURN < each[1] - each[0]]
+    # p is a parabola about its least value, -share * 20 mm: the tail is root 3 times as wide as it.
+    if share <= 1e-4:
+        beside = touch(pitch, phi + 1e-4 * np.array([-1.0, 0.0, 1.0])).pace[0]
+        bend = float(np.diff(beside, 2)[0]) / 1e-8
+        width = 2.0 * math.sqrt(6.0 * share * 20.0 / bend)
+        assert hit[1] - hit[0] == pytest.approx(width, rel=0.05)
+    lost = replay_outline(pitch, outline.path).largest_loss.value
+    assert 0.0 <= lost < 20.0 * share
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_sizes_tiny_and_huge(scale: float) -> None:
+    one = outline_of(tappet())
+    other = outline_of(tappet(25.0 * scale, (60, 20.0 * scale), (80, 0.0)))
+    assert np.array(other.dropped) == pytest.approx(np.array(one.dropped), abs=1e-9)
+    assert area(other.path) / scale**2 == pytest.approx(area(one.path), rel=1e-12)
+
+
+def test_a_fit_of_it_replays_the_same_loss() -> None:
+    pitch = tappet()
+    path = outline_of(pitch).path
+    fit = fit_arcs(path, 1e-3)
+    one, other = replay_outline(pitch, path), replay_contour(pitch, fit.contour)
+    assert other.largest_loss.value == pytest.approx(one.largest_loss.value, abs=fit.deviation)
+    phi = np.linspace(0.0, TURN, 1000)
+    assert other.lift.at(phi) == pytest.approx(one.lift.at(phi), abs=fit.deviation)
+
+
+def test_a_mirrored_cam_is_trimmed_alike() -> None:
+    rocker = OscillatingFlat(complex(-90.0, 20.0), 40.0, 5.0, -1)
+    plan = MotionPlan(
+        (
+            Dwell(Decimal(30)), Move(Decimal(60), 0.35, LAW), Dwell(Decimal(40)),
+            Move(Decimal(80), 0.0, LAW), Dwell(Decimal(150)),
+        )
+    )  # fmt: skip
+    pitch = PitchCurve(plan, rocker, 1)
+    mirrored = replace(rocker, pivot=rocker.pivot.conjugate(), arm_side=1)
+    one, other = outline_of(pitch), outline_of(PitchCurve(plan, mirrored, -1))
+    assert one.dropped
+    assert np.array(other.dropped) == pytest.approx(np.array(one.dropped), abs=1e-12)
+    check_against_half_planes(pitch, one)
+
+
+def test_a_lobe_far_too_steep_is_all_cut_off() -> None:
+    """300 mm in ten degrees, on half a millimetre: the rests alone are left, and a corner."""
+    pitch = tappet(0.5, (10, 300.0), (10, 0.0))
+    outline = outline_of(pitch)
+    (dropped,) = outline.dropped
+    assert dropped == pytest.approx((math.radians(20.0), math.radians(60.0)), abs=1e-2)
+    check_against_half_planes(pitch, outline)
+    lost = replay_outline(pitch, outline.path).largest_loss.value
+    assert 299.0 < lost < 300.0
+
+
+def test_what_leaves_no_disc_is_refused() -> None:
+    jumping = PitchCurve(
+        MotionPlan((Move(Decimal(180), 10.0, make_law("straight-line")),
+                    Move(Decimal(180), 0.0, make_law("straight-line")))),
+        TranslatingFlat(40.0), 1,
+    )  # fmt: skip
+    with pytest.raises(UndercutError, match="touches only a convex cam"):
+        outline_of(jumping)
+    with pytest.raises(GeometryError, match="inner flank"):
+        replay_outline(jumping, real_outline(WorkingCurve(tappet(200.0), 0.0)).path)
