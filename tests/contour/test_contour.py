@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,9 @@ from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
+from camgeo.contour.spline import Arc, SplineContour
+from camgeo.numeric.arrays import ComplexArray
+from camgeo_export.chain import chain
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon
 
@@ -101,3 +106,15 @@ def test_winding_number(contour: Contour, share: float, angle: float) -> None:
     turns = round(float(np.sum(np.angle((np.roll(ring, -1) - point) / (ring - point)))) / 6.2832)
     assert winding_number(contour, point) == turns
     assert winding_number(contour.reversed(), point) == -turns
+
+
+@pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_the_area_beside_flat_arcs(bulge: float) -> None:
+    """Two thirds of chord times sagitta each, however large their circles are."""
+    square: ComplexArray = np.array([5.0, 5j, -5.0, -5j], dtype=np.complex128)
+    flat = chain(square, np.full(4, 4.0 * math.atan(bulge)))
+    beside = 4.0 * 50.0 * bulge / 3.0
+    assert flat.area - 50.0 == pytest.approx(beside, rel=1e-6, abs=1e-13)
+    arcs = zip(flat.vertices, flat.ends, flat.sweeps, flat.centres, strict=True)
+    spline = SplineContour(tuple(Arc(*(each.item() for each in arc)) for arc in arcs))
+    assert spline.area == pytest.approx(flat.area, rel=1e-15)

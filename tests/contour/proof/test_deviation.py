@@ -206,3 +206,14 @@ def test_inches_for_millimetres_show() -> None:
     contour = _fit(FLANKS[0])
     small = Contour(contour.vertices / 25.4, contour.sweeps, contour.centres / 25.4)
     assert _caught(FLANKS[0], small) > 20.0
+
+
+@pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6])
+def test_flat_arcs_are_as_near_as_their_lines(bulge: float) -> None:
+    """By their sagittas: their circles, up to 1e16 mm large, do not round for it."""
+    path, lines = whole(flank(*FLANKS[0])), _fit(FLANKS[0], straight=True)
+    flat = _through(lines.vertices, np.full(len(lines), 4.0 * np.arctan(bulge)))
+    sagitta = 0.5 * bulge * float(np.max(lines.lengths))
+    before = deviation(path, lines)
+    # The bound exceeds the distance by up to a hundredth.
+    assert abs(deviation(path, flat) - before) <= 2.0 * sagitta + 0.01 * before

@@ -1,0 +1,89 @@
+"""Hausdorff's distance of contours, against dense sampling and closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour import hausdorff
+from camgeo.contour.contour import Contour
+from camgeo.contour.hausdorff import SHARPNESS, distance
+from camgeo.numeric.arrays import ComplexArray
+from camgeo_export.chain import chain
+from tests.contour.cams import outline
+from tests.long_form import examples
+
+some = settings(max_examples=examples(15, long=60), deadline=None)
+
+SAMPLES = 2_000
+"""Points of each contour; between two of them the distance is hardly larger."""
+
+SQUARE: ComplexArray = np.array([5.0, 5j, -5.0, -5j], dtype=np.complex128)
+
+
+@st.composite
+def contours(draw: st.DrawFn) -> Contour:
+    """Lines, flat arcs and arcs of up to half a turn between points about a circle."""
+    chance = np.random.default_rng(draw(st.integers(0, 10**6)))
+    count = draw(st.integers(3, 9))
+    points = np.exp(2j * math.pi * np.arange(count) / count)
+    points = points * chance.uniform(5.0, 10.0, count) + draw(st.floats(-3.0, 3.0))
+    sizes = 10.0 ** chance.uniform(-12.0, math.log10(math.pi), count)
+    return chain(points, chance.choice([-1.0, 0.0, 1.0], count) * sizes)
+
+
+@some
+@given(contours(), contours())
+def test_sampling_finds_no_more_and_hardly_less(one: Contour, other: Contour) -> None:
+    a, b = outline(one), outline(other)
+    found = max(
+        float(np.max(a.distances(b.dense(SAMPLES)))), float(np.max(b.distances(a.dense(SAMPLES))))
+    )
+    bound = distance(one, other)
+    longest = max(float(np.max(each.lengths)) for each in (one, other))
+    assert found - 1e-7 <= bound <= found + longest / SAMPLES * len(one) * len(other) + 1e-9
+
+
+@some
+@given(contours(), contours())
+def test_the_same_both_ways_and_however_it_is_run(one: Contour, other: Contour) -> None:
+    bound = distance(one, other)
+    near = pytest.approx(bound, rel=2.0 * SHARPNESS, abs=1e-13)
+    assert distance(other, one) == near
+    assert distance(one.reversed(), other.rolled(1)) == near
+
+
+@some
+@given(contours(), st.floats(-12.0, 0.0), st.floats(0.0, 6.3))
+def test_a_shift_is_no_farther_than_it_goes(contour: Contour, size: float, angle: float) -> None:
+    step = 10.0**size * complex(math.cos(angle), math.sin(angle))
+    moved = chain(contour.vertices + step, contour.sweeps)
+    assert distance(contour, moved) <= abs(step) * (1.0 + SHARPNESS) + 1e-13
+
+
+def test_closed_forms() -> None:
+    """A square in its circumscribed circle; two circles apart; a half disc in its box."""
+    circle = Contour.circle(5.0)
+    square = Contour.polygon(SQUARE)
+    assert distance(circle, square) == pytest.approx(5.0 - 5.0 / math.sqrt(2.0), rel=1e-8)
+    assert distance(circle, Contour.circle(4.0, 20.0 + 0j)) == pytest.approx(21.0, rel=1e-8)
+    # The corners of the box are farthest from the arc.
+    half = chain(np.array([3j, -3j]), np.array([-math.pi, 0.0]))
+    box = Contour.polygon(np.array([-3j, 3.0 - 3j, 3.0 + 3j, 3j]))
+    assert distance(half, box) == pytest.approx(math.hypot(3.0, 3.0) - 3.0, rel=1e-8)
+
+
+def test_without_enough_halvings_it_is_still_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    circle = Contour.circle(5.0)
+    square = Contour.polygon(SQUARE)
+    exact = distance(circle, square)
+    bounds = []
+    for halvings in (1, 2, 4):
+        monkeypatch.setattr(hausdorff, "HALVINGS", halvings)
+        bounds.append(distance(circle, square))
+    assert bounds == sorted(bounds, reverse=True)
+    assert bounds[-1] >= exact * (1.0 - 2.0 * SHARPNESS)
