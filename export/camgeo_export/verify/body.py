@@ -16,7 +16,15 @@ from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, failed, near
 from camgeo.wording import counted
-from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright, volume
+from camgeo_export.verify.mesh import (
+    border_loops,
+    levels_of,
+    merged,
+    polygon,
+    solid_checks,
+    upright,
+    volume,
+)
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
 
@@ -55,21 +63,23 @@ def body_checks(
     vertices, triangles = merged(vertices, triangles)
     checks = solid_checks(vertices, triangles)
     corners = vertices[triangles]
-    flat: BoolArray = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
-    checks.append(upright(corners[~flat]))
-    heights = sorted(set(corners[flat][:, 0, 2].tolist()))
-    if len(heights) != len(wanted):
-        note = f"flat faces at {counted(len(heights), 'height')}, not at {len(wanted)}: "
+    levels, ranges = levels_of(corners[:, :, 2], tolerance)
+    flat: BoolArray = (levels == levels[:, :1]).all(axis=1)
+    checks.append(upright(corners[~flat], tolerance))
+    if len(ranges) != len(wanted):
+        note = f"flat faces at {counted(len(ranges), 'height')}, not at {len(wanted)}: "
         note += ", ".join(level.name for level in wanted)
         checks.append(failed("height", note))
     else:
         shapes = shapes_of(part.boundaries, product.drawn.base_radius, tolerance)
         by_name = {shape.name: shape for shape in shapes}
         done: dict[tuple[str, bytes], None] = {}
-        for height, level in zip(heights, wanted, strict=True):
+        for number, level in enumerate(wanted):
             exact = level.z - wanted[0].z
+            off = ranges[number] - exact
+            height = exact + float(off[np.argmax(np.abs(off))])
             checks.append(near("height", height, exact, tolerance, "mm", level.name))
-            faces = triangles[flat & (corners[:, 0, 2] == height)]
+            faces = triangles[flat & (levels[:, 0] == number)]
             own = [by_name[boundary.name] for boundary in level.boundaries]
             checks += _level_checks(vertices, faces, own, tolerance, level.name, done)
         checks += _volume(part, by_name, vertices, triangles, tolerance)

@@ -7,7 +7,6 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.verifying.verification import Check, failed
-from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
 ROUNDING = 2.0**-52 * 4.0
@@ -72,19 +71,30 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     return checks
 
 
-def upright(corners: FloatArray) -> Check:
-    """Each facet that is not flat must have a vertical edge."""
+def upright(corners: FloatArray, within: float = 0.0) -> Check:
+    """Each facet that is not flat must have an edge that is vertical, `within` a length [mm]."""
     plane = corners[:, :, 0] + 1j * corners[:, :, 1]
-    upright = (plane == np.roll(plane, 1, axis=1)).any(axis=1)
+    steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
+    # A short edge of a flat border is not one.
+    steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
+    upright = steep.any(axis=1)
     if upright.all():
         return Check("walls", "", "upright", ok=True)
     first = corners[int(np.argmin(upright))].mean(axis=0)
     place = ", ".join(f"{value:.6g}" for value in first)
     count = int(np.count_nonzero(~upright))
-    return failed(
-        "walls",
-        f"neither flat nor upright: {counted(count, 'facet')}, one of them near ({place}) mm",
-    )
+    return failed("walls", f"{count} facets are neither flat nor upright, one near ({place}) mm")
+
+
+def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
+    """The numbers of the levels of `heights` [mm], ascending, in the same shape; and (k, 2) the
+    least and greatest height of each level, in which each follows the one below `within` a length.
+    """
+    found, index = np.unique(heights, return_inverse=True)
+    level = np.concatenate(([0], np.cumsum(np.diff(found) > within)))
+    first = np.flatnonzero(np.diff(level, prepend=-1))
+    last = np.append(first[1:] - 1, len(found) - 1)
+    return level[index.reshape(heights.shape)], np.column_stack((found[first], found[last]))
 
 
 def border_loops(triangles: IntArray) -> list[list[int]]:

@@ -148,9 +148,11 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
         if np.any(which):
             first = int(np.argmax(which))
             place = ", ".join(f"{value:.6g}" for value in corners[first].mean(axis=0))
-            many = f"{np.count_nonzero(which)} are wrong; that of facet {first + 1}"
-            return failed("normals", f"{many}, near ({place}), {what}")
-    note = f"{np.count_nonzero(empty)} are 0, to be computed by the reader" if empty.any() else ""
+            many = counted(int(np.count_nonzero(which)), "facet")
+            text = f"that of facet {first + 1}, near ({place}), {what}; wrong at {many}"
+            return failed("normals", text)
+    zeros = counted(int(np.count_nonzero(empty)), "facet")
+    note = f"0 at {zeros}, to be computed by the reader" if empty.any() else ""
     return Check("normals", "", float(len(normals)), ok=True, note=note)
 
 
