@@ -16,10 +16,13 @@ import camgeo
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Reading
 from camgeo_export.dxf.writer import WRITER
+from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER
+from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
+from tests.export.stub_product import StubProduct
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -39,6 +42,8 @@ SLACK = 0.015
 
 EACH = 2
 """Numbers of each kind that are moved by each step."""
+
+ECCENTRIC = StubProduct()
 
 Checks = dict[tuple[str, str], Check]
 
@@ -160,3 +165,35 @@ def test_moved_vertices_of_a_solid(step: float) -> None:
 def test_rounded_vertices_of_a_solid(decimals: int) -> None:
     checks = verified_package(with_numbers(lambda value: round(value, decimals)))
     assert all(check.ok is not False for check in checks.values())
+
+
+@cache
+def program() -> tuple[str, ...]:
+    """The lines of a program made with half of the tolerance."""
+    return tuple(GCODE.write(ECCENTRIC, 0.5 * TOLERANCE).data.decode().splitlines())
+
+
+def verified_program(lines: list[str]) -> Checks:
+    reading = Reading("eccentric.ngc", ours=False)
+    checks = GCODE_VERIFIER.checks(ECCENTRIC, "\n".join(lines).encode(), reading, TOLERANCE)
+    return {(check.name, check.of): check for check in checks}
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_moved_ends_of_a_program(step: float) -> None:
+    """One after the other, the point at which a path closes among them: it need not, exactly."""
+    lines = program()
+    first = next(k for k, line in enumerate(lines) if line.startswith("G1 Z"))
+    before = deviations(verified_program(list(lines)))
+    for place in range(first + 1, first + 15):
+        moved = list(lines)
+        moved[place] = re.sub(
+            r"X([-.\d]+)", lambda found: f"X{float(found[1]) + step:.15f}", moved[place]
+        )
+        checks = verified_program(moved)
+        assert step > 1e-4 or all(check.ok is not False for check in checks.values())
+        after = deviations(checks)
+        # A path that is another at one depth is told by itself.
+        assert {name.partition(",")[0] for name in after} == before.keys()
+        for name, value in after.items():
+            assert abs(value - before[name.partition(",")[0]]) <= 10.0 * step + 1e-12

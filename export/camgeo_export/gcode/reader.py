@@ -29,6 +29,9 @@ MOTIONS = (0, 1, 2, 3)
 LETTERS = "FGHIJMNPQSTXYZ"
 """Of the words that our programs use, and N."""
 
+LEAST_LENGTH = 30.0
+"""Least length of a run that is closed with a gap, as a multiple of the gap."""
+
 MODAL = {17, 40, 43, 49, 54, 80, 90, 91.1, 94}
 """G words that must be active before the first cut; G49 is superseded by G43."""
 
@@ -136,8 +139,12 @@ class Program:
     comments: tuple[str, ...]
     stops: tuple[Stop, ...]
 
-    def loops(self) -> list[Loop]:
-        """Closed runs of cuts at constant height; leads into and out of them are omitted."""
+    def loops(self, gap: float = 0.0) -> list[Loop]:
+        """Closed runs of cuts at constant height; leads into and out of them are omitted.
+
+        A run that ends up to `gap` [mm] from where it began is closed, too; its mismatch is larger
+        by that.
+        """
         found: list[Loop] = []
         run: list[CutterMove] = []
         # A point already visited closes a loop; the search then starts again, so that a path which
@@ -146,15 +153,16 @@ class Program:
         for move in self.moves:
             flat = move.kind != "rapid" and move.z_start == move.z_end
             if not flat or (run and run[-1].operation != move.operation):
+                found += _nearly_closed(run, gap)
                 run, reached = [], {}
             if not flat:
                 continue
             reached[move.start] = len(run)
             run.append(move)
             if move.end in reached:
-                found.append(_loop(run[reached[move.end] :]))
+                found.append(_loop(run[reached[move.end] :], 0.0))
                 run, reached = [], {}
-        return found
+        return found + _nearly_closed(run, gap)
 
     def verify(self, safe_height: float, radius_tolerance: float) -> None:
         """Raise FileError at the first move that is unsafe or that a controller may reject.
@@ -350,8 +358,29 @@ def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
     return ""
 
 
-def _loop(run: list[CutterMove]) -> Loop:
+def _nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
+    """The part of an open run that comes back to within `gap` [mm] of its beginning, if any."""
+    import shapely
+
+    if not gap or not run:
+        return []
+    starts = np.array([move.start for move in run])
+    ends = np.array([move.end for move in run])
+    along = np.cumsum([0.0, *(move.course.length for move in run)])
+    tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
+    points = shapely.points(ends.real, ends.imag)
+    last, first = tree.query(points, predicate="dwithin", distance=gap)
+    long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
+    if not np.any(long):
+        return []
+    first, last = first[long], last[long]
+    best = int(np.argmin(np.abs(starts[first] - ends[last])))
+    apart = abs(starts[first[best]] - ends[last[best]])
+    return [_loop(run[first[best] : last[best] + 1], float(apart))]
+
+
+def _loop(run: list[CutterMove], gap: float) -> Loop:
     vertices = np.array([move.start for move in run])
     sweeps = np.array([move.sweep for move in run])
-    mismatch = max(move.mismatch for move in run)
+    mismatch = max(move.mismatch for move in run) + gap
     return Loop(run[0].operation, run[0].tool, run[0].z_start, chain(vertices, sweeps), mismatch)

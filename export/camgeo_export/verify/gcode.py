@@ -88,7 +88,7 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
         cut.name: replace(shape, name=cut.name, area=None)
         for cut, shape in zip(product.milled.cuts, exact, strict=True)
     }
-    loops = [(_owner(loop, shapes), loop) for loop in program.loops()]
+    loops = [(_owner(loop, shapes), loop) for loop in program.loops(tolerance)]
     checks: list[Check] = []
     for cut in product.milled.cuts:
         own = [loop for name, loop in loops if name == cut.name]
