@@ -30,7 +30,7 @@ from tests.long_form import examples
 from tests.strategies import attack
 
 SECONDS = 2.0
-"""Longest time for a plan of 50 segments. The slowest of 20,000 random ones took 0.4 s."""
+"""Longest computing time for a plan. The slowest of 20,000 random ones took less than 1 s."""
 
 POLYNOMIALS = ("polynomial-5", "polynomial-7", "polynomial")
 
@@ -53,8 +53,6 @@ SHAPED = {
 
 WORDS = r"allowed|must|leave|for which there are|polynomial-5|its parameters|one of them"
 """One of which a refusal has, to say what would do."""
-
-many = settings(attack, max_examples=examples(25, long=600))
 
 any_wish = st.integers(0, 2**32).map(lambda seed: wish_of(random.Random(seed)))
 
@@ -119,13 +117,13 @@ def request_of(
 
 def accepted(wish: list[Request]) -> MotionPlan:
     """The plan of a wish; one that is refused names a key and what would do."""
-    began = time.perf_counter()
+    began = time.process_time()
     plan, refusal = None, None
     try:
         plan = plan_motion(wish)
     except GeometryError as error:
         refusal = error
-    assert time.perf_counter() - began < SECONDS
+    assert time.process_time() - began < SECONDS
     if refusal is not None:
         assert refusal.key.startswith("motion[")
         assert re.search(WORDS, refusal.message)
@@ -170,27 +168,26 @@ def decides(request: Request) -> bool:
 
 
 @given(any_wish)
-@many
-def test_joints_are_as_smooth_as_the_laws_allow(wish: list[Request]) -> None:
-    for number, joint in enumerate(joints(accepted(wish))):
-        assert joint.order >= least_order(*beside(wish, number))
-
-
-@given(any_wish)
-@many
-def test_what_is_stated_is_met(wish: list[Request]) -> None:
+@settings(attack, max_examples=examples(30, long=2000))
+def test_any_plan(wish: list[Request]) -> None:
+    """One test for all that holds, because planning takes longer than to look at the plan."""
     plan = accepted(wish)
     for number, joint in enumerate(joints(plan)):
-        before, _ = beside(wish, number)
+        before, after = beside(wish, number)
+        assert joint.order >= least_order(before, after)
         for order, name in enumerate(("velocity", "acceleration", "jerk"), start=1):
             stated = getattr(before, name, None)
             if stated is not None:
                 assert_met(plan, joint, order, stated, math.radians(float(before.span)))
+    assert_between_ends(plan)
 
 
 def assert_met(plan: MotionPlan, joint: Joint, order: int, stated: float, length: float) -> None:
-    """Within rounding: of some ten operations on values as large as those of the segment, and of
-    its length, which is the difference of two rounded cam angles."""
+    """What is stated is met within rounding.
+
+    That is of some ten operations on values as large as those of the segment, and of its length,
+    which is the difference of two rounded cam angles.
+    """
     end = joint.cam_angle or 2.0 * math.pi
     inside = plan.jet(end - length * np.linspace(0.05, 0.95, 10))[order]
     found = float(plan.jet(np.array([end]), "left")[order, 0])
@@ -198,10 +195,8 @@ def assert_met(plan: MotionPlan, joint: Joint, order: int, stated: float, length
     assert abs(found - stated) <= (1e-12 + order * 2.0 * math.ulp(end) / length) * size
 
 
-@given(any_wish)
-@many
-def test_a_law_that_only_rises_stays_between_its_ends(wish: list[Request]) -> None:
-    plan = accepted(wish)
+def assert_between_ends(plan: MotionPlan) -> None:
+    """A law whose velocity does not change its sign stays between its ends."""
     position = 0.0
     for segment, start, end in plan.stretches:
         if isinstance(segment, Move) and segment.scale is None:
