@@ -6,6 +6,8 @@ import cmath
 import math
 from dataclasses import replace
 from decimal import Decimal
+from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from hypothesis import HealthCheck, assume, reject, settings
@@ -42,12 +44,27 @@ FAMILY_TASKS = [(name, task) for name, family in FAMILIES.items() for task in fa
 """All laws there are, each for each motion task that it is made for."""
 
 
+# What is drawn from again and again is made once: hypothesis checks a new strategy before it draws
+# from it, which takes longer than to draw.
+
+
+Value = TypeVar("Value")
+
+
+@cache
+def among(values: tuple[Value, ...]) -> st.SearchStrategy[Value]:
+    """One of the values."""
+    return st.sampled_from(values)
+
+
+@cache
 def inflections() -> st.SearchStrategy[float]:
     """lambda anywhere in (0, 1), also very near its ends."""
     near = st.floats(1.0, 6.0).map(lambda exponent: 10.0**-exponent)
     return st.one_of(st.just(0.5), st.floats(0.01, 0.99), near, near.map(lambda lam: 1.0 - lam))
 
 
+@cache
 def shares() -> st.SearchStrategy[float]:
     """A share in (0, 1], also very near its ends."""
     return st.one_of(st.just(1.0), inflections())
@@ -56,7 +73,7 @@ def shares() -> st.SearchStrategy[float]:
 @st.composite
 def laws(draw: st.DrawFn, names: tuple[str, ...] = tuple(LAWS)) -> Law:
     """A law from rest to rest, often shifted."""
-    return shift(LAWS[draw(st.sampled_from(names))], draw(inflections()))
+    return shift(LAWS[draw(among(names))], draw(inflections()))
 
 
 @st.composite
@@ -80,6 +97,7 @@ def parameters_of(draw: st.DrawFn, name: str, task: str) -> dict[str, float]:
     return given
 
 
+@cache
 def boundary_values(most: float) -> st.SearchStrategy[float]:
     """0, or a value that is not so small that no one has it."""
     size = st.floats(1e-6, most)
@@ -89,7 +107,7 @@ def boundary_values(most: float) -> st.SearchStrategy[float]:
 @st.composite
 def family_terms(draw: st.DrawFn, name: str) -> tuple[str, dict[str, float]]:
     """A motion task that a family is made for, and parameters for it."""
-    task = draw(st.sampled_from(FAMILIES[name].tasks))
+    task = draw(among(FAMILIES[name].tasks))
     return task, draw(parameters_of(name, task))
 
 
@@ -105,16 +123,22 @@ def family_laws(draw: st.DrawFn, name: str) -> Law:
         reject()
 
 
+@cache
+def distances() -> st.SearchStrategy[float]:
+    """From 0.1 down to 1e-16, all magnitudes alike."""
+    return st.floats(1.0, 16.0).map(lambda exponent: 10.0**-exponent)
+
+
 @st.composite
 def places(draw: st.DrawFn, law: Law) -> float:
     """A z in [0, 1]: anywhere, or as near as 1e-16 to an end, a border or the inflection."""
-    anywhere = st.floats(0.0, 1.0)
-    inner = law.borders if law.inflection is None else (law.inflection, *law.borders)
-    corner = st.sampled_from([0.0, *inner, 1.0])
-    distance = st.floats(1.0, 16.0).map(lambda exponent: 10.0**-exponent)
-    sign = st.sampled_from([-1.0, 0.0, 1.0])
-    near = st.builds(lambda z, d, s: min(max(z + s * d, 0.0), 1.0), corner, distance, sign)
-    z = draw(st.one_of(anywhere, near))
+    z: float
+    if draw(st.booleans()):
+        inner = law.borders if law.inflection is None else (law.inflection, *law.borders)
+        corner = draw(st.sampled_from((0.0, *inner, 1.0)))
+        z = min(max(corner + draw(among((-1.0, 0.0, 1.0))) * draw(distances()), 0.0), 1.0)
+    else:
+        z = draw(st.floats(0.0, 1.0))
     return z if z >= 1e-16 else 0.0
 
 
@@ -140,14 +164,15 @@ def plans(
         to = 0.0 if last else draw(st.floats(0.0, stroke))
         if shift_laws:
             lam = draw(st.floats(0.2, 0.8))
-            law = shift(LAWS[draw(st.sampled_from(names))], lam)
+            law = shift(LAWS[draw(among(names))], lam)
         else:
-            law = LAWS[draw(st.sampled_from(names))]
+            law = LAWS[draw(among(names))]
         segments.append(Move(span, to, law))
         position = to
     return MotionPlan(tuple(segments))
 
 
+@cache
 def cam_angles() -> st.SearchStrategy[float]:
     """A cam angle of one turn."""
     return st.floats(0.0, 2.0 * math.pi, exclude_max=True)
@@ -156,6 +181,7 @@ def cam_angles() -> st.SearchStrategy[float]:
 # Mechanisms -----------------------------------------------------------------------------------
 
 
+@cache
 def signs() -> st.SearchStrategy[int]:
     """+1 or -1."""
     return st.sampled_from([1, -1])
