@@ -162,9 +162,10 @@ class Oracle:
         """Z to Z''' and the sums of the magnitudes of their terms."""
         w, size = self.fixed(phi)
         turn = -1j * self.curve.rotation
+        powers = [turn**k for k in range(4)]  # exact: they are 1, i, -1 and -i
         phase = mp.exp(turn * phi)
         z = [
-            phase * sum(mp.binomial(k, j) * turn ** (k - j) * w[j] for j in range(k + 1))
+            phase * sum(math.comb(k, j) * powers[k - j] * w[j] for j in range(k + 1))
             for k in range(4)
         ]
         sizes = [size, *(float(abs(each)) for each in w[1:])]

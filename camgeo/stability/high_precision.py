@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Final
 
 from camgeo.errors import CamgeoError, GeometryError
@@ -17,6 +18,7 @@ of the 4-5-6-7 polynomial at z = 1e-12 leaves 32 digits of 1 - f; a double needs
 half an ulp 16 more."""
 
 
+@cache
 def multiprecision() -> Any:
     """mpmath's context `mp`.
 

@@ -29,11 +29,16 @@ def _simple_sine(z: Series) -> Series:
 
 
 def _polynomial_345(z: Series) -> Series:
-    return 10 * z**3 - 15 * z**4 + 6 * z**5
+    third = z**3
+    fourth = third * z
+    return 10 * third - 15 * fourth + 6 * (fourth * z)
 
 
 def _polynomial_4567(z: Series) -> Series:
-    return 35 * z**4 - 84 * z**5 + 70 * z**6 - 20 * z**7
+    fourth = z**4
+    fifth = fourth * z
+    sixth = fifth * z
+    return 35 * fourth - 84 * fifth + 70 * sixth - 20 * (sixth * z)
 
 
 def _inclined_sine(z: Series) -> Series:

@@ -7,6 +7,7 @@ k-th derivative is k! c_k.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +15,8 @@ from typing import Any
 from camgeo.stability.high_precision import Number, multiprecision
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+# No text of its own: mpmath makes that of what is not a number before it leaves a product to it.
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Series:
     """A Taylor series truncated after its last term; operands have the same number of terms."""
 
@@ -64,16 +66,16 @@ class Series:
     @property
     def real(self) -> Series:
         """The series of the real part, for a real t."""
-        return Series(tuple(multiprecision().re(a) for a in self.terms))
+        return Series(tuple(a.real for a in self.terms))
 
     @property
     def imag(self) -> Series:
         """The series of the imaginary part, for a real t."""
-        return Series(tuple(multiprecision().im(a) for a in self.terms))
+        return Series(tuple(a.imag for a in self.terms))
 
     def derivative(self, order: int) -> Number:
         """The derivative of that order at t = 0."""
-        return self.terms[order] * multiprecision().factorial(order)
+        return self.terms[order] * math.factorial(order)
 
     def slope(self) -> Series:
         """The series of the derivative, one term shorter."""
@@ -139,4 +141,7 @@ def cosine(angle: Series) -> Series:
 
 
 def _fold(a: tuple[Number, ...], b: tuple[Number, ...], k: int) -> Number:
-    return sum(a[i] * b[k - i] for i in range(k + 1))
+    total = a[0] * b[k]
+    for i in range(1, k + 1):
+        total = total + a[i] * b[k - i]
+    return total

@@ -115,5 +115,6 @@ def test_an_input_without_room_is_reported() -> None:
 
 def test_without_mpmath_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "mpmath", None)
+    high_precision.multiprecision.cache_clear()
     with pytest.raises(CamgeoError, match="pip install mpmath"):
         high_precision.multiprecision()
