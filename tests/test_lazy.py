@@ -175,7 +175,7 @@ def test_a_ring_is_refused_with_its_way() -> None:
 
 def test_the_property_equals_its_function() -> None:
     assert isinstance(Owner.base, lazy)
-    assert Owner.base.__doc__ == "What the others stand on."
+    assert Owner.base.__doc__ == "What the others are based on."
     assert Owner.base.name == "base"
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.verifying.verification import Check, failed
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
 ROUNDING = 2.0**-52 * 4.0
@@ -83,7 +84,7 @@ def upright(corners: FloatArray, within: float = 0.0) -> Check:
     first = corners[int(np.argmin(upright))].mean(axis=0)
     place = ", ".join(f"{value:.6g}" for value in first)
     count = int(np.count_nonzero(~upright))
-    return failed("walls", f"{count} facets are neither flat nor upright, one near ({place}) mm")
+    return failed("walls", f"{counted(count, 'facet')} neither flat nor upright, one near ({place}) mm")
 
 
 def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
