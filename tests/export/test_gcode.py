@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -16,10 +17,12 @@ from camgeo.toolpath import machine as machines
 from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.units import LengthUnit
+from camgeo.verifying.verification import Origin, Reading
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.blocks import Budget, Grid, Speller, budget
 from camgeo_export.gcode.reader import Program, read
 from camgeo_export.gcode.writer import WRITER
+from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import StubProduct
 
 LINUXCNC = machines.load("linuxcnc")
@@ -422,3 +425,19 @@ def test_names_are_made_safe_for_comments() -> None:
     text = WRITER.write(StubProduct(name="a(b)ü" + "x" * 90), 0.01).data.decode()
     assert text.startswith("(part a[b]?x")
     assert max(map(len, text.splitlines())) <= 78
+
+
+def test_comments_up_to_the_end_of_a_line(tmp_path: Path) -> None:
+    """As some controllers want them: what they state is read all the same."""
+    text = files("camgeo.toolpath").joinpath("machines", "linuxcnc.toml").read_text("utf-8")
+    profile = tmp_path / "semicolon.toml"
+    profile.write_text(
+        text.replace('open = "("', 'open = "; "').replace('close = ")"', 'close = ""')
+    )
+    product = StubProduct(gcode=GcodeSpec(machine=str(profile)))
+    data = WRITER.write(product, 0.01).data
+    assert b"(" not in data
+    assert WRITER.measure(product, data) <= 0.01
+    assert VERIFIER.origin(data) == Origin(ours=True, scene=product.scene_hash, tolerance=0.01)
+    checks = VERIFIER.checks(product, data, Reading("a.ngc", ours=True), 0.01)
+    assert all(check.ok is not False for check in checks)
