@@ -14,9 +14,9 @@ def test_the_page_is_made_by_its_script() -> None:
     assert page_maker("sizing_page").page() == written, "run python docs/sizing_page.py"
 
 
-def test_the_page_has_its_picture_and_readme_the_page() -> None:
-    picture = page_maker("sizing_page").PICTURE
-    assert f"(images/{picture.name})" in (DOCS / "sizing.md").read_text(encoding="utf-8")
-    drawn = picture.read_bytes()
-    assert drawn.startswith(b"<?xml")
+def test_the_page_has_its_pictures_and_readme_the_page() -> None:
+    maker = page_maker("sizing_page")
+    for picture in (maker.PICTURE, maker.OF_FACE):
+        assert f"(images/{picture.name})" in (DOCS / "sizing.md").read_text(encoding="utf-8")
+        assert picture.read_bytes().startswith(b"<?xml")
     assert "(docs/sizing.md)" in (DOCS.parent / "README.md").read_text(encoding="utf-8")

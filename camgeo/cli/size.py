@@ -24,8 +24,8 @@ from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
 
 SUMMARY: Final = (
-    "find the smallest base circle, with its offset or pivot, that keeps the limits, and Flocke's"
-    " proposal"
+    "find the smallest base circle, with its offset or pivot and arm side, that keeps the limits,"
+    " and Flocke's proposal"
 )
 
 EXAMPLE: Final = (
@@ -50,6 +50,13 @@ def options(parser: argparse.ArgumentParser) -> None:
         help="largest allowed r_R/r_K, above 0 to 1; default: the scene's",
     )
     parser.add_argument(
+        "--radius-of-curvature",
+        metavar="LENGTH",
+        type=float,
+        default=0.0,
+        help="smallest allowed for the cam of a flat face, in the scene's unit; default 0",
+    )
+    parser.add_argument(
         "--arm",
         nargs=2,
         metavar=("LOW", "HIGH"),
@@ -60,7 +67,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--scene",
         metavar="FILE",
         dest="target",
-        help="write the scene with the answer's base_radius and offset or pivot",
+        help="write the scene with the answer's base_radius, offset or pivot, and arm_side",
     )
     add_json(parser)
     add_picture(parser)
@@ -80,6 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         design,
         transmission_angle=None if angle is None else math.radians(angle),
         radius_ratio=arguments.radius_ratio,
+        radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
     _write(found, arguments)
@@ -88,13 +96,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _write(found: CamSize, arguments: argparse.Namespace) -> None:
     files, unit = [], found.scene.unit
-    if arguments.target is not None and found.sizing.answer is not None:
+    if arguments.target is not None and found.written is not None:
         target, source = Path(arguments.target), Path(arguments.scene)
         if found.scene.files and target.resolve().parent != source.resolve().parent:
             raise SceneError(
                 [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
             )
-        radius = f"base radius {found.sizing.answer.base_radius / MM_PER[unit]:.6g} {unit}"
+        radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
         files.append((target, sized_scene(found).to_toml().encode(), radius))
     elif arguments.target is not None:
         notify(f"{arguments.target}: not written, there is no such mechanism")

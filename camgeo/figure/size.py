@@ -1,17 +1,19 @@
 """Where the cam axis may lie: the exact region and Flocke's, the present design and the answer.
 
 Drawn as a designer would: the follower in its starting position, the cam axis below it or to its
-side.
+side. A rocker has a region on either side of its arm.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
+from camgeo.check.sizing.placing import Placing
 from camgeo.check.sizing.region import flocke_limits, ratio_map, row_limits
-from camgeo.check.sizing.smallest import Sizing
+from camgeo.check.sizing.smallest import Rating, Sizing
 from camgeo.check.sizing.task import Task
 from camgeo.figure.layout import grid
 from camgeo.figure.marks import Band, Circle, Field, Fill, Line, Mark, Rule, Style, over
@@ -33,16 +35,38 @@ TOO_BENT: Final = Fill("#f0b8b4", "#f0b8b4")
 REGION: Final = Fill("#c9dcee", "#c9dcee", 0.0)
 FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)
 
+DEEPER: Final = 1.45
+"""Depth of the picture below the follower, as a multiple of that of the deepest place in it."""
 
-def figure(name: str, task: Task, sizing: Sizing) -> Figure:
+Sides = Sequence[tuple[Task, Sizing]]
+"""What was sized, and its sizing: the scene's own side first."""
+
+Window = tuple[FloatArray, FloatArray]
+"""Ends (2,) of x and of y of the picture [mm]."""
+
+
+def figure(name: str, sides: Sides) -> Figure:
     """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
-    columns, rows = window(task, sizing)
-    marks = [*_regions(task, sizing, columns, rows), *_follower(task), *_places(task, sizing)]
-    x, y = seen(task, columns, rows)
+    shown = window(sides)
+    marks: list[Mark] = []
+    for number, (task, sizing) in enumerate(sides):
+        marks += _regions(task, sizing, shown, named=number == 0)
+    task, own = sides[0]
+    marks += _follower(task)
+    marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
+    if own.flocke is not None:
+        marks += places(task, "Flocke", own.flocke.place, Style("black", 0.0, marker="^"))
+    marks += answers(sides)
+    return framed(name, marks, shown)
+
+
+def framed(name: str, marks: Sequence[Mark], shown: Window) -> Figure:
+    """The figure of these marks."""
+    x, y = shown
     panel = Panel(
         grid(SIZE, MARGINS)[0],
-        Axis((float(min(x)), float(max(x))), "x [mm]"),
-        Axis((float(min(y)), float(max(y))), "y [mm]"),
+        Axis((float(x[0]), float(x[1])), "x [mm]"),
+        Axis((float(y[0]), float(y[1])), "y [mm]"),
         tuple(marks),
         f"{name}: where the cam axis may lie",
         legend=Legend(entries(marks)),
@@ -51,47 +75,67 @@ def figure(name: str, task: Task, sizing: Sizing) -> Figure:
     return Figure(SIZE, (panel,))
 
 
-def seen(task: Task, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """x, y of the picture [mm] from real and imaginary part of places, see `Task`."""
+def seen(task: Placing, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """x, y of the picture [mm] from real and imaginary part of places, see `Placing`."""
     across, up = task.seen
     return across * real, up * imag
 
 
-def window(task: Task, sizing: Sizing) -> tuple[FloatArray, FloatArray]:
-    """Columns (2,) and rows (2,) of the places that are shown, as wide as high [mm]."""
-    rated = (sizing.flocke, sizing.for_angle, sizing.answer)
-    places = [task.present, task.start, *(each.place for each in rated if each is not None)]
-    if task.held is not None:
-        places.append(task.held)
-    real, imag = np.array([p.real for p in places]), np.array([p.imag for p in places])
-    room = 1.4 * task.follower.roller_radius
-    low = float(np.min(imag)) * 1.45
-    half = 0.5 * max(room - low, 1.2 * float(np.ptp(real)) + 2.0 * room)
-    middle = 0.5 * float(np.min(real) + np.max(real))
-    return np.array([middle - half, middle + half]), np.array([room - 2.0 * half, room])
+def window(sides: Sides) -> Window:
+    """Ends of x and y [mm]: all places of all sides, as wide as high."""
+    across, depths, room = [], [0.0, 0.0], 0.0
+    for task, sizing in sides:
+        rated = (sizing.flocke, sizing.for_angle, sizing.answer)
+        shown = [task.start, *(each.place for each in rated if each is not None)]
+        if task is sides[0][0]:
+            shown.append(task.present)
+        if task.held is not None:
+            shown.append(task.held)
+        across += [task.seen[0] * each.real for each in shown]
+        below = 0 if task.seen[1] > 0 else 1
+        depths[below] = -DEEPER * min(each.imag for each in shown)
+        room = 1.4 * task.follower.roller_radius
+    low, high = (max(depth, room) for depth in depths)
+    return square(np.array(across), low, high, room)
 
 
-def _regions(task: Task, sizing: Sizing, columns: FloatArray, rows: FloatArray) -> list[Mark]:
-    depths = np.linspace(rows[0], 0.0, ROWS)
+def square(across: FloatArray, low: float, high: float, room: float) -> Window:
+    """Ends of x about `across` [mm], and of y from -`low` to `high`, as wide as high."""
+    half = 0.5 * max(high + low, 1.2 * float(np.ptp(across)) + 2.0 * room)
+    middle = 0.5 * float(np.min(across) + np.max(across))
+    more = half - 0.5 * (high + low)
+    # More room is of use where the axis may lie.
+    below = 2.0 * more * low / (low + high)
+    return np.array([middle - half, middle + half]), np.array(
+        [-low - below, high + 2.0 * more - below]
+    )
+
+
+def _regions(task: Task, sizing: Sizing, shown: Window, *, named: bool) -> list[Mark]:
+    across, up = task.seen
+    columns, heights = np.sort(across * shown[0]), np.sort(up * shown[1])
+    depths = np.linspace(min(heights[0], 0.0), 0.0, ROWS)
     angle = f"μ ≥ {np.degrees(sizing.angle):g}°"
     low, high = row_limits(task, np.tan(sizing.angle), depths)
-    exact = _band(task, depths, low, high, columns, REGION, f"{angle}, exact")
-    low, high = flocke_limits(sizing.construction, depths)
+    exact = band(task, depths, low, high, columns, REGION, f"{angle}, exact" if named else "")
     marks: list[Mark] = [exact]
-    marks.append(_band(task, depths, low, high, columns, FLOCKE, f"{angle} by Flocke"))
+    if sizing.construction is not None:
+        low, high = flocke_limits(sizing.construction, depths)
+        label = f"{angle} by Flocke" if named else ""
+        marks.append(band(task, depths, low, high, columns, FLOCKE, label))
     x = np.linspace(columns[0], columns[1], CELLS)
-    y = np.linspace(rows[0], 0.0, CELLS)
+    y = np.linspace(depths[0], 0.0, CELLS)
     ratios = ratio_map(task, x, y, MOST * sizing.ratio)
     if not np.all(np.isnan(exact.low)) and np.any(ratios > sizing.ratio):
-        across, up = seen(task, x, y)
+        over_x, over_y = seen(task, x, y)
         levels = sizing.ratio, MOST * sizing.ratio
-        label = f"there r$_R$/r$_K$ > {sizing.ratio:g}"
-        marks.append(Field(across, up, ratios, levels, TOO_BENT, exact, label, layer=2.0))
+        label = f"there r$_R$/r$_K$ > {sizing.ratio:g}" if named else ""
+        marks.append(Field(over_x, over_y, ratios, levels, TOO_BENT, exact, label, layer=2.0))
     return marks
 
 
-def _band(
-    task: Task,
+def band(
+    task: Placing,
     rows: FloatArray,
     low: FloatArray,
     high: FloatArray,
@@ -99,6 +143,7 @@ def _band(
     style: Fill,
     label: str,
 ) -> Band:
+    """The places between `low` and `high` (n,) of each row (n,) [mm], where there are any."""
     met = low <= high
     margin = float(np.ptp(columns))  # beyond the picture on both sides
     low = np.clip(low, columns[0] - margin, columns[1] + margin)
@@ -114,24 +159,35 @@ def _follower(task: Task) -> list[Mark]:
     start = task.start
     roller = Circle((start.real, 0.0), task.follower.roller_radius, Fill(edge="black"))
     if task.held is not None:
-        pivot = Style("black", marker="o", face="white", edge="black")
         arm = Line(over([0.0, start.real], [0.0, 0.0]), Style("black", 2.0))
-        return [roller, arm, Line(over([0.0], [0.0]), pivot)]
+        return [roller, arm, pivot()]
     return [roller, Rule("x", 0.0, Style("black", 0.8, (8.0, 3.0, 2.0, 3.0)))]
 
 
-def _places(task: Task, sizing: Sizing) -> list[Mark]:
-    found = [("present design", task.present, Style(AUXILIARY, 0.0, marker="s"))]
+def pivot() -> Line:
+    """That of a rocker."""
+    return Line(over([0.0], [0.0]), Style("black", marker="o", face="white", edge="black"))
+
+
+def places(task: Placing, label: str, place: complex, style: Style) -> list[Mark]:
+    """A place with its name."""
+    at = seen(task, np.array([place.real]), np.array([place.imag]))
+    return [Line(over(*at), style, label, layer=5.0)]
+
+
+def answers(sides: Sequence[tuple[Placing, Sizing]]) -> list[Mark]:
+    """The answer of each side, with its base circle; the smallest first."""
+    found: list[tuple[Rating, Placing]] = [
+        (sizing.answer, task) for task, sizing in sides if sizing.answer is not None
+    ]
+    found.sort(key=lambda each: each[0].base_radius)
     marks: list[Mark] = []
-    if sizing.flocke is not None:
-        found.append(("Flocke", sizing.flocke.place, Style("black", 0.0, marker="^")))
-    if sizing.answer is not None:
-        place = sizing.answer.place
-        found.append(("smallest, exact", place, Style(LIMIT, 0.0, marker="o")))
-        (x,), (y,) = seen(task, np.array([place.real]), np.array([place.imag]))
+    labels = "smallest", "smallest on the other side"
+    fills = (LIMIT, "white")
+    for (rating, task), label, face in zip(found, labels, fills, strict=False):
+        style = Style(LIMIT, 0.0, marker="o", face=face, edge=LIMIT)
+        marks += places(task, label, rating.place, style)
+        (x,), (y,) = seen(task, np.array([rating.place.real]), np.array([rating.place.imag]))
         dashed = Fill(edge=LIMIT, dashes=LIMIT_STYLE.dashes)
-        marks.append(Circle((float(x), float(y)), sizing.answer.base_radius, dashed))
-    for label, place, style in found:
-        at = seen(task, np.array([place.real]), np.array([place.imag]))
-        marks.append(Line(over(*at), style, label, layer=5.0))
+        marks.append(Circle((float(x), float(y)), rating.base_radius, dashed))
     return marks

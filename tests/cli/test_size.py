@@ -9,16 +9,20 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.size import resized
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.cli.main import main
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.new import template
+from camgeo.units import MM_PER
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 SETZHUB = str(SCENES / "setzhub.toml")
 
 Capture = pytest.CaptureFixture[str]
+
+
+def sizes(base_radius: float) -> dict[str, float]:
+    return {"follower.base_radius": base_radius, "follower.offset": 0.0}
 
 
 def test_it_prints_the_answer(capsys: Capture) -> None:
@@ -27,8 +31,11 @@ def test_it_prints_the_answer(capsys: Capture) -> None:
     assert "required: transmission angle at least 41 deg, r_R/r_K at most 0.7" in out
     rows = {line[:24].strip(): line.split() for line in out.splitlines()}
     assert rows["present design"][2] == "50.1990"
-    assert rows["smallest, exact"][2:5] == ["43.1442", "65.0964", "41.0000"]
-    assert "decided by the transmission angle of 41 deg at cam angle 158.95" in out
+    assert rows["smallest on its present"][5:8] == ["43.1443", "65.0965", "41.0001"]
+    assert rows["smallest"][1:4] == ["18.4924", "65.1478", "41.0000"]
+    assert 'the smallest has follower.arm_side = "cw"' in out
+    assert "decided by the transmission angle of 41 deg at cam angle 139.11" in out
+    assert "the limit is 18.4923969 mm, exactly" in out
     assert "Flocke's base circle is 23% larger" in out
 
 
@@ -63,10 +70,8 @@ def test_an_arm_is_found_and_written(tmp_path: Path, capsys: Capture) -> None:
     assert after.cam.follower.arm == 40.0
     assert main(["size", str(target), "--json"]) == 0
     reported = json.loads(capsys.readouterr().out)
-    assert reported["smallest"]["arm_mm"] == 40.0
-    assert reported["smallest"]["base_radius_mm"] == pytest.approx(
-        after.cam.follower.base_radius, rel=1e-9
-    )
+    assert reported["written"]["arm_mm"] == 40.0
+    assert reported["written"]["base_radius_mm"] == after.cam.follower.base_radius
 
 
 def test_an_arm_is_refused_where_there_is_none(capsys: Capture) -> None:
@@ -76,13 +81,22 @@ def test_an_arm_is_refused_where_there_is_none(capsys: Capture) -> None:
 
 
 @pytest.mark.parametrize("kind", ["translating-flat", "oscillating-flat"])
-def test_other_followers_are_refused(kind: str, tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
+def test_flat_faces_are_sized(kind: str, tmp_path: Path, capsys: Capture) -> None:
+    scene, target = tmp_path / "scene.toml", tmp_path / "sized.toml"
     scene.write_text(template(kind))
-    assert main(["size", str(scene)]) == 2
-    reported = capsys.readouterr().err
-    assert f"follower.kind = {kind}" in reported
-    assert "needs a roller follower" in reported
+    call = ["size", str(scene), "--radius-of-curvature", "4", "--scene", str(target)]
+    assert main([*call, "-o", str(tmp_path / "size.svg")]) == 0
+    out = capsys.readouterr().out
+    assert "a convex cam with radii of curvature of at least 4 mm" in out
+    assert "decided by the radius of curvature at cam angle" in out
+    found = {each.name: each for each in camgeo.load(target).findings}
+    assert found["convexity"].severity == "ok"
+    assert found["convexity"].value == pytest.approx(4.0, abs=1e-3)
+    assert {each.severity for each in found.values()} <= {"ok", "warning"}
+    assert main(["size", str(scene), "--arm", "40", "60"]) == 2
+    assert "only an oscillating roller follower has an arm" in capsys.readouterr().err
+    assert main(["size", str(scene), "--radius-of-curvature", "-1"]) == 2
+    assert "radius_of_curvature = -1: must be a length" in capsys.readouterr().err
 
 
 def test_infeasible_is_1_and_writes_no_scene(tmp_path: Path, capsys: Capture) -> None:
@@ -107,9 +121,14 @@ def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: 
     assert main(["size", str(source), "--json", "--scene", str(target)]) == 0
     reported = json.loads(capsys.readouterr().out)
     before, after = camgeo.load(source), camgeo.load(target)
-    assert after.cam.follower.base_radius == pytest.approx(
-        reported["smallest"]["base_radius_mm"], rel=1e-9
-    )
+    assert after.cam.follower.base_radius == reported["written"]["base_radius_mm"]
+    assert not [each for each in after.findings if each.severity not in ("ok", "warning")]
+    inside = MM_PER[before.scene.unit]
+    limit = reported["smallest"]["base_radius_mm"]
+    last = 1e-4 if before.scene.unit == "mm" else 1e-5 * inside
+    assert limit <= after.cam.follower.base_radius < limit + last
+    line = next(line for line in target.read_text().splitlines() if "base_radius" in line)
+    assert len(line.partition("=")[2].partition("#")[0].strip()) <= 8
     limit = math.degrees(transmission_angle_limit(before.cam, before.scene.limits))
     for finding in after.findings:
         if finding.name == "transmission-angle":
@@ -119,7 +138,7 @@ def test_the_scene_written_keeps_its_limits(scene: str, tmp_path: Path, capsys: 
         if finding.name.startswith("radius-ratio"):
             assert finding.severity == "ok"
     # Nothing but the sizes is another one.
-    changed = ("base_radius", "offset", "pivot")
+    changed = ("base_radius", "offset", "pivot", "arm_side", "direction")
     old, new = (
         [line for line in text.splitlines() if not line.startswith(changed)]
         for text in (source.read_text(), target.read_text())
@@ -136,7 +155,7 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
         text = template(kind)
         source.write_text(text)
         scene = camgeo.load(source).scene
-        written = resized(scene, {"base_radius": 51.0}).to_toml()
+        written = scene.with_values({"follower.base_radius": 51.0}).to_toml()
         assert "\nbase_radius = 51.0 " in written
         assert [line.partition("#")[2] for line in written.splitlines()] == [
             line.partition("#")[2] for line in text.splitlines()
@@ -144,7 +163,7 @@ def test_comments_stay_and_a_missing_offset_is_added(tmp_path: Path) -> None:
     text = (SCENES / "ring.toml").read_text()
     assert "\noffset" not in text
     scene = camgeo.load(SCENES / "ring.toml").scene
-    written = resized(scene, {"base_radius": 61.0, "offset": -0.0}).to_toml()
+    written = scene.with_values(sizes(61.0)).to_toml()
     assert "\nbase_radius = 61.0\noffset = 0.0\n" in written
 
 
@@ -156,7 +175,7 @@ follower = { kind = "translating-roller", base_radius = 40, roller_radius = 8 } 
 motion = [{ dwell = 360 }]
 """
     scene = camgeo.loads(text).scene
-    written = resized(scene, {"base_radius": 41.5, "offset": 0.0}).to_toml()
+    written = scene.with_values(sizes(41.5)).to_toml()
     assert 'follower = { kind = "translating-roller", base_radius = 41.5, ' in written
     assert "offset = 0.0" in written
     assert "# one line" in written

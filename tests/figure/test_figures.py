@@ -53,7 +53,7 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 def of_size() -> Figure:
     design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
     task = task_of(design.cam)
-    return size.figure(design.name, task, sized(task, np.radians(45.0), 0.5))
+    return size.figure(design.name, [(task, sized(task, np.radians(45.0), 0.5))])
 
 
 def of_replay() -> Figure:

@@ -28,7 +28,7 @@ def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
 
 
 def panel_of(task: Task, sizing: Sizing) -> Panel:
-    (panel,) = figure("cam", task, sizing).panels
+    (panel,) = figure("cam", [(task, sizing)]).panels
     return panel
 
 
@@ -46,7 +46,7 @@ def test_everything_is_marked_inside_the_picture(name: str) -> None:
     places = {
         "present design": task.present,
         "Flocke": sizing.flocke.place,
-        "smallest, exact": sizing.answer.place,
+        "smallest": sizing.answer.place,
     }
     (left, right), (low, high) = panel.x.limits, panel.y.limits
     for label, place in places.items():
@@ -64,7 +64,7 @@ def test_everything_is_marked_inside_the_picture(name: str) -> None:
 
 def test_the_window_is_square() -> None:
     for name in ("plate_translating", "setzhub"):
-        columns, rows = window(*sized(name))
+        columns, rows = window([sized(name)])
         assert np.ptp(columns) == pytest.approx(np.ptp(rows))
 
 
@@ -73,10 +73,10 @@ def test_a_picture_of_what_cannot_be_met() -> None:
     assert sizing.answer is None
     marked = lines_of(panel_of(task, sizing))
     assert "present design" in marked
-    assert "smallest, exact" not in marked
+    assert "smallest" not in marked
 
 
 def test_same_input_same_bytes() -> None:
     task, sizing = sized("schnitt")
-    drawn, again = (render(figure("a", task, sizing), ".svg") for _ in range(2))
+    drawn, again = (render(figure("a", [(task, sizing)]), ".svg") for _ in range(2))
     assert drawn == again

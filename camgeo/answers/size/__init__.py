@@ -3,53 +3,89 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar, Final
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any, ClassVar, Final
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
+from camgeo.answers.size.writing import scene_with
+from camgeo.cam.cam import Cam
+from camgeo.check.finding import Finding
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing import smallest
-from camgeo.check.sizing.arm import size_with_arm
-from camgeo.check.sizing.smallest import Rating, Sizing, rate
+from camgeo.check.sizing.arm import size_with_arm, with_arm
+from camgeo.check.sizing.face_task import FaceTask, face_task_of
+from camgeo.check.sizing.faces import rate_face, size_for_face
+from camgeo.check.sizing.placing import Placing
+from camgeo.check.sizing.rounding import Made, exponent_of, rounded, rounded_face
+from camgeo.check.sizing.smallest import SIDES, Rating, Sizing, rate
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.design import Design
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, SceneError
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER
+from camgeo.units import MM_PER, LengthUnit
 
-MARGIN: Final = 1e-11
-"""Margin [rad, and as a share of the ratio] by which a written scene keeps its limits: at the limit
-itself rounding would decide the result of `camgeo check`."""
+NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
+
+BAD: Final = ("broken", "no-disc", "invalid")
+"""Severities of findings that matter."""
 
 
 @dataclass(frozen=True, slots=True)
-class CamSize(Answer):
-    """How small a cam may be.
+class Side:
+    """A rocker's arm on one side of the line pivot -> cam axis; or a guide.
 
     Attributes
     ----------
-    scene : of the present design.
     task : what was sized; its follower has the arm that was found, if one was looked for.
     sizing : the requirement, and the smallest cams that meet it.
-    present : the present design; None if there is no such mechanism.
+    unit : of length in the scene.
+    made : the answer with its sizes rounded up, as they are written; None if there is none.
     """
 
-    command: ClassVar[str] = "size"
-
-    scene: Scene
-    task: Task
+    task: Placing
     sizing: Sizing
-    present: Rating | None
+    unit: LengthUnit
+    made: Made | None = None
+
+    @property
+    def written(self) -> Rating | None:
+        """What the rounded sizes result in."""
+        return None if self.made is None else rated(self.made.cam)
+
+    @property
+    def arm_side(self) -> str | None:
+        """As in scenes; None on a guide."""
+        side = self.task.arm_side
+        return None if side is None else SIDES[side]
+
+    @property
+    def base_radius(self) -> float:
+        """Of the answer [mm]; infinite if there is none."""
+        answer = self.sizing.answer
+        return math.inf if answer is None else answer.base_radius
 
     @property
     def infeasible(self) -> str | None:
         """Why there is no answer, and what there is instead; None if there is one."""
-        sizing, unit = self.sizing, self.scene.unit
-        if sizing.answer is not None:
+        if self.sizing.answer is not None:
             return None
-        if sizing.for_angle is None:
-            nearest = math.degrees(sizing.nearest_angle or 0.0)
+        if self.sizing.construction is None:
+            return self._of_face()
+        return self._of_roller(self.sizing)
+
+    def _of_face(self) -> str:
+        if self.sizing.hopeless is not None:
+            return f"infeasible at any size: {self.sizing.hopeless}"
+        return (
+            "infeasible: with its pivot there, no base radius gives a convex cam that goes round"
+            " its axis and keeps the transmission angle over the whole turn; move the pivot, or"
+            " make follower.face_offset smaller"
+        )
+
+    def _of_roller(self, sizing: Sizing) -> str:
+        if sizing.nearest_angle is not None:
+            nearest = math.degrees(sizing.nearest_angle)
             return (
                 f"infeasible: no place of the cam axis keeps a transmission angle of"
                 f" {math.degrees(sizing.angle):g} deg over the whole turn, because the swing is too"
@@ -59,12 +95,72 @@ class CamSize(Answer):
         sure = "there is no place" if sizing.none_below > reach else "no place was found"
         message = (
             "infeasible: where the transmission angle is kept, the roller is too large for the"
-            f" curvature of the pitch curve; {sure} with r_R/r_K at most {sizing.ratio:g} up to a"
-            f" base radius of {reach / MM_PER[unit]:.4g} {unit}"
+            f" pitch curve; {sure} without undercut and with r_R/r_K at most {sizing.ratio:g} up to"
+            f" a base radius of {reach / MM_PER[self.unit]:.4g} {self.unit}"
         )
         if sizing.nearest_ratio is None:
             return message
         return f"{message}; the smallest ratio found is about {sizing.nearest_ratio:.3g}"
+
+
+@dataclass(frozen=True, slots=True)
+class CamSize(Answer):
+    """How small a cam may be.
+
+    Attributes
+    ----------
+    scene : of the present design.
+    sides : the scene's own first; the other one too for a rocker.
+    present : the present design; None if there is no such mechanism.
+    remarks : what `camgeo check` still finds wrong in the scene with it: what does not depend on
+        these sizes, or belongs to a return disc.
+    """
+
+    command: ClassVar[str] = "size"
+
+    scene: Scene
+    sides: tuple[Side, ...]
+    present: Rating | None
+    remarks: tuple[Finding, ...] = ()
+
+    @property
+    def best(self) -> Side:
+        """The side with the smallest base circle; the scene's own if there is nothing to choose."""
+        return min(self.sides, key=lambda side: side.base_radius)
+
+    @property
+    def own(self) -> Side:
+        """The scene's own side."""
+        return self.sides[0]
+
+    @property
+    def longer_face(self) -> tuple[float, float] | None:
+        """The face [mm] that the sizes which are written need; None if it is long enough."""
+        if self.best.made is None or "face" not in self.best.made.lengths:
+            return None
+        follower: Any = self.best.made.cam.follower
+        ends: tuple[float, float] = follower.face
+        return ends
+
+    @property
+    def task(self) -> Placing:
+        """What was sized, on that side."""
+        return self.best.task
+
+    @property
+    def sizing(self) -> Sizing:
+        """Its sizing."""
+        return self.best.sizing
+
+    @property
+    def written(self) -> Rating | None:
+        """The answer with its sizes rounded up; None if there is none."""
+        return self.best.written
+
+    @property
+    def infeasible(self) -> str | None:
+        """Why there is no answer, see `Side`."""
+        return self.best.infeasible
 
     @property
     def exit_code(self) -> int:
@@ -72,37 +168,111 @@ class CamSize(Answer):
         return FINE if self.infeasible is None else BROKEN
 
 
+def rated(cam: Cam) -> Rating | None:
+    """What a cam results in; None if there is no such mechanism."""
+    found: Rating | None
+    if cam.follower.has_pitch_curve:
+        task = task_of(cam)
+        found = rate(task, task.present)
+    else:
+        face = face_task_of(cam)
+        found = rate_face(face, face.present)
+    return None if found is None else replace(found, follower=cam.follower)
+
+
 def size(
     design: Design,
     *,
     transmission_angle: float | None = None,
     radius_ratio: float | None = None,
+    radius_of_curvature: float = 0.0,
     arms: tuple[float, float] | None = None,
 ) -> CamSize:
-    """Look for the smallest base circle.
+    """Look for the smallest base circle, on both sides of a rocker.
 
     Parameters
     ----------
     transmission_angle : the smallest that is allowed [rad]; None for that of the scene.
     radius_ratio : the largest r_R/r_K that is allowed; None for that of the scene.
+    radius_of_curvature : the smallest that is allowed for the outline under a flat face [mm].
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
 
     Raises
     ------
     GeometryError
-        As `check.sizing.smallest.size` and `check.sizing.arm.size_with_arm`, and if the follower
-        has no roller.
+        As `check.sizing.smallest.size`, `check.sizing.faces.size_for_face` and
+        `check.sizing.arm.size_with_arm`.
     """
-    task, limits = task_of(design.cam), design.scene.limits
-    present = rate(task, task.present)
-    angle, ratio = transmission_angle, radius_ratio
+    limits, cam = design.scene.limits, design.cam
+    angle = transmission_angle
     if angle is None:
-        angle = transmission_angle_limit(design.cam, limits)
-    if ratio is None:
-        ratio = limits.radius_ratio
+        angle = transmission_angle_limit(cam, limits)
+    ratio = limits.radius_ratio if radius_ratio is None else radius_ratio
+    unit = design.scene.unit
+    if cam.follower.has_pitch_curve:
+        sides = _of_roller(task_of(cam), unit, angle, ratio, arms)
+    elif arms is not None:
+        raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
+    else:
+        sides = tuple(
+            Side(each, size_for_face(each, angle, radius_of_curvature), unit)
+            for each in face_task_of(cam).sides
+        )
+    sides = tuple(replace(side, made=_made(design.scene, side, ratio)) for side in sides)
+    found = CamSize(design.scene, sides, rated(cam))
+    made = found.best.made
+    return found if made is None else replace(found, remarks=_remarks(design.scene, made))
+
+
+def _of_roller(
+    own: Task, unit: LengthUnit, angle: float, ratio: float, arms: tuple[float, float] | None
+) -> tuple[Side, ...]:
     if arms is None:
-        return CamSize(design.scene, task, smallest.size(task, angle, ratio), present)
-    return CamSize(design.scene, *size_with_arm(task, angle, ratio, *arms), present)
+        return tuple(Side(each, smallest.size(each, angle, ratio), unit) for each in own.sides)
+    found = []
+    for each in own.sides:
+        task, sizing = size_with_arm(each, angle, ratio, *arms)
+        arm = stated_arm(task.follower.arm, arms, MM_PER[unit])
+        if arm != task.follower.arm:
+            task = with_arm(task, arm)
+            sizing = smallest.size(task, angle, ratio)
+        found.append(Side(task, sizing, unit))
+    return tuple(found)
+
+
+def stated_arm(arm: float, arms: tuple[float, float], unit: float) -> float:
+    """An arm [mm] with the decimals with which it is written in a unit of `unit` mm."""
+    if arm in arms:
+        return arm
+    last = Decimal(1).scaleb(exponent_of(arm, unit))
+    return min(max(unit * float(Decimal(arm / unit).quantize(last)), arms[0]), arms[1])
+
+
+def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
+    """The answer with its sizes rounded up, and the arm that was found."""
+    task, sizing, unit = side.task, side.sizing, MM_PER[side.unit]
+    if sizing.answer is None:
+        return None
+    if isinstance(task, FaceTask):
+        least = sizing.radius or 0.0
+        return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
+    assert isinstance(task, Task)
+    assert sizing.examined is not None  # as there is an answer
+    place, now = sizing.answer.place, sizing.examined
+    made = rounded(task, place, now, sizing.angle, ratio, unit)
+    arm, present = (getattr(each, "arm", None) for each in (task.follower, scene.follower))
+    if made is None or arm is None or arm == present:
+        return made
+    return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
+
+
+def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
+    """What the checks find wrong in the scene with these sizes."""
+    try:
+        findings = Design(scene_with(scene, made)).findings
+    except SceneError:  # which is reported where it is written
+        return ()
+    return tuple(each for each in findings if each.severity in BAD)
 
 
 def sized_scene(found: CamSize) -> Scene:
@@ -112,33 +282,10 @@ def sized_scene(found: CamSize) -> Scene:
     ------
     GeometryError
         If there is no such scene.
+    SceneError
+        If the scene would not be valid with them.
     """
-    task, sizing = found.task, found.sizing
-    kept = smallest.size(task, sizing.angle + MARGIN, sizing.ratio * (1.0 - MARGIN)).answer
-    if kept is None:
+    made = found.best.made
+    if made is None:
         raise GeometryError("the requirement can only just be met: no scene surely keeps it")
-    lengths = {"base_radius": kept.base_radius, **task.moved(kept.place)}
-    if task.held is not None and found.present and task.follower.arm != found.present.follower.arm:
-        lengths["arm"] = task.follower.arm
-    written = resized(found.scene, lengths)
-    again = task_of(Design(written).cam)
-    rating = rate(again, again.present)
-    if (
-        rating is None
-        or rating.transmission_angle.value < sizing.angle
-        or rating.radius_ratio.value > sizing.ratio
-    ):
-        raise GeometryError("the scene cannot be written back: rounding breaks its requirement")
-    return written
-
-
-def resized(scene: Scene, lengths: Mapping[str, complex]) -> Scene:
-    """The scene with other lengths of its follower [mm], by their keys; points are complex."""
-
-    def stated(length: complex) -> float | list[float]:
-        inside = length / MM_PER[scene.unit]
-        if isinstance(inside, float):
-            return inside + 0.0  # 0, and not -0
-        return [inside.real + 0.0, inside.imag + 0.0]
-
-    return scene.with_values({f"follower.{key}": stated(each) for key, each in lengths.items()})
+    return scene_with(found.scene, made)

@@ -23,6 +23,10 @@ ARMS = 7
 SECTIONS = 14
 """Golden sections of the two intervals about the best of them: to 1e-3 of an interval."""
 
+ROUNDS = 150
+"""The sections end when the sizings of all arms have taken so many rounds: where global undercut
+decides, one takes a dozen, and the best arm is found less closely."""
+
 CLOSE = 1e-3
 """If an arm longer than the shortest by this fraction is no better, the shortest is the best."""
 
@@ -96,7 +100,7 @@ def size_with_arm(
     step = (high / low) ** (1.0 / (ARMS - 1))
     left, right = max(low, best / step), min(high, best * step)
     for _ in range(SECTIONS):
-        if right <= left * (1.0 + 1e-4):
+        if right <= left * (1.0 + 1e-4) or sum(each.rounds for each in tried.values()) > ROUNDS:
             break
         first = right * (left / right) ** GOLDEN
         second = left * (right / left) ** GOLDEN

@@ -7,7 +7,9 @@ its middle and any of its places (u, v) changes by at most half the diagonal, h,
 - the curvature of one sign, if the largest value of
   K rho^3 - sign (rho^2 - alpha u + beta v), K = ratio/r_R, rho = |(u, v)|,
   is below 0 at one cam angle: the linear terms change by at most h |(alpha, beta)|, and the rest
-  has no maximum inside the range of rho.
+  has no maximum inside the range of rho;
+- the distance of the roller from the cam axis, if at one cam angle it is below half - h;
+- that no point of a flank is covered, see `camgeo.check.sizing.covering`.
 
 The remaining cells are halved both ways. No place is dropped without proof: only those nearer than
 the best one found, by more than `GAP` of its distance, still matter.
@@ -33,7 +35,7 @@ LEVELS = 11
 GAP = 2e-4
 """A place nearer by less than this fraction is left to the search along directions."""
 
-MOST_CELLS = 40_000
+MOST_CELLS = 12_000
 MOST_RUNS = 4
 """Neighbourhoods of the nearest places that are searched further."""
 
@@ -58,12 +60,22 @@ class Found:
     bound: float
 
 
-def nearest_cells(now: Conditions, start: complex, least: float, reach: float) -> Found:
-    """The places nearest to `start` that meet `now`, from `least` to `reach` [mm]."""
-    width = 0.5 * math.pi / DIRECTIONS
-    rows = max(1, math.ceil(math.log(reach / least) / (2.0 * width)))
+def nearest_cells(
+    now: Conditions,
+    start: complex,
+    least: float,
+    reach: float,
+    directions: tuple[float, float] = (-math.pi, 0.0),
+) -> Found:
+    """The places nearest to `start` that meet `now`, from `least` to `reach` [mm], in some
+    `directions` [rad]; in a single one the cells have no width.
+    """
+    first, last = directions
+    count = DIRECTIONS if first < last else 1
+    rows = max(1, math.ceil(math.log(reach / least) * DIRECTIONS / math.pi))
     height = 0.5 * math.log(reach / least) / rows
-    theta = -math.pi + width * (2.0 * np.arange(DIRECTIONS) + 1.0)
+    width = 0.5 * (last - first) / count
+    theta = first + width * (2.0 * np.arange(count) + 1.0)
     depth = math.log(least) + height * (2.0 * np.arange(rows) + 1.0)
     theta, depth = (each.ravel() for each in np.meshgrid(theta, depth))
     best, bound = math.inf, math.inf
@@ -88,8 +100,11 @@ def nearest_cells(now: Conditions, start: complex, least: float, reach: float) -
         if not len(theta):
             break
         width, height = 0.5 * width, 0.5 * height
-        theta = np.concatenate([theta + s * width for s in (-1.0, 1.0) for _ in range(2)])
-        depth = np.concatenate([depth + s * height for _ in range(2) for s in (-1.0, 1.0)])
+        ways = (-1.0, 1.0) if width > 0.0 else (0.0,)
+        theta, depth = (
+            np.concatenate([theta + s * width for s in ways for _ in range(2)]),
+            np.concatenate([depth + s * height for _ in ways for s in (-1.0, 1.0)]),
+        )
     if len(theta):
         bound = min(bound, float(np.exp(np.min(depth) - height)))
     return Found(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
@@ -97,7 +112,7 @@ def nearest_cells(now: Conditions, start: complex, least: float, reach: float) -
 
 def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
-    count = 1 + len(places) * len(now.terms.q) // BLOCK
+    count = 1 + len(places) * now.count // BLOCK
     parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
     return np.concatenate([_excluded(now, each[:, None], reach[:, None]) for each, reach in parts])
 
@@ -107,6 +122,13 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
     u, v = terms.across_and_along(places)
     tilted = u - now.tangent * np.abs(v) + half * math.hypot(1.0, now.tangent)
     out: BoolArray = np.any(tilted < 0.0, axis=1)
+    if now.half > 0.0:
+        out |= np.any(terms.to_axis(places) + half <= now.half, axis=1)
+    if now.covers is not None and len(now.covers.first) and not np.all(out):
+        rest = ~out
+        gap, pace = now.covers.gap(places[rest, 0])
+        sure = gap + now.covers.change(half[rest], pace) < 0.0
+        out[rest] = np.any(sure, axis=1)
     rest = ~out
     if not np.any(rest) or not now.roller > 0.0:
         return out
@@ -126,13 +148,19 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
 
 
 def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
-    """`now` without the cam angles at which all places within `half` [mm] of `place` (1,) meet it.
+    """`now` without the cam angles and the pairs at which all places within `half` [mm] of `place`
+    (1,) meet it.
 
     At least one cam angle remains.
     """
     terms = now.terms
     u, v = terms.across_and_along(place)
     asked = u - now.tangent * np.abs(v) - half * math.hypot(1.0, now.tangent) < 0.0
+    asked |= terms.to_axis(place) - half <= now.half
+    covers = now.covers
+    if covers is not None:
+        gap, pace = covers.gap(place)
+        covers = covers.some((gap - covers.change(np.array([[half]]), pace) < 0.0)[0])
     if now.roller > 0.0:
         slope = now.ratio / now.roller
         rho = np.hypot(u, v)
@@ -146,7 +174,7 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
     if not np.any(asked):
         asked[0] = True
     kept = Terms(*(getattr(terms, each.name)[asked] for each in fields(Terms)))
-    return replace(now, terms=kept)
+    return replace(now, terms=kept, covers=covers)
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from camgeo.check.sizing.covering import Covers
 from camgeo.check.sizing.task import Task, Terms
 from camgeo.curve.pieces import smooth_pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
@@ -19,25 +21,65 @@ BLOCK = 4_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conditions:
-    """All conditions at a set of cam angles; `ratio` is the largest r_R/r_K."""
+    """All conditions at a set of cam angles.
+
+    Attributes
+    ----------
+    terms : at these cam angles.
+    tangent : of the transmission angle.
+    roller : r_R [mm].
+    ratio : the largest r_R/r_K.
+    signs : of the curvatures that count.
+    half : see `Task.half`.
+    covers : pairs of cam angles; None where none is asked for.
+    """
 
     terms: Terms
     tangent: float
     roller: float
     ratio: float
     signs: tuple[float, ...]
+    half: float = 0.0
+    covers: Covers | None = None
+
+    @property
+    def count(self) -> int:
+        """Of the conditions on a place."""
+        return len(self.terms.q) + (0 if self.covers is None else len(self.covers.first))
 
     def met(self, places: ComplexArray) -> BoolArray:
         """(k,) whether the places (k,) meet all of them."""
-        parts = np.array_split(places, 1 + len(places) * len(self.terms.q) // BLOCK)
+        parts = np.array_split(places, 1 + len(places) * self.count // BLOCK)
         return np.concatenate([self._met(part) for part in parts])
 
     def _met(self, places: ComplexArray) -> BoolArray:
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         met = np.asarray(np.all(u >= self.tangent * np.abs(v), axis=1) & np.all(u > 0.0, axis=1))
+        if np.any(met) and self.half > 0.0:
+            apart = self.terms.to_axis(places[met][:, np.newaxis])
+            met[met] = np.all(apart > self.half, axis=1)
         if np.any(met):
             met[met] = self.worst_ratio(places[met]) <= self.ratio
+        if np.any(met) and self.covers is not None:
+            met[met] = self.covers.met(places[met])
         return met
+
+    def room(self, places: ComplexArray) -> FloatArray:
+        """(k,) what the places (k,) leave of the tightest condition, as a fraction of its limit or
+        as an angle [rad]; negative where one is broken.
+        """
+        u, v = self.terms.across_and_along(places[:, np.newaxis])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            kept = (u - self.tangent * np.abs(v)) / np.hypot(u, v)
+            left = [np.min(kept, axis=1) / math.hypot(1.0, self.tangent)]
+            left.append(1.0 - self.worst_ratio(places) / self.ratio)
+        if self.half > 0.0:
+            apart = self.terms.to_axis(places[:, np.newaxis])
+            left.append(np.min(apart, axis=1) / self.half - 1.0)
+        if self.covers is not None and len(self.covers.first):
+            gap = self.covers.gap(places)[0] / np.abs(self.covers.distance)
+            left.append(np.min(gap, axis=1))
+        return np.asarray(np.nan_to_num(np.min(left, axis=0), nan=-np.inf))
 
     def worst_ratio(self, places: ComplexArray) -> FloatArray:
         """(k,) largest r_R/r_K for the sign that matters; Z' must not vanish."""
@@ -57,8 +99,24 @@ def samples_of(task: Task) -> FloatArray:
     return np.concatenate(found)
 
 
-def conditions(task: Task, tangent: float, ratio: float, phi: FloatArray) -> Conditions:
-    """The conditions at the cam angles `phi` (n,) [rad], and on both sides of each break."""
+def with_more(task: Task, now: Conditions, phi: FloatArray, covers: Covers) -> Conditions:
+    """`now` and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`."""
+    more = conditions(task, now.tangent, now.ratio, phi, covers).terms
+    terms = Terms(
+        *(
+            np.concatenate((getattr(now.terms, each.name), getattr(more, each.name)))
+            for each in fields(Terms)
+        )
+    )
+    return replace(now, terms=terms, covers=covers if now.covers is None else now.covers + covers)
+
+
+def conditions(
+    task: Task, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
+) -> Conditions:
+    """The conditions at the cam angles `phi` (n,) [rad] and on both sides of each break, and those
+    of the pairs `covers`.
+    """
     breaks = task.motion.breaks
     right = task.terms(np.concatenate((phi, breaks)))
     left = task.terms(breaks, "left")
@@ -68,4 +126,5 @@ def conditions(task: Task, tangent: float, ratio: float, phi: FloatArray) -> Con
             for each in fields(Terms)
         )
     )
-    return Conditions(terms, tangent, task.follower.roller_radius, ratio, task.signs)
+    roller, half = task.follower.roller_radius, task.half
+    return Conditions(terms, tangent, roller, ratio, task.signs, half, covers)

@@ -31,8 +31,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
 
     None if no place keeps that angle over the whole turn.
     """
-    normals: ComplexArray = np.empty(0, dtype=np.complex128)
-    bounds: FloatArray = np.empty(0)
+    normals, bounds = task.held_to()
     place: complex = task.start
     for _ in range(MOST):
         broken = False
@@ -41,8 +40,8 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
             size = (abs(place) + abs(task.start)) * math.hypot(1.0, t)
             size += float(np.max(np.abs(bounds), initial=0.0))
             worst = found.values < -CLOSE * size
-            if np.any(worst) or not len(bounds):
-                broken = broken or bool(np.any(worst))
+            if np.any(worst):
+                broken = True
                 for side in SIDES:
                     more = task.terms(found.phi[worst], side).half_planes(t)
                     normals = np.concatenate((normals, more[0]))

@@ -24,7 +24,7 @@ class Flocke:
 
     Attributes
     ----------
-    normals, bounds : (8,) half-planes Re(conj(n) P) >= c of the region, see `Task`.
+    normals, bounds : (8,) or more half-planes Re(conj(n) P) >= c of the region, see `Task`.
     place : the place of the cam axis in it with the smallest base circle [mm]; None if it is empty.
     """
 
@@ -38,7 +38,9 @@ def flocke(task: Task, tangent: float) -> Flocke:
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
     terms = task.terms_of(np.stack((lifts, rates, np.zeros_like(lifts))))
-    sides = zip(terms.half_planes(tangent), terms.half_planes(-tangent), strict=True)
+    sides = zip(
+        terms.half_planes(tangent), terms.half_planes(-tangent), task.held_to(), strict=True
+    )
     normals, bounds = (np.concatenate(each) for each in sides)
     return Flocke(normals, bounds, nearest_point(normals, bounds, task.start))
 

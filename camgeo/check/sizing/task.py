@@ -10,25 +10,28 @@ The place is a complex number P [mm] in axes in which the follower starts at a f
 With a = r P, r = 1 for a guide and exp(-i psi) for a rocker, the parts of Z' across and along the
 follower are u = p - Im a, v = q - Re a (Wirsig section 3.3.4), linear in P. A transmission angle of
 at least mu is u >= T v and u >= -T v, T = tan mu: two half-planes at each cam angle.
+
+Turned with the cam, the roller centre is (B - P) exp(-i sense phi), B its place in those axes.
 """
 
 from __future__ import annotations
 
 import cmath
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.sizing.placing import Placing
 from camgeo.curve.extremes import Extremes, extremes
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Jet, Motion
+from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 
@@ -42,6 +45,7 @@ class Terms:
     turn : (n,) complex r, of magnitude 1.
     alpha, beta : (n,) [mm/rad^2]; |Z'|^3 kappa = |Z'|^2 - alpha u + beta v.
     p1, q1, turning : (n,) dp/dphi, dq/dphi, and d(-arg r)/dphi.
+    centre : (n,) complex, the roller centre in the axes of the follower: r B [mm].
     """
 
     p: FloatArray
@@ -52,6 +56,12 @@ class Terms:
     p1: FloatArray
     q1: FloatArray
     turning: FloatArray
+    centre: ComplexArray
+
+    def to_axis(self, place: complex | ComplexArray) -> FloatArray:
+        """Distance of the roller centre from the cam axis [mm], shape as of `across_and_along`."""
+        distance: FloatArray = np.abs(self.centre - self.turn * place)
+        return distance
 
     def across_and_along(self, place: complex | ComplexArray) -> tuple[FloatArray, FloatArray]:
         """u, v [mm/rad] for one place, or (k, n) for places (k, 1)."""
@@ -71,23 +81,16 @@ class Terms:
 
 
 @dataclass(frozen=True, slots=True)
-class Task(ABC):
-    """A cam whose axis is to be placed beside its follower, see `task_of`.
+class Task(Placing):
+    """A cam with a roller, whose axis is to be placed beside its follower, see `task_of`.
 
     Attributes
     ----------
-    cam : the present design; the follower's arm, roller radius and directions are kept.
-    second : the quantity that, with the base radius, determines a place.
-    held : the pivot [mm]; None on a guide.
     start : roller centre at cam angle 0 [mm].
-    present : place of the cam axis in the present design [mm].
-    seen : sense of x and of y of a picture, by the real and the imaginary part of a place.
+    sense : in which the cam turns in the axes of places: +1 counter-clockwise, -1 clockwise.
+    directions : the first and the last direction [rad] in which the cam axis may lie from the
+        roller centre at cam angle 0.
     """
-
-    cam: Cam
-
-    second: ClassVar[str]
-    held: ClassVar[complex | None]
 
     if TYPE_CHECKING:  # that every kind has
 
@@ -95,50 +98,36 @@ class Task(ABC):
         def start(self) -> complex: ...
 
         @property
-        def seen(self) -> tuple[int, int]: ...
+        def sense(self) -> int: ...
 
     @property
-    @abstractmethod
-    def present(self) -> complex:
+    def directions(self) -> tuple[float, float]:
         """See the class."""
-
-    @abstractmethod
-    def second_of(self, place: complex) -> float:
-        """That quantity [mm] at `place`."""
-
-    @abstractmethod
-    def moved(self, place: complex) -> dict[str, float | complex]:
-        """Values [mm] of the follower, by its scene's keys, with the cam axis at `place`."""
+        return -math.pi, 0.0
 
     @abstractmethod
     def terms_of(self, lift: Jet) -> Terms:
         """What the conditions are made of for lifts (3, n), not necessarily of one motion."""
 
-    @property
-    def motion(self) -> Motion:
-        """The follower's own motion [mm or rad]."""
-        return self.cam.drive.motion
-
-    @property
-    def follower(self) -> Any:
-        """The follower of the present design."""
-        return self.cam.follower
+    def base_radius_at(self, place: complex) -> float:
+        """See `Placing`."""
+        return abs(place - self.start)
 
     @property
     def signs(self) -> tuple[float, ...]:
         """Sign of the curvature that counts for each flank in use: an inner flank runs inside."""
         return tuple(-float(flank.sign) for flank in self.cam.contact.flanks)
 
-    def follower_at(self, place: complex) -> Any:
-        """The follower with the cam axis at `place` [mm]; a rocker keeps its pivot's direction.
+    @property
+    def half(self) -> float:
+        """Distance [mm] that the roller centre must keep from the cam axis; 0 in a ring."""
+        return self.cam.disc.flank_distance if self.cam.contact.runs_inside else 0.0
 
-        GeometryError if there is no such mechanism.
-        """
-        return replace(self.follower, base_radius=abs(place - self.start), **self.moved(place))
-
-    def pitch_curve_at(self, place: complex) -> PitchCurve:
-        """The pitch curve with the cam axis at `place` [mm]."""
-        return PitchCurve(self.motion, self.follower_at(place), self.cam.rotation)
+    def held_to(self) -> tuple[ComplexArray, FloatArray]:
+        """Normals n (k,) and c (k,) of the half-planes Re(conj(n) P) >= c of its directions."""
+        if self.directions[0] < self.directions[1]:
+            return np.empty(0, dtype=np.complex128), np.empty(0)
+        return np.array([1.0 + 0j, -1.0 + 0j]), np.zeros(2)
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
         """What the conditions are made of at `phi` (n,) [rad]."""
@@ -172,6 +161,17 @@ class OnGuide(Task):
     seen = (-1, 1)
 
     @property
+    def sense(self) -> int:
+        """See `Task`: the axes are mirrored."""
+        return -self.cam.rotation
+
+    @property
+    def directions(self) -> tuple[float, float]:
+        """See `Task`: both rollers of a yoke lie in line with the cam axis."""
+        below = -0.5 * math.pi
+        return (-math.pi, 0.0) if self.cam.yoke is None else (below, below)
+
+    @property
     def present(self) -> complex:
         """See `Task`."""
         return complex(self.follower.offset, -self.follower.start_height)
@@ -181,15 +181,16 @@ class OnGuide(Task):
         return place.real
 
     def moved(self, place: complex) -> dict[str, float | complex]:
-        """See `Task`."""
-        return {"offset": place.real}
+        """See `Placing`."""
+        return {"offset": place.real if self.cam.yoke is None else 0.0}
 
     def terms_of(self, lift: Jet) -> Terms:
         """See `Task`."""
         one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
         height, rate, bend = self.follower.direction * lift[:3]
         q = self.cam.rotation * rate
-        return Terms(height, q, one, bend, q, rate, self.cam.rotation * bend, none)
+        bend_of_q = self.cam.rotation * bend
+        return Terms(height, q, one, bend, q, rate, bend_of_q, none, 1j * height)
 
 
 class OnRocker(Task):
@@ -215,6 +216,12 @@ class OnRocker(Task):
         """See `Task`."""
         return 1, self.follower.arm_side
 
+    @property
+    def sense(self) -> int:
+        """See `Task`."""
+        turning: int = self.cam.rotation * self.follower.arm_side
+        return turning
+
     def second_of(self, place: complex) -> float:
         """See `Task`: the distance of the pivot from the cam axis."""
         return abs(place)
@@ -234,7 +241,7 @@ class OnRocker(Task):
         q = arm * (1.0 - along)
         return Terms(
             none, q, np.exp(-1j * angle), arm * bend, -along * q,
-            none, -arm * turning * bend, rate,
+            none, -arm * turning * bend, rate, np.full(len(q), complex(arm)),
         )  # fmt: skip
 
 

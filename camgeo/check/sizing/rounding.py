@@ -1,0 +1,241 @@
+"""The sizes that a designer writes down: rounded up, to the side on which every limit is kept.
+
+The base radius is the next one with a sensible number of decimals at which the checks find nothing
+wrong. Its second dimension is chosen in the middle of what the limits leave there, with as many
+decimals more as it takes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.cam.cam import Cam
+from camgeo.check.finding import Finding
+from camgeo.check.judge import disc_findings
+from camgeo.check.limits import Limits
+from camgeo.check.sizing.bends import extreme_angles
+from camgeo.check.sizing.conditions import Conditions, with_more
+from camgeo.check.sizing.covering import covered, no_pairs
+from camgeo.check.sizing.face_task import FaceTask
+from camgeo.check.sizing.smallest import rate
+from camgeo.check.sizing.task import Task, task_of
+from camgeo.errors import GeometryError
+from camgeo.lazy import Ledger
+from camgeo.outline.convex import contact_extremes, convexity
+
+DECIMALS: Final = 4
+"""Of a length from 1 to 10,000 mm, in mm: a tenth of what a good machine can tell."""
+
+SMALL, LARGE = 4, 7
+"""Decimals after the first digit of a smaller, and of a larger length."""
+
+STEPS: Final = (0, 1, 2, 5, 20, 100, 1000)
+"""Of the last digit by which the base radius is larger than the limit, tried in turn. The first is
+nearly always enough: the others are for a limit that lies within rounding of its decimals, or that
+leaves no room at all there."""
+
+OF_FACE: Final = 2
+"""Decimals of the ends of a face, in mm."""
+
+MORE: Final = 5
+"""Most decimals more of the second dimension."""
+
+TRIES: Final = 4
+"""Most places tried for a base radius: what breaks one is known to the next."""
+
+NEAR: Final = 1e-11
+"""A limit that exceeds a number of that many decimals by less than this fraction is that number."""
+
+WIDTH, ZOOM, ZOOMS, WAYS = 0.1, 8.0, 12, 65
+"""The direction with the most room: half the first range [rad], how much closer the next one is,
+how many there are, and how many directions each has."""
+
+OF_SHOCKS: Final = ("tangent-closure", "lost-stroke")
+"""Findings on a motion whose velocity jumps, at any size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A mechanism whose sizes can be written down.
+
+    Attributes
+    ----------
+    lengths : of the follower, by their scene's keys, in the scene's unit.
+    cam : with them.
+    """
+
+    lengths: dict[str, float | list[float]]
+    cam: Cam
+
+
+def exponent_of(length: float, unit: float) -> int:
+    """Power of ten of the last decimal, in a unit of `unit` mm, of a `length` [mm]."""
+    first = math.floor(math.log10(length))
+    last = first - SMALL if first < 0 else max(-DECIMALS, first - LARGE)
+    return last - math.floor(math.log10(unit))
+
+
+def upward(length: float, exponent: int, unit: float) -> Decimal:
+    """The next multiple of the last decimal from `length` [mm] on, in the unit."""
+    exact = Decimal(length / unit * (1.0 - NEAR))
+    return exact.quantize(Decimal(1).scaleb(exponent), ROUND_CEILING)
+
+
+def sound(cam: Cam, angle: float, ratio: float) -> bool:
+    """Whether the checks find that `cam` is within its limits and makes its motion."""
+    limits = Limits(transmission_angle=angle, radius_ratio=ratio)
+    try:
+        return not any(_counts(each) for each in disc_findings(cam, limits))
+    except GeometryError:
+        return False
+
+
+def _counts(finding: Finding) -> bool:
+    """Whether a finding is bad, and depends on the size."""
+    return finding.severity not in ("ok", "warning") and not finding.name.startswith(OF_SHOCKS)
+
+
+def rounded(
+    task: Task, place: complex, now: Conditions, angle: float, ratio: float, unit: float
+) -> Made | None:
+    """The next sizes from those of `place` on; None if no rounded ones are sound.
+
+    Parameters
+    ----------
+    now : conditions that decide near `place`.
+    angle, ratio : required.
+    unit : mm per unit of the scene.
+    """
+    base = abs(place - task.start)
+    exponent = exponent_of(base, unit)
+    first = upward(base, exponent, unit)
+    for step in STEPS:
+        radius = float(first + step * Decimal(1).scaleb(exponent))
+        for _ in range(TRIES):
+            middle = _roomiest(task, now, place, radius * unit)
+            made = _with_second(task, middle, radius, (angle, ratio), exponent, unit)
+            if made is not None and sound(made.cam, angle, ratio):
+                return made
+            phi = extreme_angles(task, middle, now.tangent, now.ratio)[0]
+            pairs = no_pairs(task) if made is None else covered(task, middle)
+            now = with_more(task, now, phi, pairs)
+            if now.room(np.array([middle]))[0] >= 0.0:
+                break  # nothing that is known breaks it
+    return None
+
+
+def _with_second(
+    task: Task,
+    place: complex,
+    radius: float,
+    required: tuple[float, float],
+    exponent: int,
+    unit: float,
+) -> Made | None:
+    """With a base radius, in the unit, and the second dimension near that of `place`.
+
+    With as many decimals as it takes for what is `required` of angle and ratio; None if none do.
+    """
+    for more in range(MORE + 1):
+        last = Decimal(1).scaleb(exponent - more)
+        lengths: dict[str, float | list[float]] = {"base_radius": radius}
+        for key, each in task.moved(place).items():
+            if isinstance(each, complex):
+                lengths[key] = [_near(each.real, last, unit), _near(each.imag, last, unit)]
+            else:
+                lengths[key] = _near(each, last, unit)
+        made = _made(task.cam, lengths, unit)
+        if made is not None and _within(made.cam, *required):
+            return made
+    return None
+
+
+def _near(length: float, last: Decimal, unit: float) -> float:
+    """A length [mm] to its last decimal, in the unit; 0, and not -0."""
+    return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
+
+
+def _within(cam: Cam, angle: float, ratio: float) -> bool:
+    """Whether `cam` keeps its transmission angle and r_R/r_K, which is soon known."""
+    task = task_of(cam)
+    found = rate(task, task.present)
+    return (
+        found is not None
+        and found.transmission_angle.value >= angle
+        and found.radius_ratio.value <= ratio
+    )
+
+
+def _made(cam: Cam, lengths: dict[str, float | list[float]], unit: float) -> Made | None:
+    inside = {
+        key: unit * complex(*each) if isinstance(each, list) else unit * each
+        for key, each in lengths.items()
+    }
+    try:
+        return Made(lengths, cam.sized(**inside))
+    except GeometryError:
+        return None
+
+
+def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> complex:
+    """The place with a base radius [mm], near `place`, that leaves the conditions most room."""
+    theta = float(np.angle(place - task.start))
+    width = WIDTH
+    for _ in range(ZOOMS):
+        ways = np.clip(theta + width * np.linspace(-1.0, 1.0, WAYS), *task.directions)
+        room = now.room(task.start + radius * np.exp(1j * ways))
+        theta = float(ways[int(np.argmax(room))])
+        width /= ZOOM
+    return complex(task.start + radius * np.exp(1j * theta))
+
+
+def rounded_face(
+    task: FaceTask, place: complex, angle: float, least: float, unit: float
+) -> Made | None:
+    """The next base radius from that of `place` on; None if no rounded one is sound.
+
+    A face that a follower has is made as long as it must be. `least` is the smallest radius of
+    curvature that is allowed [mm].
+    """
+    base = task.base_radius_at(place)
+    exponent = exponent_of(base, unit)
+    first = upward(base, exponent, unit)
+    for step in STEPS:
+        radius = first + step * Decimal(1).scaleb(exponent)
+        made = _made(task.cam, {"base_radius": float(radius)}, unit)
+        if made is None:
+            continue
+        longer = _long_enough(made, unit)
+        curve = longer.cam.disc.pitch_curve
+        if sound(longer.cam, angle, 1.0) and convexity(curve).radius[0] >= least:
+            return longer
+    return None
+
+
+def _long_enough(made: Made, unit: float) -> Made:
+    """With the face, if it has ends, as long as the contact needs it."""
+    face = made.cam.follower.face
+    if face is None:
+        return made
+    try:
+        places = contact_extremes(made.cam.disc.pitch_curve)
+    except GeometryError:
+        return made
+    last = Decimal(1).scaleb(-OF_FACE - math.floor(math.log10(unit)))
+    low, high = places.smallest()[0], places.largest()[0]
+    ends = [each / unit for each in face]
+    if low < face[0]:
+        ends[0] = float(Decimal(low / unit).quantize(last, ROUND_FLOOR))
+    if high > face[1]:
+        ends[1] = float(Decimal(high / unit).quantize(last, ROUND_CEILING))
+    if ends == [each / unit for each in face]:
+        return made
+    follower: Any = made.cam.follower  # a frozen dataclass
+    longer = replace(follower, face=(unit * ends[0], unit * ends[1]))
+    cam = replace(made.cam, follower=longer, ledger=Ledger())
+    return Made({**made.lengths, "face": ends}, cam)
