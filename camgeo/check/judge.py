@@ -77,7 +77,7 @@ class Judgement(Pickled):
 
     def _of_main(self) -> tuple[Finding, ...]:
         if not self.cams:
-            return _of_linkage(self.drive, self.limits)
+            return linkage_findings(self.drive, self.limits)
         main = self.cams[0]
         return (*disc_findings(main, self.limits), *_of_yoke(main, self.limits))
 
@@ -89,7 +89,7 @@ class Judgement(Pickled):
 
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
-        shared = _of_linkage(self.drive, self.limits)
+        shared = linkage_findings(self.drive, self.limits)
         found = [
             replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
             for each in disc_findings(other, self.limits)
@@ -149,14 +149,15 @@ def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     """What the checks find in the mechanism and the disc, without the motion."""
     inside = cam.contact.runs_inside
     found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
-    of_linkage = _of_linkage(cam.drive, limits)
+    of_linkage = linkage_findings(cam.drive, limits)
     found += of_linkage
     if forbidding(of_linkage):
         return tuple(found)
     return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
 
 
-def _of_linkage(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
+def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
+    """Findings on the linkage, which no size of a disc changes; none without one."""
     motion, limit = drive.motion, limits.linkage_transmission_angle
     if not isinstance(motion, LinkedMotion):
         return ()

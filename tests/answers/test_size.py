@@ -179,3 +179,38 @@ def test_a_yoke_of_rollers_keeps_its_offset_of_0() -> None:
     assert found.sizing.answer is not None
     after = Design(sized_scene(found))
     assert not [each for each in after.findings if each.severity in BAD and "clos" not in each.name]
+
+
+def test_a_linkage_that_locks_is_infeasible_at_any_size() -> None:
+    found = size(Design(load_scene(FIXTURES / "found" / "dead_centre.toml")))
+    assert found.exit_code == 1
+    assert found.infeasible is not None
+    assert "infeasible at any size: crank and coupler come to be in line" in found.infeasible
+    assert found.infeasible in text(found).splitlines()
+    assert document(found)["written"] is None
+    json.dumps(figure(found).to_data(), allow_nan=False)
+
+
+def test_a_linkage_that_hardly_works_is_a_remark() -> None:
+    """No size of the cam changes its transmission angle."""
+    found = size(Design(load_scene(FIXTURES / "found" / "near_dead_centre.toml")))
+    assert found.written is not None
+    assert [each.name for each in found.remarks] == ["linkage-transmission-angle"]
+
+
+def test_jumps_of_the_velocity_are_remarks() -> None:
+    """They are corners of the pitch curve at any size, and findings on the motion besides."""
+    design = Design(load_scene(FIXTURES / "scenes" / "straight_moves.toml"))
+    found = size(design)
+    assert found.written is not None
+    assert {each.name for each in found.remarks} == {"tangent-closure", "lost-stroke-inner"}
+
+
+def test_a_limit_that_cannot_be_rounded_is_reported() -> None:
+    found = with_arm()
+    sides = tuple(replace(each, made=None) for each in found.sides)
+    none = replace(found, sides=sides)
+    assert none.exit_code == 1
+    assert "no sizes near this limit pass the checks" in text(none)
+    assert document(none)["written"] is None
+    assert document(none)["smallest"] is not None

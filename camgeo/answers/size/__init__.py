@@ -11,7 +11,7 @@ from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.answers.size.writing import scene_with
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import Finding
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.judge import motion_findings, transmission_angle_limit
 from camgeo.check.sizing import smallest
 from camgeo.check.sizing.arm import size_with_arm, with_arm
 from camgeo.check.sizing.face_task import FaceTask, face_task_of
@@ -70,13 +70,10 @@ class Side:
         """Why there is no answer, and what there is instead; None if there is one."""
         if self.sizing.answer is not None:
             return None
-        if self.sizing.construction is None:
-            return self._of_face()
-        return self._of_roller(self.sizing)
-
-    def _of_face(self) -> str:
         if self.sizing.hopeless is not None:
             return f"infeasible at any size: {self.sizing.hopeless}"
+        if self.sizing.radius is None:
+            return self._of_roller(self.sizing)
         return (
             "infeasible: with its pivot there, no base radius gives a convex cam that goes round"
             " its axis and keeps the transmission angle over the whole turn; move the pivot, or"
@@ -112,8 +109,8 @@ class CamSize(Answer):
     scene : of the present design.
     sides : the scene's own first; the other one too for a rocker.
     present : the present design; None if there is no such mechanism.
-    remarks : what `camgeo check` still finds wrong in the scene with it: what does not depend on
-        these sizes, or belongs to a return disc.
+    remarks : what `camgeo check` still finds wrong in the scene with it, besides its motion: what
+        does not depend on these sizes, or belongs to a return disc.
     """
 
     command: ClassVar[str] = "size"
@@ -164,8 +161,8 @@ class CamSize(Answer):
 
     @property
     def exit_code(self) -> int:
-        """1 if nothing meets the requirement."""
-        return FINE if self.infeasible is None else BROKEN
+        """1 if nothing meets the requirement, or nothing that can be written down."""
+        return FINE if self.best.made is not None else BROKEN
 
 
 def rated(cam: Cam) -> Rating | None:
@@ -267,12 +264,13 @@ def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
 
 
 def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
-    """What the checks find wrong in the scene with these sizes."""
+    """What the checks find wrong in the scene with these sizes, besides its motion."""
     try:
-        findings = Design(scene_with(scene, made)).findings
+        design = Design(scene_with(scene, made))
     except SceneError:  # which is reported where it is written
         return ()
-    return tuple(each for each in findings if each.severity in BAD)
+    others = motion_findings(design.drive)
+    return tuple(e for e in design.findings if e.severity in BAD and e not in others)
 
 
 def sized_scene(found: CamSize) -> Scene:

@@ -150,6 +150,10 @@ def _proved(side: Side) -> list[str]:
     sizing, unit = side.sizing, MM_PER[side.unit]
     if sizing.answer is None:
         return []
+    if side.made is None:
+        return [
+            "no sizes near this limit pass the checks when they are rounded up: none is written"
+        ]
     limit = f"{sizing.answer.base_radius / unit:.9g} {side.unit}"
     if sizing.radius == 0.0 and any(each.name == "convexity" for each in sizing.active):
         blunt = "; its radius of curvature comes down to 0: --radius-of-curvature asks for more"

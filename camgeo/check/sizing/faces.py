@@ -77,7 +77,9 @@ def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
 
 
 def _hopeless(task: FaceTask) -> str | None:
-    """Why no size will do: the face turns back, or its velocity jumps; else None."""
+    """Why no size will do: the linkage, a face that turns back, a jump of its velocity; or None."""
+    if task.hopeless is not None:
+        return task.hopeless
     curve = task.pitch_curve_at(task.present)
     found, findings = convexity(curve), check_convexity(curve)
     if found.turn[0] <= 0.0:

@@ -11,6 +11,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from camgeo.cam.cam import Cam
+from camgeo.check.finding import forbidding
+from camgeo.check.judge import linkage_findings
+from camgeo.check.limits import Limits
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Motion
 
@@ -70,6 +73,12 @@ class Placing(ABC):
         """That of a rocker; None on a guide."""
         side: int = self.follower.arm_side if self.held is not None else 0
         return side or None
+
+    @property
+    def hopeless(self) -> str | None:
+        """Why there is no cam of any size, where that is the linkage's fault."""
+        found = forbidding(linkage_findings(self.cam.drive, Limits()))
+        return found[0].sentence if found else None
 
     @property
     def sides(self) -> tuple[Self, ...]:

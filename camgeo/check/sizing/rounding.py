@@ -16,7 +16,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import Finding
-from camgeo.check.judge import disc_findings
+from camgeo.check.judge import disc_findings, linkage_findings
 from camgeo.check.limits import Limits
 from camgeo.check.sizing.bends import extreme_angles
 from camgeo.check.sizing.conditions import Conditions, with_more
@@ -89,8 +89,9 @@ def upward(length: float, exponent: int, unit: float) -> Decimal:
 def sound(cam: Cam, angle: float, ratio: float) -> bool:
     """Whether the checks find that `cam` is within its limits and makes its motion."""
     limits = Limits(transmission_angle=angle, radius_ratio=ratio)
+    other = linkage_findings(cam.drive, limits)
     try:
-        return not any(_counts(each) for each in disc_findings(cam, limits))
+        return not any(_counts(each) for each in disc_findings(cam, limits) if each not in other)
     except GeometryError:
         return False
 

@@ -109,7 +109,7 @@ class Sizing:
     Attributes
     ----------
     angle, ratio : what was required; mu [rad] and r_R/r_K.
-    construction : Flocke's; None for a flat face.
+    construction : Flocke's; None for a flat face, and where no size will do.
     flocke : its proposal rated; None if its region is empty.
     for_angle : the smallest base circle for the transmission angle alone; None if there is none.
     answer : that for both; None if there is none.
@@ -119,7 +119,7 @@ class Sizing:
     none_below : base radius [mm] below which there certainly is no place for all of it.
     reach : largest base radius [mm] searched for both; None if the answer is exact.
     radius : smallest radius of curvature required of the outline under a flat face [mm].
-    hopeless : why no size of a cam with a flat face will do; None if it is a matter of size.
+    hopeless : why no size at all will do; None if it is a matter of size.
     rounds : of exchange that the search took; 0 without one.
     examined : the conditions that decide near the answer of a roller.
     """
@@ -166,7 +166,9 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     ratio = min(ratio, NO_CUSP)
     if task.cam.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
         ratio = min(ratio, NO_CUSP * task.follower.roller_radius / task.cam.disc.flank_distance)
-    tangent = math.tan(angle)
+    tangent, hopeless = math.tan(angle), task.hopeless
+    if hopeless is not None:
+        return Sizing(angle, ratio, None, None, None, None, (), hopeless=hopeless)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
     place = smallest_place(task, tangent)
