@@ -36,6 +36,9 @@ WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
 """Beginnings of the names of findings for which a cure can be sought."""
 
+CONVEXITY: Final = "convexity"
+"""Name of the finding for which a cure of a flat face can be sought."""
+
 UNMENDED: Final = ("outline-", "closure")
 """Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
 
@@ -124,7 +127,11 @@ class Judgement(Pickled):
 
         Raises GeometryError if whether the flanks cross cannot be decided.
         """
-        names = (f.name.removeprefix(f"{RETURN}: ") for f in self.findings if f.severity != "ok")
+        names = [f.name.removeprefix(f"{RETURN}: ") for f in self.findings if f.severity != "ok"]
+        if CONVEXITY in names:
+            from camgeo.check.cures.face import face_cures  # few cams have a flat face
+
+            return face_cures(self.cams[0])
         if not any(name.startswith(UNDERCUT) for name in names):
             return ()
         from camgeo.check.cures.smallest import cures  # a search that few cams need

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import tomllib
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.check.cures.cure import Change, Cure
-from camgeo.check.judge import RETURN, TRIM, UNDERCUT
+from camgeo.check.judge import CONVEXITY, RETURN, TRIM, UNDERCUT
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.motion.laws import FAMILIES
@@ -32,12 +33,23 @@ SHAPES = {
 """Keys that belong to a law: another law comes with its default parameters."""
 
 
+FLAT = """
+[follower]
+kind = "oscillating-flat"
+pivot = [-90, 20]
+base_radius = 40.1
+face_offset = 5.3
+arm_side = "cw"
+"""
+
+
 def undercut(design: Design) -> list[str]:
     """The findings of undercut that are not ok."""
     return [
         each.name
         for each in design.findings
-        if each.severity != "ok" and each.name.removeprefix(f"{RETURN}: ").startswith(UNDERCUT)
+        if each.severity != "ok"
+        and each.name.removeprefix(f"{RETURN}: ").startswith((*UNDERCUT, CONVEXITY))
     ]
 
 
@@ -51,10 +63,9 @@ def edited(values: Tables, cure: Cure) -> Tables:
         for step in path:
             table = table[int(step) - 1] if step.isdigit() else table.setdefault(step, {})
         present = table.get(last)
-        if isinstance(present, Decimal):
-            assert present == change.value_from, change.key
-        elif isinstance(present, float):
-            assert present == pytest.approx(change.value_from, rel=1e-15), change.key
+        if isinstance(present, Decimal | float):
+            assert not isinstance(change.value_from, str)
+            assert float(present) == pytest.approx(float(change.value_from), rel=1e-15), change.key
         if last == "law":
             for shape in SHAPES & {*table}:
                 del table[shape]
@@ -84,8 +95,6 @@ def check_cures(values: Tables) -> tuple[Cure, ...]:
 
 def loaded(name: str) -> Tables:
     """The tables of a refused scene, numbers as they are written."""
-    import tomllib
-
     text = (REFUSED / f"{name}.toml").read_text(encoding="utf-8")
     return tomllib.loads(text, parse_float=Decimal)
 
@@ -127,6 +136,20 @@ def test_what_only_trimming_makes_is_refused_with_its_key() -> None:
     assert not any(TRIM in finding.sentence for finding in design.findings)
 
 
+def test_a_flat_face_is_moved_out() -> None:
+    values = loaded("undercut_tappet")
+    (cure,) = check_cures(values)
+    assert (cure.key, cure.also) == ("follower.base_radius", ())
+    values["limits"]["undercut"] = "trim"
+    assert check_cures(values) == (cure,)
+    values["follower"] = tomllib.loads(FLAT, parse_float=Decimal)["follower"]
+    values["motion"][3]["span"], values["motion"][4]["dwell"] = 50, 180
+    for place in (1, 3):
+        values["motion"][place]["to"] *= Decimal("0.6")
+    (cure,) = check_cures(values)
+    assert [change.key for change in cure.also] == ["follower.face_offset"]
+
+
 @st.composite
 def motions(draw: st.DrawFn, stroke: float) -> list[Tables]:
     """Rests, some of no length, and moves between 0 and `stroke`, most from rest to rest."""
@@ -157,8 +180,31 @@ def motions(draw: st.DrawFn, stroke: float) -> list[Tables]:
 
 
 @st.composite
+def flat_scenes(draw: st.DrawFn) -> Tables:
+    """A scene with a flat face, often undercut."""
+    base = draw(st.floats(10.0, 60.0))
+    follower: Tables = {"kind": "translating-flat", "base_radius": base}
+    stroke = 25.0
+    if draw(st.booleans()):
+        stroke = 18.0
+        follower["kind"] = "oscillating-flat"
+        follower["pivot"] = [-draw(st.floats(1.3, 2.0)) * base, 0.3 * base]
+        follower["face_offset"] = draw(st.floats(-0.1, 0.3)) * base
+    return {
+        "camgeo": 1,
+        "name": "drawn",
+        "cam": {"rotation": draw(st.sampled_from(["ccw", "cw"]))},
+        "follower": follower,
+        "motion": draw(motions(stroke)),
+        "limits": {"undercut": draw(st.sampled_from(["refuse", "trim"]))},
+    }
+
+
+@st.composite
 def scenes(draw: st.DrawFn) -> Tables:
-    """A scene with a roller on one disc or two, often undercut."""
+    """A scene with a roller on one disc or two, or with a flat face, often undercut."""
+    if draw(st.integers(0, 4)) == 0:
+        return draw(flat_scenes())
     kind = draw(st.sampled_from(["translating-roller", "oscillating-roller"]))
     base = draw(st.floats(30.0, 60.0))
     roller = draw(st.floats(3.0, 0.8 * base))
