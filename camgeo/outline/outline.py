@@ -95,8 +95,8 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     if not nodes:
         if backward and backward != [(0.0, envelope.total)]:
             raise GeometryError(
-                "the flank runs back where it does not cross itself by more than rounding: it"
-                " cannot be decided what is left of it"
+                f"the flank runs back {_unsettled(envelope, backward, nodes)}, where it does not"
+                " cross itself by more than rounding: it cannot be decided what is left of it"
             )
         if backward:
             raise UndercutError(
@@ -113,9 +113,30 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
         # Where the axis is free, there is a disc about it, and the rest lies around all rollers.
         raise GeometryError(
             "it cannot be decided what is left of the flank: its sides touch to rounding"
+            f" {_unsettled(envelope, backward, nodes)}"
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
     return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
+
+
+def _unsettled(
+    envelope: Envelope, backward: list[tuple[float, float]], nodes: tuple[Node, ...]
+) -> str:
+    """In words, the first range in which the flank runs back and which no crossing cuts off; or if
+    there is none, the first crossing.
+    """
+    total = envelope.total
+    spans = [(each.first, each.second) for each in nodes]
+    cut = [(a, b) if b - a < 0.5 * total else (b, a + total) for a, b in spans]
+    places = [
+        0.5 * (start + end)
+        for start, end in backward
+        if not any(
+            a + k * total <= start and end <= b + k * total for a, b in cut for k in (-1, 0, 1)
+        )
+    ]
+    place = envelope.within(np.array([*places, *(first for first, _ in spans)][:1]))
+    return f"at cam angle {math.degrees(envelope.angles_at(place)[0]):.6f} deg"
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:

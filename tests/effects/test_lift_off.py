@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -545,3 +546,13 @@ def test_a_backlash_that_contradicts_the_side_clearance_is_refused() -> None:
     with pytest.raises(GeometryError, match=r"side_clearance, 0\.08 mm") as caught:
         with_play("backlash = 0.05\n").effect("lift-off")
     assert caught.value.key == "effects.lift-off.backlash"
+
+
+def test_cells_between_edges_that_nearly_coincide_come_to_an_end() -> None:
+    """A first cell shorter than the spacing of doubles would stay where it is."""
+    close = 3.0 + 20.0 * np.spacing(3.0)
+    found = list(islice(crossing._cells(0.5, np.array([0.0, 3.0, close, TURN]), 2.0**-6), 100_000))
+    assert len(found) < 100_000
+    assert found[-1][1] == 0.5 + TURN
+    assert all(before == after for (_, before), (after, _) in pairwise(found))
+    assert all(low < high for low, high in found)

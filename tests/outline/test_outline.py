@@ -22,10 +22,10 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.clearance import stays_on_one_side
-from camgeo.outline.crossings import find_crossings
-from camgeo.outline.envelope import KINK
+from camgeo.outline.crossings import Node, find_crossings
+from camgeo.outline.envelope import KINK, Envelope
 from camgeo.outline.moments import area
-from camgeo.outline.outline import Outline, real_outline
+from camgeo.outline.outline import Outline, _unsettled, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 from tests.laws import LAWS
@@ -372,3 +372,12 @@ def test_the_slightest_shock_leaves_one_corner_on_each_flank(
     away = distances(pitch, np.array([corner.centre]))
     assert away == pytest.approx(roller, abs=ROUNDING * size_of(pitch))
     assert 0.5 * jump < abs(corner.sweep) < 40.0 * jump
+
+
+def test_what_is_not_decided_has_a_place() -> None:
+    """The first range that runs back without a crossing about it, also across the turn's end."""
+    envelope = Envelope(inner_of(pitch_curve_of({"kappa": 1, **hard_case("HC21c")[0]})))
+    backward = [(1.0, 1.2), (6.2, 6.4), (3.0, 3.2)]
+    about = (Node(0.9, 1.3, 0j), Node(0.2, 6.1, 0j))
+    assert _unsettled(envelope, backward, about) == f"at cam angle {math.degrees(3.1):.6f} deg"
+    assert _unsettled(envelope, backward[:2], about) == f"at cam angle {math.degrees(0.9):.6f} deg"

@@ -209,7 +209,7 @@ def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None
         return moved(discs, longer)
 
     most, too_much = 0.0, float(360 / min(spans.values()))
-    while too_much - most > MOST:
+    while too_much - most > MOST * max(1.0, most):
         middle = 0.5 * (most + too_much)
         most, too_much = (most, middle) if plan(middle) is None else (middle, too_much)
     limit = nearest_cure(make, 0.0, most, 1.0)

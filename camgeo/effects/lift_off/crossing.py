@@ -231,7 +231,7 @@ def _cells(start: float, edges: FloatArray, share: float) -> Iterator[tuple[floa
             continue
         place = low
         while place < high:
-            end = min(place + size * length, high)
+            end = min(place + max(size * length, math.ulp(high)), high)
             if high - end < 0.5 * size * length:
                 end = high
             yield float(place), float(end)
