@@ -11,6 +11,7 @@ from camgeo.motion.laws import FAMILIES, law_of
 from camgeo.motion.laws.balance import equal_accelerations
 from camgeo.motion.laws.characteristic import Characteristic, acceleration_jumps, characteristic
 from camgeo.motion.laws.law import Law
+from camgeo.motion.planning.request import CRITERIA
 
 DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
 
@@ -177,6 +178,14 @@ def _costs(
         )
         for _, values in rated
     ]
+
+
+def sizes_at(
+    task: str, known: Mapping[str, float], optimise: Mapping[str, float]
+) -> dict[str, float]:
+    """Each criterion of the best law for `task` with these boundary values, see `best_law`."""
+    values = characteristic(best_law(task, known, {}, optimise))
+    return {name: size_of(values, name) for name in CRITERIA}
 
 
 def size_of(values: Characteristic, name: str) -> float:

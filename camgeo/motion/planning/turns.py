@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Set
+
+import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import find_family
@@ -14,6 +17,13 @@ from camgeo.motion.planning.tasks import is_auto, is_law, task_of
 SHAPES = frozenset({"inflection", "curved"})
 """Parameters with which a law meets turns."""
 
+POWERS = {"velocity": (1, 1), "acceleration": (2, 1), "jerk": (3, 1), "moment": (3, 2)}
+"""Powers of 1/span and stroke in each quantity that "auto" can keep small."""
+
+TRIED = 3
+"""Turns that are compared between the best ones of two moves, these included; with spans of 40 and
+150 degrees the jerk is then 12 % above the least."""
+
 SAME = 1e-12
 """Relative difference of accelerations that counts as rounding."""
 
@@ -24,7 +34,8 @@ def settle_turns(chain: Chain) -> tuple[set[int], dict[int, float]]:
     A law without a choice decides its turns. Between two laws that have a choice, each has a turn
     that suits it best: a law whose inflection point is not stated the one with equally large
     accelerations in both its parts, and "auto" that of its best law. A law meets any turn that is
-    sharper than its own, so the sharper one decides.
+    sharper than its own, so the sharper one decides; between two of "auto" that mind the jerk, of
+    which a sharper turn costs more, the turn lies between their own.
 
     Returns
     -------
@@ -196,8 +207,43 @@ def _suited(chain: Chain, number: int) -> float | None:
             return None
         found.append(turns[at_end])
         prefers |= _choices(link, task_of(chain, side))[0] != SHAPES
-    same_way = found[0] * found[1] > 0.0
-    return max(found, key=abs) if prefers and same_way else None
+    if not prefers or found[0] * found[1] <= 0.0:
+        return None
+    around = chain.around(number)
+    if not any(map(_minds_jerk, around)):
+        return max(found, key=abs)
+    # A turn that is sharper than the one of its own costs a law more jerk.
+    return _compromise(chain, number, found) if all(map(is_auto, around)) else None
+
+
+def _minds_jerk(link: Link) -> bool:
+    return isinstance(link.request, MoveRequest) and "jerk" in link.request.optimise
+
+
+def _compromise(chain: Chain, number: int, own: list[float]) -> float:
+    """The turn between two of "auto" that keeps small what both mind, between their `own` ones."""
+    from camgeo.motion.planning.auto import DEFAULT, sizes_at
+
+    gentler, sharper = sorted(own, key=abs)
+    turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
+    weights: Counter[str] = Counter()
+    sizes = {name: np.zeros(TRIED) for name in POWERS}
+    for side, at_end in _sides(chain, number):
+        link, task = chain.links[side], task_of(chain, side)
+        request, both = link.request, _best_turns(chain, side)
+        assert isinstance(request, MoveRequest)
+        assert both is not None
+        weights.update(request.optimise or DEFAULT)
+        unit = link.stroke / link.length**2
+        known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
+        known |= normalised(chain, side)
+        for place, turn in enumerate(turns):
+            found = sizes_at(task, known | {f"a{at_end}": turn / unit}, request.optimise)
+            for name, (spans, strokes) in POWERS.items():
+                size = found[name] * abs(link.stroke) ** strokes / link.length**spans
+                sizes[name][place] = max(sizes[name][place], size)
+    costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
+    return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
 
 
 def _sides(chain: Chain, number: int) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -222,8 +268,8 @@ def _best_turns(chain: Chain, number: int) -> tuple[float, float] | None:
     if not (is_auto(link) and link.stroke) or "B" in task:
         return None
     assert isinstance(request, MoveRequest)
-    if request.parameters or "jerk" in request.optimise:
-        return None  # the smoothest turn has the least jerk in the mean
+    if request.parameters:
+        return None
     from camgeo.motion.planning.auto import best_turn  # few plans need it
 
     known = normalised(chain, number)

@@ -99,9 +99,25 @@ def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
     assert mirrored == (-found[1], -found[0])
 
 
-def test_the_jerk_takes_the_smoothest_turn() -> None:
+@pytest.mark.parametrize(("there", "back"), [(120, 120), (60, 150), (120, 40)])
+def test_auto_with_a_turn_has_nearly_the_least_jerk(there: int, back: int) -> None:
+    """A turn that suits the shorter move alone would cost the longer one four times as much."""
+
+    def jerk(acceleration: float | None = None) -> float:
+        plan = planned(
+            move(there, 10.0, acceleration=acceleration, optimise={"jerk": 1.0}),
+            move(back, 0.0, optimise={"jerk": 1.0}),
+            rest(360 - there - back),
+        )
+        return plan_extremes(plan, ConstantSpeed(1.0), "mm").jerk.magnitude
+
+    sharpest = -10.0 * 10.0 / math.radians(min(there, back)) ** 2
+    assert jerk() <= 1.12 * min(jerk(factor * sharpest) for factor in np.geomspace(0.1, 1.2, 16))
+
+
+def test_beside_a_named_law_the_jerk_takes_the_smoothest_turn() -> None:
     """Two quintics with the least integral of s''' squared: f'' = -20/3 at the turn."""
-    asked = move(120, 10.0, optimise={"jerk": 1.0}), move(120, 0.0, optimise={"jerk": 1.0})
+    asked = move(120, 10.0, optimise={"jerk": 1.0}), move(120, 0.0, "harmonic-combination")
     plan = planned(rest(120), *asked)
     wanted = -20.0 / 3.0 * 10.0 / math.radians(120.0) ** 2
     assert joints(plan)[2].left[2] == pytest.approx(wanted, rel=1e-12)
