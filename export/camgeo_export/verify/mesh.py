@@ -83,8 +83,8 @@ def upright(corners: FloatArray, within: float = 0.0) -> Check:
         return Check("walls", "", "upright", ok=True)
     first = corners[int(np.argmin(upright))].mean(axis=0)
     place = ", ".join(f"{value:.6g}" for value in first)
-    count = int(np.count_nonzero(~upright))
-    return failed("walls", f"{counted(count, 'facet')} neither flat nor upright, one near ({place}) mm")
+    count = counted(int(np.count_nonzero(~upright)), "facet")
+    return failed("walls", f"{count} neither flat nor upright, one near ({place}) mm")
 
 
 def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
