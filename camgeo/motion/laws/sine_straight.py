@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.laws.family import CURVED, Family, Given, boundary_parameters, pulse_law, share
 from camgeo.motion.laws.law import Law
 from camgeo.motion.laws.pulse import DIGITS, PI, sine_pulse
-from camgeo.motion.laws.two_pulses import Parts
+from camgeo.motion.laws.two_pulses import Parts, law_of_two_pulses
 
 LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
@@ -26,8 +26,10 @@ OWN_CURVED = replace(CURVED, default=0.5, always=False)
 def _make(task: str, given: Given) -> Law:
     values = dict(given)
     if "a0" in values and "a1" in values:
-        values = _from_accelerations(values)
-    elif "inflection" in values and ("a0" in values or "a1" in values):
+        place, curved = _from_accelerations(values)
+        parameters = {"inflection": float(place), "curved": curved}
+        return law_of_two_pulses("sine-straight", task, _parts(task, parameters), place, parameters)
+    if "inflection" in values and ("a0" in values or "a1" in values):
         values = _from_inflection(values)
     rest = {key: value for key, value in values.items() if key != "curved"}
     curved = values.get("curved", OWN_CURVED.default)
@@ -39,8 +41,11 @@ def _parts(_task: str, given: Given) -> Parts:
     return Parts(pulse, pulse)
 
 
-def _from_accelerations(given: dict[str, float]) -> dict[str, float]:
-    """lambda = r/(1 + r), r = |a1/a0| (127), and c."""
+def _from_accelerations(given: dict[str, float]) -> tuple[Decimal, float]:
+    """lambda = r/(1 + r), r = |a1/a0| (127), and c.
+
+    lambda with 50 digits: 1 - lambda decides a1 and may be tiny.
+    """
     a0, a1 = given.pop("a0"), given.pop("a1")
     if not (a0 > 0.0 > a1):
         raise GeometryError(
@@ -53,7 +58,10 @@ def _from_accelerations(given: dict[str, float]) -> dict[str, float]:
             f"a0 and a1 decide {' and '.join(given)} too; leave out one or the other",
             key=next(iter(given)),
         )
-    return {"inflection": -a1 / (a0 - a1), "curved": curved_for(a0 * (-a1 / (a0 - a1)))}
+    with localcontext(DIGITS):
+        place = -Decimal(a1) / (Decimal(a0) - Decimal(a1))
+        product = float(Decimal(a0) * place)
+    return place, curved_for(product)
 
 
 def _from_inflection(given: dict[str, float]) -> dict[str, float]:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import joints
+from camgeo.motion.laws import make_law
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.planning.auto import best_law, best_turn, size_of
@@ -200,3 +201,12 @@ def test_a_simple_sine_meets_the_sharper_turn_of_its_neighbour(first: bool) -> N
     assert turn.order >= 2
     gentlest = 0.5 * math.pi**2 * 5.0 / math.radians(45.0) ** 2
     assert turn.left[2] == pytest.approx(-gentlest, rel=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e3, 1e7, 1e12])
+def test_both_turns_of_a_sine_straight_combination_are_met_however_unequal(ratio: float) -> None:
+    """Within the rounding of f''; the inflection point then lies 1e-12 from one end."""
+    for a0, a1 in ((6.0, -6.0 * ratio), (6.0 * ratio, -6.0)):
+        law = make_law("sine-straight", "U-U", a0=a0, a1=a1)
+        assert law.start.acceleration == pytest.approx(a0, rel=1e-14)
+        assert law.end.acceleration == pytest.approx(a1, rel=1e-14)
