@@ -68,7 +68,7 @@ def fits(task: FaceTask, radius: float, angle: float, least: float) -> bool:
 @given(
     st.integers(0, 10**6), st.sampled_from(ANGLES), st.sampled_from(RATIOS), st.sampled_from((1, 2))
 )
-@settings(max_examples=examples(3, long=300))
+@settings(max_examples=examples(2, long=300))
 def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inches: int) -> None:
     cam, angle, unit = roller_cam(seed), math.radians(degrees), (1.0, 25.4)[inches - 1]
     for task in task_of(cam).sides:
@@ -99,7 +99,7 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
 
 
 @given(st.integers(0, 10**6), st.sampled_from(ANGLES), st.sampled_from(RADII))
-@settings(max_examples=examples(5, long=600))
+@settings(max_examples=examples(4, long=600))
 def test_the_size_of_a_flat_faced_cam(seed: int, degrees: float, least: float) -> None:
     cam, angle = face_cam(seed), math.radians(degrees)
     for task in face_task_of(cam).sides:

@@ -62,7 +62,7 @@ def test_json(capsys: Capture) -> None:
 
 def test_an_arm_is_found_and_written(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "sized.toml"
-    call = ["size", SETZHUB, "--arm", "40", "60", "--scene", str(target)]
+    call = ["size", SETZHUB, "--arm", "40", "40", "--scene", str(target)]
     assert main(call) == 0
     assert "all but the present design have an arm of 40.0000 mm" in capsys.readouterr().out
     after = camgeo.load(target)
