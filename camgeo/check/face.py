@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from camgeo.check.cures.cure import DIGITS, rounded_beyond
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import flat_follower
-from camgeo.outline.convex import SMALLEST, Convexity, contact_extremes, convexity
+from camgeo.outline.convex import SMALLEST, Convexity, convexity
+from camgeo.outline.face_lift import contact_places
 from camgeo.outline.path import Path
-from camgeo.units import TURN
 from camgeo.wording import counted
 
 ROUNDING = 1e-12
@@ -106,33 +104,6 @@ def degrees(angle: float) -> str:
     return f"{math.degrees(angle):.4f}"
 
 
-def _contacts(curve: PitchCurve, outline: Path) -> list[tuple[float, float]]:
-    """Places of the contact along the face [mm] with cam angles [rad], the extremes among them.
-
-    Over a corner they run from end to end; a rocker's comes nearest to the pivot where the corner
-    passes between pivot and axis.
-    """
-    found = contact_extremes(curve)
-    phi, values = found.phi % TURN, found.values
-    for pivot in outline.pivots:
-        outside = (phi - pivot.before) % TURN >= (pivot.after - pivot.before) % TURN
-        phi, values = phi[outside], values[outside]
-    places = list(zip(values.tolist(), phi.tolist(), strict=True))
-    if outline.is_whole:
-        return places
-    from camgeo.mechanism.face_path import face_path_of  # few cams have corners
-
-    path = face_path_of(curve.follower, curve.rotation)
-    for pivot in outline.pivots:
-        centre, none = np.array([pivot.centre]), np.zeros(1)
-        nearest = float(path.nearest(centre)[0]) % TURN
-        over = (nearest - pivot.before) % TURN <= (pivot.after - pivot.before) % TURN
-        for angle in (pivot.before, pivot.after, *([nearest] if over else [])):
-            at = path.contact(np.array([angle]), centre, none)
-            places.append((float(at[0]), angle % TURN))
-    return places
-
-
 def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     """The part of the face that the contact runs over; on a rocker, also whether it has a lever.
 
@@ -140,7 +111,7 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     are measured as in `FlatFollower`.
     """
     follower = flat_follower(curve.follower)
-    places = _contacts(curve, outline)
+    places = contact_places(curve, outline)
     (low, at_low), (high, at_high) = min(places), max(places)
     sentence = (
         f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"

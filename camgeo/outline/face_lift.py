@@ -20,8 +20,9 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.face_path import FacePath, face_path_of
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side
-from camgeo.outline.convex import touch
+from camgeo.outline.convex import contact_extremes, touch
 from camgeo.outline.face_hull import Circles, Hull
+from camgeo.outline.path import Path
 from camgeo.outline.replay_lift import AS_DEMANDED
 from camgeo.units import TURN
 
@@ -236,3 +237,28 @@ def face_between(
     if not len(corners):
         borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     return FaceLift(path, pitch, circles, borders, numbers, np.full(len(corners), TURN))
+
+
+def contact_places(curve: PitchCurve, outline: Path) -> list[tuple[float, float]]:
+    """Places of the contact along the face [mm] with cam angles [rad], the extremes among them.
+
+    Over a corner they run from end to end; a rocker's comes nearest to the pivot where the corner
+    passes between pivot and axis.
+    """
+    found = contact_extremes(curve)
+    phi, values = found.phi % TURN, found.values
+    for pivot in outline.pivots:
+        outside = (phi - pivot.before) % TURN >= (pivot.after - pivot.before) % TURN
+        phi, values = phi[outside], values[outside]
+    places = list(zip(values.tolist(), phi.tolist(), strict=True))
+    if outline.is_whole:
+        return places
+    path = face_path_of(curve.follower, curve.rotation)
+    for pivot in outline.pivots:
+        centre, none = np.array([pivot.centre]), np.zeros(1)
+        nearest = float(path.nearest(centre)[0]) % TURN
+        over = (nearest - pivot.before) % TURN <= (pivot.after - pivot.before) % TURN
+        for angle in (pivot.before, pivot.after, *([nearest] if over else [])):
+            at = path.contact(np.array([angle]), centre, none)
+            places.append((float(at[0]), angle % TURN))
+    return places

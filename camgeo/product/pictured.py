@@ -15,7 +15,7 @@ from camgeo.motion.extremes import lift_range
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.outline import Outline
-from camgeo.outline.path import Flank, Pivot
+from camgeo.outline.path import Flank, Pivot, whole
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
@@ -128,10 +128,14 @@ class PicturedCam(Pickled):
         curve = self.cam.disc.pitch_curve
         if curve.follower.face is not None:
             return curve.follower.face
-        from camgeo.outline.convex import contact_extremes  # few cams have a flat face
+        from camgeo.outline.face_lift import contact_places  # few cams have a flat face
 
-        places = contact_extremes(curve)
-        return places.smallest()[0], places.largest()[0]
+        try:
+            outline = self.cam.disc.outline(Flank.INNER).path
+        except GeometryError:  # reported by the findings
+            outline = whole(self.cam.disc.inner_curve)
+        places = contact_places(curve, outline)
+        return min(places)[0], max(places)[0]
 
 
 def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff]:
@@ -139,7 +143,7 @@ def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff
 
     Empty for a knife edge: the corners of its flank are those of the pitch curve, not cuts.
     """
-    if curve.distance == 0.0:
+    if curve.pitch.follower.has_edge:
         return []
     envelope, pivots = Envelope(curve), outline.path.pivots
     return [_cut_at(envelope, each, flank) for each in pivots if each.distance == 0.0]
