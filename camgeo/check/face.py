@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from camgeo.check.cures.cure import DIGITS, rounded_beyond
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
@@ -111,8 +113,10 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     are measured as in `FlatFollower`.
     """
     follower = flat_follower(curve.follower)
-    places = contact_places(curve, outline)
-    (low, at_low), (high, at_high) = min(places), max(places)
+    places, angles = contact_places(curve, outline)
+    (low, at_low), (high, at_high) = (
+        (float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
+    )
     sentence = (
         f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
         f" {high:.6g} mm at {degrees(at_high)} deg, measured from the {follower.origin}: a face of"

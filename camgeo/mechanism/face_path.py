@@ -74,9 +74,9 @@ class FacePath(Protocol):
         NaN where a rocker's face cannot reach the circle.
         """
 
-    def nearest(self, centres: ComplexArray) -> FloatArray:
-        """(n,) cam angles [rad] at which the contact with circles about `centres` (n,) is nearest
-        to the pivot's foot; on a guide, without one, any.
+    def turning(self, centres: ComplexArray) -> FloatArray:
+        """(2, n) cam angles [rad] at which the place of the contact with circles about `centres`
+        (n,) is extreme.
         """
 
     def wander(self, touch: Touch) -> FloatArray:
@@ -130,9 +130,10 @@ class GuidedFace:
         """See `FacePath`."""
         return np.asarray(-self._turned(phi, centres).imag)
 
-    def nearest(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`."""
-        return np.zeros(len(centres))
+    def turning(self, centres: ComplexArray) -> FloatArray:
+        """See `FacePath`: with the centre at the height of the cam axis."""
+        angle = self.follower.guide_angle - np.angle(centres)
+        return self.rotation * np.stack((angle - 0.5 * math.pi, angle + 0.5 * math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
         """See `FacePath`."""
@@ -206,10 +207,10 @@ class RockingFace:
         square = (away - over) * (away + over)
         return np.sqrt(np.where(square >= 0.0, square, np.nan))
 
-    def nearest(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`: where the centre passes between axis and pivot."""
+    def turning(self, centres: ComplexArray) -> FloatArray:
+        """See `FacePath`: with the centre on the line of centres, between axis and pivot first."""
         angle = self._axis + math.pi - np.angle(centres)
-        return np.asarray(self.rotation * angle)
+        return self.rotation * np.stack((angle, angle + math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
         """See `FacePath`: q = l_1 cos chi / tau."""

@@ -19,7 +19,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.face_path import FacePath, face_path_of
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, Side
 from camgeo.outline.convex import contact_extremes, touch
 from camgeo.outline.face_hull import Circles, Hull
 from camgeo.outline.path import Path
@@ -104,6 +104,27 @@ class FaceLift:
             jet = self.path.jet(phi[held], circles.centres[which], circles.radii[which])
             out[:, held] = jet[: order + 1]
         return out
+
+    def contacts(self) -> tuple[FloatArray, FloatArray]:
+        """Places of the contact along the face (n,) [mm], all extremes among them, and their cam
+        angles (n,) [rad] in [0, 2 pi).
+        """
+        widths = np.roll(self.borders, -1) - self.borders
+        widths[-1:] += TURN
+        held = np.flatnonzero(self.numbers != AS_DEMANDED)
+        starts, which = self.borders[held], self.numbers[held]
+        ends = starts + widths[held]
+        centres, radii = self.circles.centres[which], self.circles.radii[which]
+        phi = np.stack((starts, ends, *_turning_within(self.path, starts, ends, centres)))
+        places = self.path.contact(phi, centres, radii)
+        found = [(places.ravel(), phi.ravel() % TURN)]
+        if len(held) < len(self.numbers):
+            extremes = contact_extremes(self.pitch)
+            free = self.number(extremes.phi) == AS_DEMANDED
+            found.append((extremes.values[free], extremes.phi[free] % TURN))
+        return np.concatenate([each[0] for each in found]), np.concatenate(
+            [each[1] for each in found]
+        )
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `camgeo.outline.replay_result.DiscLift`: of the contact, if it did not wander."""
@@ -204,12 +225,19 @@ def _require_lever(
     path: FacePath, starts: FloatArray, ends: FloatArray, centres: ComplexArray, radii: FloatArray
 ) -> None:
     """Raise GeometryError where a contact comes to the pivot's foot between `starts` and `ends`."""
-    offset = (path.nearest(centres) - starts) % TURN
-    within: BoolArray = offset < ends - starts
-    nearest = np.where(within, starts + offset, starts)
-    for phi in (starts, nearest, ends):
+    for phi in (starts, ends, *_turning_within(path, starts, ends, centres)):
         if not np.all(np.isfinite(path.contact(phi, centres, radii))):
             raise GeometryError(NO_LEVER)
+
+
+def _turning_within(
+    path: FacePath, starts: FloatArray, ends: FloatArray, centres: ComplexArray
+) -> FloatArray:
+    """(2, k) cam angles [rad] at which the place of the contact is extreme in each range; its start
+    where there are none in it.
+    """
+    offset = (path.turning(centres) - starts) % TURN
+    return np.where(offset < ends - starts, starts + offset, starts)
 
 
 def face_between(
@@ -239,26 +267,13 @@ def face_between(
     return FaceLift(path, pitch, circles, borders, numbers, np.full(len(corners), TURN))
 
 
-def contact_places(curve: PitchCurve, outline: Path) -> list[tuple[float, float]]:
-    """Places of the contact along the face [mm] with cam angles [rad], the extremes among them.
+def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatArray]:
+    """See `FaceLift.contacts`, on a real outline.
 
-    Over a corner they run from end to end; a rocker's comes nearest to the pivot where the corner
-    passes between pivot and axis.
+    Raises GeometryError if the contact with a corner comes to the pivot's foot.
     """
-    found = contact_extremes(curve)
-    phi, values = found.phi % TURN, found.values
-    for pivot in outline.pivots:
-        outside = (phi - pivot.before) % TURN >= (pivot.after - pivot.before) % TURN
-        phi, values = phi[outside], values[outside]
-    places = list(zip(values.tolist(), phi.tolist(), strict=True))
-    if outline.is_whole:
-        return places
-    path = face_path_of(curve.follower, curve.rotation)
-    for pivot in outline.pivots:
-        centre, none = np.array([pivot.centre]), np.zeros(1)
-        nearest = float(path.nearest(centre)[0]) % TURN
-        over = (nearest - pivot.before) % TURN <= (pivot.after - pivot.before) % TURN
-        for angle in (pivot.before, pivot.after, *([nearest] if over else [])):
-            at = path.contact(np.array([angle]), centre, none)
-            places.append((float(at[0]), angle % TURN))
-    return places
+    pivots = outline.pivots
+    starts = np.array([each.before for each in pivots])
+    widths = np.array([each.after for each in pivots]) - starts
+    corners = np.array([each.centre for each in pivots], dtype=np.complex128)
+    return face_between(curve, corners, starts, starts + widths % TURN).contacts()

@@ -131,11 +131,10 @@ class PicturedCam(Pickled):
         from camgeo.outline.face_lift import contact_places  # few cams have a flat face
 
         try:
-            outline = self.cam.disc.outline(Flank.INNER).path
+            places, _ = contact_places(curve, self.cam.disc.outline(Flank.INNER).path)
         except GeometryError:  # reported by the findings
-            outline = whole(self.cam.disc.inner_curve)
-        places = contact_places(curve, outline)
-        return min(places)[0], max(places)[0]
+            places, _ = contact_places(curve, whole(self.cam.disc.inner_curve))
+        return float(np.min(places)), float(np.max(places))
 
 
 def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff]:

@@ -97,8 +97,21 @@ def test_a_flat_face_is_told_as_such() -> None:
     found = replayed("flat_rocker")
     assert text(found).startswith("flat_rocker: the face on the real outline, inner flank")
     assert document(found)["discs"][0]["lift_error"]["value"] == 0.0
+    told = document(found)["discs"][0]["contact"]
+    assert 60.0 < told["from"]["place_mm"] < told["to"]["place_mm"] < 100.0
+    assert "contact" not in document(replayed("plate_translating"))["discs"][0]
     with pytest.raises(GeometryError, match="inner flank"):
         replay(Design(load_scene(FOLDER / "tappet.toml")), flank="outer")
+
+
+def test_a_contact_beyond_the_face_is_told() -> None:
+    scene = load_scene(FOLDER / "tappet.toml")
+    for face, leaves in (([-7.2, 8.5], False), ([-7.2, 8.4], True), ([-7.1, 8.5], True)):
+        found = replay(Design(scene.with_values({"follower.face": face})), step=DEGREE)
+        (disc,) = found.discs
+        assert disc.contact is not None
+        assert disc.contact.leaves_face == leaves == ("leaves the face" in text(found))
+        assert document(found)["discs"][0]["contact"]["leaves_face"] == leaves
 
 
 def test_a_tappet_on_points_that_were_measured(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.convex import contact_extremes
+from camgeo.outline.convex import contact_extremes, touch
 from camgeo.outline.face_lift import FaceLift
 from camgeo.outline.path import whole
 from camgeo.outline.replay import replay_contour, replay_outline
@@ -215,6 +215,20 @@ def test_a_fit_gives_the_motion_back(scene: Path, tolerance: float) -> None:
     assert abs(found.largest_error.value) <= 1.001 * fit.deviation / lever
     assert abs(found.largest_error.value) > 0.01 * tolerance / abs(face.pivot or 1.0)
     assert len(found.shocks) == len(found.drops) == 0
+    assert isinstance(found.lift, FaceLift)
+    places, angles = found.lift.contacts()
+    sampled = touch(disc.pitch_curve, found.phi).contact[0]
+    # On an arc of another radius, off by the slope of the deviation: sqrt(8 rho deviation).
+    off = 3.0 * math.sqrt(8.0 * 100.0 * fit.deviation)
+    assert np.min(places) == pytest.approx(np.min(sampled), abs=off)
+    assert np.max(places) == pytest.approx(np.max(sampled), abs=off)
+    dense = np.linspace(0.0, TURN, 2000)
+    numbers = found.lift.number(dense)
+    circles = found.lift.circles
+    there = found.lift.path.contact(dense, circles.centres[numbers], circles.radii[numbers])
+    assert np.min(places) <= np.min(there)
+    assert np.max(there) <= np.max(places)
+    assert np.all((angles >= 0.0) & (angles < TURN))
 
 
 @attack

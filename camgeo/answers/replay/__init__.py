@@ -20,6 +20,7 @@ from camgeo.design import Design
 from camgeo.errors import Fault, SceneError
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.outline.face_lift import FaceLift
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
@@ -41,6 +42,9 @@ write."""
 FLAT: Final = 1e-3
 """Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
 written with six decimals meet at angles of this size."""
+
+SLACK: Final = 1e-12
+"""Rounding of a contact's place, as a fraction of the base radius."""
 
 OUTLINE_SAMPLES: Final = 3601
 
@@ -85,6 +89,22 @@ class Peak:
     demanded: float
 
 
+@dataclass(frozen=True, slots=True)
+class FaceContact:
+    """Where a flat face is touched, measured along it as its ends are.
+
+    Attributes
+    ----------
+    lowest, highest : places [mm] with cam angles [rad].
+    leaves_face : whether they lie beyond an end that the scene states; the replay does not stop
+        there, as if the face were longer.
+    """
+
+    lowest: Extreme
+    highest: Extreme
+    leaves_face: bool
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DiscReplay:
     """The motion on one disc; lifts in `unit`, derivatives per rad, cam angles in rad.
@@ -104,6 +124,7 @@ class DiscReplay:
     ripple : largest error of the acceleration as a share of its demanded peak; None if that is 0,
         or there is no bound.
     shocks, drops : jumps of the velocity and of the lift.
+    contact : on a flat face; None for a roller.
     in_time : "actual_velocity" and the like [`unit` per s^k]; None without a speed or a bound.
     """
 
@@ -121,6 +142,7 @@ class DiscReplay:
     ripple: Extreme | None
     shocks: Jumps
     drops: Jumps
+    contact: FaceContact | None
     in_time: Mapping[str, float] | None
 
 
@@ -278,8 +300,22 @@ def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscRepla
         ripple=ripple,
         shocks=replay.shocks.scaled(factor),
         drops=replay.drops.scaled(factor),
+        contact=_contact(cam, replay),
         in_time=None if falls else _in_time(cam, replay, factor),
     )
+
+
+def _contact(cam: Cam, replay: Replay) -> FaceContact | None:
+    """Where a flat face is touched; None for a roller."""
+    if not isinstance(replay.lift, FaceLift):
+        return None
+    places, angles = replay.lift.contacts()
+    low, high = (
+        Extreme(float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
+    )
+    slack, face = SLACK * cam.follower.base_radius, cam.follower.face
+    leaves = face is not None and not face[0] - slack <= low.value <= high.value <= face[1] + slack
+    return FaceContact(low, high, leaves)
 
 
 def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:

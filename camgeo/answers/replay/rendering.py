@@ -97,6 +97,10 @@ def _lines(disc: DiscReplay) -> list[str]:
         count = len(disc.drops)
         often = "once," if count == 1 else f"{count} times, the largest"
         lines.append(_line("falls off an edge", f"{often} {_at(drop, unit)}"))
+    if (contact := disc.contact) is not None:
+        ends = " to ".join(_at(each, "mm") for each in (contact.lowest, contact.highest))
+        beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
+        lines.append(_line("contact on the face", f"{ends}{beyond}"))
     if (timed := disc.in_time) is not None:
         for name, per in (("velocity", "s"), ("acceleration", "s^2")):
             actual, demanded = (f"{timed[f'{of}_{name}']:.6g}" for of in ("actual", "demanded"))
