@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.closing import clear_range
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -337,3 +338,32 @@ def slider_driven_cranks(draw: st.DrawFn, motion: float = 0.6) -> SliderDrivenCr
         reject()
     assume(np.max(linkage.missing_length(np.linspace(0.0, motion, 17))) < -2.0)
     return linkage
+
+
+@st.composite
+def near_dead_pitch_curves(draw: st.DrawFn) -> PitchCurve:
+    """A pitch curve behind a linkage that moves to within a share of 1e-5 to 1 of its way to a dead
+    centre; the follower may pass the foot of its guide, or the line of centres.
+    """
+    linkage = draw(st.one_of(slider_cranks(0.0), four_bars(0.0), slider_driven_cranks(0.0)))
+    far = 150.0 if linkage.unit == "mm" else 2.0
+    end = clear_range(linkage)[draw(st.integers(0, 1))]
+    assume(1e-3 * far < abs(end) < far)
+    to = end * (1.0 - 10.0 ** -draw(st.floats(0.0, 5.0)))
+    law = make_law(draw(st.sampled_from(("polynomial-345", "modified-sine"))), "R-R")
+    spans = Decimal(draw(st.integers(20, 120))), Decimal(draw(st.integers(20, 120)))
+    rest = (360 - sum(spans)) / 2
+    moves = Move(spans[0], to, law), Dwell(rest), Move(spans[1], 0.0, law), Dwell(rest)
+    motion = LinkedMotion(MotionPlan(moves), linkage)
+    rotation = draw(signs())
+    if linkage.member == "crank":
+        base, share = draw(st.floats(20.0, 200.0)), draw(st.floats(0.05, 0.3))
+        return PitchCurve(motion, TranslatingRoller(base, share * base), rotation)
+    distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
+    start = draw(st.floats(0.2, 2.9))
+    base = math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start))
+    pivot = cmath.rect(distance, draw(st.floats(-math.pi, math.pi)))
+    radius = draw(st.floats(2.0, 12.0))
+    return PitchCurve(
+        motion, OscillatingRoller(pivot, arm, base, radius, draw(signs()), None), rotation
+    )

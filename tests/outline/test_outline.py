@@ -11,7 +11,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.curve.pitch_curve import PitchCurve
@@ -29,10 +29,11 @@ from camgeo.outline.outline import Outline, _unsettled, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 from tests.laws import LAWS
+from tests.long_form import examples
 from tests.measuring import polygon
 from tests.outline.clearing import corners, dense, distances
 from tests.reference import hard_case, inner_of, number, pitch_curve_of, plan_of
-from tests.strategies import attack, pitch_curves, signs, wild_pitch_curves
+from tests.strategies import attack, near_dead_pitch_curves, pitch_curves, signs, wild_pitch_curves
 
 ROUNDING = 2.0**-52 * 64.0
 """Of a distance between points that are sums of a few lengths, as a share of the largest."""
@@ -70,6 +71,24 @@ def test_no_roller_reaches_what_is_kept(pitch: PitchCurve, side: int) -> None:
     # And it is the boundary of what the rollers reach: each point is touched by one.
     away = distances(pitch, dense(outline.path, 5))
     assert np.max(away) <= radius + ROUNDING * size_of(pitch)
+
+
+@settings(attack, max_examples=examples(8, long=40))
+@given(near_dead_pitch_curves(), signs())
+def test_nor_does_one_next_to_a_dead_centre(pitch: PitchCurve, side: int) -> None:
+    """Where the rounding of the linkage's lengths counts a thousandfold."""
+    try:
+        outline = outline_of(flank_of(pitch, side))
+    except GeometryError as error:
+        if "crosses itself" not in error.message:
+            raise
+        return
+    if outline is None:
+        return
+    radius, rounding = pitch.follower.roller_radius, 1e3 * ROUNDING * size_of(pitch)
+    for path in (outline.path, *outline.lobes):
+        assert np.min(distances(pitch, dense(path, 24))) >= radius - rounding
+    assert np.max(distances(pitch, dense(outline.path, 5))) <= radius + rounding
 
 
 @attack
