@@ -82,8 +82,11 @@ def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ..
     """
     exact = [Fraction(c) for c in powers]
     n = len(exact) - 1
+    # Sums of integers over one denominator: adding fractions takes most of the time of a law.
+    below = math.lcm(*(c.denominator for c in exact))
+    above = [c.numerator * (below // c.denominator) for c in exact]
     return tuple(
-        float(sum(math.comb(n - k, i - k) * exact[k] for k in range(i + 1))) for i in range(n + 1)
+        sum(math.comb(n - k, i - k) * above[k] for k in range(i + 1)) / below for i in range(n + 1)
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from decimal import Decimal
+from functools import cache
 
 import numpy as np
 from hypothesis import strategies as st
@@ -20,6 +21,7 @@ from camgeo.motion.planning.request import (
     TableRequest,
 )
 from camgeo.numeric.arrays import FloatArray
+from tests.strategies import among
 
 LAWS_TO_ASK = (
     "auto",
@@ -110,11 +112,12 @@ def spans(draw: st.DrawFn, count: int) -> list[Decimal]:
     free = 3600 - 50 * count
     found = [Decimal(50 + free * weight // sum(weights)) / 10 for weight in weights]
     if count > 1 and draw(st.integers(0, 5)) == 0:
-        found[0] = Decimal(draw(st.sampled_from(["0.001", "0.02", "1"])))
+        found[0] = Decimal(draw(among(("0.001", "0.02", "1"))))
     found[-1] += 360 - sum(found)
     return found
 
 
+@cache
 def positions(size: float) -> st.SearchStrategy[float]:
     """A position, often one that comes up again, so that moves return and go nowhere."""
     return st.one_of(
@@ -135,11 +138,11 @@ def wishes(
     """Requests for one turn, 1 to 8 of them."""
     count = draw(st.integers(1, 8))
     lengths = draw(spans(count))
-    kinds = ["move"] * 5 + ["rest"] * 2 * rests + ["points", "table"] * data
+    kinds = ("move",) * 5 + ("rest",) * 2 * rests + ("points", "table") * data
     found: list[Request] = []
     position = 0.0
     for number, span in enumerate(lengths):
-        kind = draw(st.sampled_from(kinds))
+        kind = draw(among(kinds))
         last = number == count - 1
         if last and kind == "rest" and position != 0.0:
             kind = "move"
@@ -168,10 +171,10 @@ def _wish(
     length = math.radians(float(span))
     velocity, acceleration = draw(_stated(length, size)) if stated else (None, None)
     if kind == "move":
-        law = draw(st.sampled_from(laws))
+        law = draw(among(laws))
         optimise = {}
         if law == "auto" and draw(st.booleans()):
-            optimise = {draw(st.sampled_from(CRITERIA)): 1.0}
+            optimise = {draw(among(CRITERIA)): 1.0}
         return MoveRequest(
             span, to, law, velocity=velocity, acceleration=acceleration, optimise=optimise
         )
@@ -183,21 +186,20 @@ def _wish(
         if stated and draw(st.booleans()):
             given[0] = draw(_stated(length, size))
         return PointsRequest(span, to, shares[1:-1], inner, given, velocity, acceleration)
-    smoothing = draw(st.sampled_from([None, 0.02 * size]))
+    smoothing = draw(among((None, 0.02 * size)))
     return TableRequest(span, shares, np.concatenate(([start], inner, [to])), smoothing)
+
+
+@cache
+def _shares() -> st.SearchStrategy[float | None]:
+    some = st.floats(-5.0, 5.0).map(lambda x: round(x, 2))
+    return st.one_of(st.none(), st.none(), st.none(), st.just(0.0), some)
 
 
 @st.composite
 def _stated(draw: st.DrawFn, length: float, size: float) -> tuple[float | None, float | None]:
     """Velocity and acceleration of the size that such a move has; mostly none."""
-    share = st.one_of(
-        st.none(),
-        st.none(),
-        st.none(),
-        st.just(0.0),
-        st.floats(-5.0, 5.0).map(lambda x: round(x, 2)),
-    )
-    velocity, acceleration = draw(share), draw(share)
+    velocity, acceleration = draw(_shares()), draw(_shares())
     return (
         None if velocity is None else velocity * size / length,
         None if acceleration is None else acceleration * size / length**2,
