@@ -7,7 +7,7 @@ import numpy as np
 from camgeo.effects.effect import Quantity
 from camgeo.effects.results import Range
 from camgeo.numeric.arrays import BoolArray, FloatArray, merged
-from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_lowest
 from camgeo.numeric.roots import roots_on_grid
 
 
@@ -35,7 +35,7 @@ def ranges_below(
         passing = pieces.index(0) if 0 in pieces else 0  # a run may pass the end of the turn
         halves = [half for half in (pieces[:passing], pieces[passing:]) if half]
         low = min(
-            (piecewise_extremes(quantity, cuts[half[0] : half[-1] + 2]).lowest for half in halves),
+            (piecewise_lowest(quantity, cuts[half[0] : half[-1] + 2]) for half in halves),
             key=lambda each: each.value,
         )
         found.append(Range(float(cuts[pieces[0]]), float(cuts[pieces[-1] + 1]), low))

@@ -69,6 +69,12 @@ of its length; the value is then the extreme but for rounding. Golden section ne
 values, but one by one, and the cost of a call does not depend on so few."""
 
 
+TOPS: Final = (1.0,)
+BOTTOMS: Final = (-1.0,)
+BOTH: Final = (*TOPS, *BOTTOMS)
+"""Signs with which turning points are the largest values."""
+
+
 def grid_of(edges: FloatArray) -> FloatArray:
     """(m, k) grid points, a row for each piece between two neighbours of `edges` (m + 1,)."""
     pieces = len(edges) - 1
@@ -94,9 +100,35 @@ def piecewise_extremes(
     Where an edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
+    return _extremes(function, edges, BOTH)
+
+
+def piecewise_lowest(
+    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
+) -> Extreme:
+    """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
+    refined.
+    """
+    return _extremes(function, edges, BOTTOMS).lowest
+
+
+def piecewise_highest(
+    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
+) -> Extreme:
+    """The largest value alone, see `piecewise_lowest`."""
+    return _extremes(function, edges, TOPS).highest
+
+
+def _extremes(
+    function: Callable[[FloatArray, Side], FloatArray],
+    edges: FloatArray,
+    signs: tuple[float, ...],
+) -> Extremes:
+    """Both values, of which those that `signs` name are refined."""
     inside = grid_of(edges)
     flat = function(inside.ravel(), "right")
-    turning = peaks(lambda x: function(x, "right"), inside, flat.reshape(inside.shape))
+    sought = tops(inside, flat.reshape(inside.shape), signs)
+    turning = climbed(lambda x: function(x, "right"), *sought)
     places = np.concatenate((edges[:-1], edges[1:]))
     at_edges = np.concatenate((function(edges[:-1], "right"), function(edges[1:], "left")))
     found = extremes_of(
@@ -115,23 +147,18 @@ def piecewise_extremes(
     return Extremes(placed(found.lowest), placed(found.highest))
 
 
-def peaks(
-    function: Callable[[FloatArray], FloatArray], grid: FloatArray, values: FloatArray
-) -> FloatArray:
-    """Places of the extremes at the turning points of `values` along the rows of `grid`."""
-    return climbed(function, *tops(grid, values))
-
-
-def tops(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def tops(
+    grid: FloatArray, values: FloatArray, signs: tuple[float, ...] = BOTH
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Sign, +1 of a top and -1 of a bottom, and bracket of each turning point, (k,) each.
 
-    Of `values` along the rows of `grid`; those that cannot be the largest or the smallest are
-    omitted.
+    Of `values` along the rows of `grid`, those of the `signs`; those that cannot be the largest or
+    the smallest are omitted.
     """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
     moving = np.ptp(values, axis=1, keepdims=True) > 0.0
     found = []
-    for sign in (1.0, -1.0):
+    for sign in signs:
         heights = sign * values
         inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
         top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
@@ -143,8 +170,8 @@ def tops(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, 
         top &= moving
         low = padded[:, :-2][top]
         found.append((np.full(len(low), sign), low, padded[:, 2:][top]))
-    signs, lows, highs = (np.concatenate(each) for each in zip(*found, strict=True))
-    return signs, lows, highs
+    sign_of, lows, highs = (np.concatenate(each) for each in zip(*found, strict=True))
+    return sign_of, lows, highs
 
 
 def climbed(

@@ -17,6 +17,8 @@ from camgeo.numeric.extremes import (
     SAMPLES,
     grid_of,
     piecewise_extremes,
+    piecewise_highest,
+    piecewise_lowest,
     stretch_around,
     stretch_below,
 )
@@ -170,6 +172,44 @@ def test_the_function_is_asked_for_arrays() -> None:
     calls.clear()
     piecewise_extremes(counted, np.linspace(0.0, 50.0, 3))
     assert few == len(calls)
+
+
+@given(
+    sizes=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=6),
+    jump=st.floats(-1.0, 1.0),
+    edge=st.floats(0.5, TURN - 0.5),
+)
+def test_one_of_both_alone(sizes: list[float], jump: float, edge: float) -> None:
+    """Waves of several frequencies with a jump: the same value at the same place."""
+
+    def waves(x: FloatArray, side: Side) -> FloatArray:
+        later = x >= edge if side == "right" else x > edge
+        total = np.where(later, jump, 0.0)
+        for k, size in enumerate(sizes):
+            total = total + size * np.sin((k + 1.0) * x + k)
+        return total
+
+    edges = np.array([0.0, edge, TURN])
+    both = piecewise_extremes(waves, edges)
+    assert piecewise_highest(waves, edges) == both.highest
+    assert piecewise_lowest(waves, edges) == both.lowest
+
+
+def test_one_alone_is_found_with_half_the_work() -> None:
+    asked: list[int] = []
+
+    def counted(x: FloatArray, side: Side) -> FloatArray:
+        asked.append(len(x))
+        return np.sin(x)
+
+    edges = np.linspace(0.0, TURN, 9)
+    on_grid = grid_of(edges).size
+    works = []
+    for find in (piecewise_extremes, piecewise_highest, piecewise_lowest):
+        asked.clear()
+        find(counted, edges)
+        works.append(sum(asked) - on_grid - 2 * (len(edges) - 1))
+    assert works[1] == works[2] == works[0] / 2
 
 
 EDGES = np.linspace(0.0, TURN, 9)

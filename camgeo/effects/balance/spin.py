@@ -12,7 +12,7 @@ from camgeo.effects.effect import Bound, Column
 from camgeo.effects.wording import KG
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
-from camgeo.numeric.extremes import Extreme, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_highest
 from camgeo.numeric.roots import Function
 
 GRAM_MM: Final = 1e6
@@ -102,7 +102,7 @@ class Spin:
 
     def _largest(self, values: Function) -> Extreme:
         edges = merged(np.concatenate((self.smooth_angles, self.course.borders)))
-        return piecewise_extremes(lambda phi, _side: values(phi), edges).highest
+        return piecewise_highest(lambda phi, _side: values(phi), edges)
 
     def columns(self) -> tuple[Column, ...]:
         """The components of the inertia force on the shaft along the axes of the frame."""

@@ -30,7 +30,7 @@ from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
-from camgeo.numeric.extremes import dips, grid_of, piecewise_extremes, stretch_below
+from camgeo.numeric.extremes import dips, grid_of, piecewise_lowest, stretch_below
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.numeric.rounding import SHARE
 from camgeo.units import TURN
@@ -204,7 +204,7 @@ def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:
         needed, _, left = balance.parts(phi, side, balance.rates(phi))
         return np.where(needed != 0.0, left, abs(balance.subject.cam.follower.reach)) - least
 
-    lowest = piecewise_extremes(reserve, edges).lowest
+    lowest = piecewise_lowest(reserve, edges)
     if lowest.value > 0.0:
         return
     stretch = stretch_below(lambda phi: reserve(phi, "right"), edges, lowest.place)

@@ -31,7 +31,7 @@ from camgeo.effects.touching import INNER, OUTER
 from camgeo.effects.wording import at
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_lowest
 from camgeo.units import TURN
 
 CUSP: Final = 1e-12
@@ -122,7 +122,7 @@ class LineContact:
             load, radius = self.load_and_radius(phi, side)
             return np.where(load > 0.0, radius, scale)
 
-        lowest = piecewise_extremes(under_load, edges).lowest
+        lowest = piecewise_lowest(under_load, edges)
         if lowest.value <= CUSP * scale:
             self._refuse(lowest.place, lowest.value)
 

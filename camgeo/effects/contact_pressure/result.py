@@ -22,7 +22,7 @@ from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.touching import FLANKS
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
-from camgeo.numeric.extremes import Extreme, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_highest
 from camgeo.units import RPM, TURN
 
 KEY: Final = "effects.contact-pressure"
@@ -102,7 +102,7 @@ def _of_disc(
     contact = LineContact(subject, normal, data.modulus, _width(subject, data))
     edges = merged(np.concatenate((subject.drive.smooth_angles, edges)))
     contact.refuse_cusps(edges)
-    highest = piecewise_extremes(contact.square, edges).highest
+    highest = piecewise_highest(contact.square, edges)
     worst = _worst(contact, highest.place, highest.value)
     life = None
     if data.rating is not None:

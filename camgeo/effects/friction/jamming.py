@@ -19,7 +19,7 @@ from camgeo.effects.friction.statics import Statics
 from camgeo.effects.touching import holds_both_ways
 from camgeo.effects.wording import between
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import piecewise_extremes, stretch_below
+from camgeo.numeric.extremes import piecewise_lowest, stretch_below
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
         pushes = drive != 0.0 if both else drive == contact.push
         return np.where(pushes, margin_of(statics, phi, side), UNDRIVEN)
 
-    lowest = piecewise_extremes(driven, edges).lowest
+    lowest = piecewise_lowest(driven, edges)
     if lowest.value == UNDRIVEN:
         return ()
     angle = math.degrees(lowest.place % TURN)

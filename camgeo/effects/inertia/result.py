@@ -34,7 +34,7 @@ from camgeo.effects.inertia.rates import (
 from camgeo.effects.results import Inertia
 from camgeo.effects.wording import FORCES, KG, KG_M2, Label, extreme_finding, extreme_findings
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes, piecewise_highest
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
@@ -140,7 +140,7 @@ class _Report:
     def findings(self, shocks: Sequence[float]) -> tuple[Finding, ...]:
         """All findings; `shocks` are the cam angles [rad] at which the velocity jumps."""
         edges, unit = self.subject.drive.smooth_angles, self.reduced.unit
-        largest = piecewise_extremes(self.at_cam, edges).highest
+        largest = piecewise_highest(self.at_cam, edges)
         name = f"reduced-{self.reduced.word.replace(' ', '-')}"
         at = f"{self.reduced.word} reduced to the follower"
         found = []

@@ -14,7 +14,7 @@ from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_ch
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import sides_of
 from camgeo.effects.wording import at, degrees, placed
-from camgeo.numeric.extremes import Extreme, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, piecewise_lowest
 from camgeo.wording import counted
 
 LISTED: Final = 12
@@ -76,7 +76,7 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
     """Why there is no impact speed; empty if there is one."""
     if inertia is None or subject.drive.time_course is None:
         return "it needs [effects.inertia]; without mass the clearance is crossed instantly"
-    if not piecewise_extremes(inertia.to_follower, contact.edges).lowest.value > 0.0:
+    if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, so the clearance is crossed instantly"
     jumps = shocks(subject, inertia)
     if jumps:

@@ -23,7 +23,7 @@ from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.touching import TOUCH
 from camgeo.numeric.arrays import FloatArray, Side, merged
-from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes, piecewise_highest
 from camgeo.numeric.roots import roots_on_grid
 
 BOUNDLESS: Final = 1e200
@@ -68,7 +68,7 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
         effect, rest = parts(phi, side)
         return rest + least.value * effect
 
-    least = piecewise_extremes(bound, cuts).highest
+    least = piecewise_highest(bound, cuts)
     if least.value >= BOUNDLESS:
         return Extreme(np.inf, least.place)
     if np.min(effects) < -blunt:
@@ -102,7 +102,7 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
 
     # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
     cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
-    slowest = piecewise_extremes(_slowness(flank), cuts).highest
+    slowest = piecewise_highest(_slowness(flank), cuts)
     if slowest.value <= 0.0:
         return Extreme(np.inf, slowest.place)
     if slowest.value >= BOUNDLESS:

@@ -22,7 +22,7 @@ from camgeo.effects.shock_spectrum import SpectrumRange
 from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, grid_of, piecewise_highest
 from camgeo.numeric.oscillator.spectrum import Shock
 from camgeo.numeric.roots import bracketed_roots
 
@@ -152,10 +152,10 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
         return residual(np.maximum(ratios, SMALLEST_RATIO))
 
     high = min(end, FIRST_SPAN)
-    worst = piecewise_extremes(sided, _unit_edges(low, high)).highest
+    worst = piecewise_highest(sided, _unit_edges(low, high))
     while high < end and move.bound(high, damping) > worst.value:
         low, high = high, min(end, 2.0 * high)
-        further = piecewise_extremes(sided, _unit_edges(low, high)).highest
+        further = piecewise_highest(sided, _unit_edges(low, high))
         worst = max(worst, further, key=lambda each: each.value)
     # Beyond this ratio the bound proves it; `end` may be a zero with more residual behind it.
     reach = FIRST_SPAN

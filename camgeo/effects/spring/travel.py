@@ -23,7 +23,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes, piecewise_lowest
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
@@ -201,7 +201,7 @@ def between_points(
     start = _start(subject.drive.motion)
     swing = subject.cam.follower.swing_sense
     way = BetweenPoints(subject.drive.motion, start, swing, lever, fixed, sense)
-    shortest = piecewise_extremes(way.length, subject.drive.smooth_angles).lowest
+    shortest = piecewise_lowest(way.length, subject.drive.smooth_angles)
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
             f"is {shortest.value:.3g} mm from the attachment at cam angle"
