@@ -120,6 +120,18 @@ def test_what_is_proved_is_reported() -> None:
         assert proof["none_below_mm"] == pytest.approx(limit, rel=0.0 if found is exact else 1e-3)
 
 
+def test_a_side_that_is_only_bounded_leaves_the_answer_bounded() -> None:
+    """Exact on one side proves nothing of the other, where a smaller cam might be."""
+    found = size(Design(load_scene(FIXTURES / "scenes" / "querhub.toml")))
+    own, other = found.sides
+    assert found.proof.exact
+    near = replace(other.sizing, none_below=0.9 * own.base_radius, reach=1000.0)
+    doubtful = replace(found, sides=(own, replace(other, sizing=near)))
+    assert not doubtful.proof.exact
+    assert doubtful.proof.none_below == near.none_below
+    assert "it is proved that nothing below" in text(doubtful)
+
+
 def test_the_face_of_a_follower_is_made_long_enough() -> None:
     """The contact runs farther out on the smaller cam; the guide's face is long enough."""
     found = size(Design(load_scene(FIXTURES / "scenes" / "flat_rocker.toml")))

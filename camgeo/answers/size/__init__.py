@@ -101,6 +101,20 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True)
+class Proof:
+    """What is known of anything smaller than the answer, on either side.
+
+    Attributes
+    ----------
+    exact : whether the limit is exact, to rounding.
+    none_below : no base radius below this [mm] will do; infinite if none does.
+    """
+
+    exact: bool
+    none_below: float
+
+
+@dataclass(frozen=True, slots=True)
 class CamSize(Answer):
     """How small a cam may be.
 
@@ -122,8 +136,12 @@ class CamSize(Answer):
 
     @property
     def best(self) -> Side:
-        """The side with the smallest base circle; the scene's own if there is nothing to choose."""
-        return min(self.sides, key=lambda side: side.base_radius)
+        """The side with the smallest base circle, without one that which keeps the larger angle; the
+        scene's own if there is nothing to choose.
+        """
+        return min(
+            self.sides, key=lambda side: (side.base_radius, -(side.sizing.nearest_angle or math.pi))
+        )
 
     @property
     def own(self) -> Side:
@@ -138,6 +156,13 @@ class CamSize(Answer):
         follower: Any = self.best.made.cam.follower
         ends: tuple[float, float] = follower.face
         return ends
+
+    @property
+    def proof(self) -> Proof:
+        """What is known of anything smaller."""
+        below = min(side.sizing.none_below for side in self.sides)
+        limit = self.best.base_radius
+        return Proof(self.sizing.exact and below >= limit, min(below, limit))
 
     @property
     def task(self) -> Placing:

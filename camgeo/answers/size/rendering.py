@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from camgeo.answers.size import CamSize, Side
+from camgeo.answers.size import CamSize
 from camgeo.check.sizing.face_task import FaceTask
 from camgeo.check.sizing.smallest import Active, Rating, Sizing
 from camgeo.check.sizing.task import Task
@@ -47,7 +47,7 @@ def text(answer: CamSize) -> str:
             *lines,
             *_changed(answer),
             answer.infeasible or _decided(sizing),
-            *_proved(best),
+            *_proved(answer),
             *(f"check of that scene finds: {each.sentence}" for each in answer.remarks),
             *_of_flocke(answer.sides[0].sizing),
         ]
@@ -145,8 +145,9 @@ def _active(active: Active, sizing: Sizing) -> str:
     return f"{what[active.name]} {at}"
 
 
-def _proved(side: Side) -> list[str]:
+def _proved(answer: CamSize) -> list[str]:
     """What is known of anything smaller."""
+    side, proof = answer.best, answer.proof
     sizing, unit = side.sizing, MM_PER[side.unit]
     if sizing.answer is None:
         return []
@@ -159,10 +160,9 @@ def _proved(side: Side) -> list[str]:
         blunt = "; its radius of curvature comes down to 0: --radius-of-curvature asks for more"
     else:
         blunt = ""
-    if sizing.exact:
+    if proof.exact:
         return [f"the limit is {limit}, exactly: nothing smaller keeps all of this{blunt}"]
-    bound = min(sizing.none_below, sizing.answer.base_radius) / unit
-    below = math.floor(bound * 1e4) / 1e4
+    below = math.floor(proof.none_below / unit * 1e4) / 1e4
     gap = sizing.answer.base_radius / unit - below
     known = f"nothing below {below:.4f} {side.unit} keeps all of this"
     within = f"so that the smallest is known within {gap:.2g} {side.unit}"

@@ -168,13 +168,19 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         ratio = min(ratio, NO_CUSP * task.follower.roller_radius / task.cam.disc.flank_distance)
     tangent, hopeless = math.tan(angle), task.hopeless
     if hopeless is not None:
-        return Sizing(angle, ratio, None, None, None, None, (), hopeless=hopeless)
+        return Sizing(
+            *(angle, ratio, None, None, None, None, ()), none_below=math.inf, hopeless=hopeless
+        )
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
     place = smallest_place(task, tangent)
     if place is None:
         nearest = largest_angle(task)
-        return Sizing(angle, ratio, construction, proposal, None, None, (), nearest)
+        return Sizing(
+            *(angle, ratio, construction, proposal, None, None, ()),
+            nearest_angle=nearest,
+            none_below=math.inf,
+        )
     base = abs(place - task.start)
     if not base > 0.0:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")
