@@ -12,7 +12,7 @@ import pytest
 
 import camgeo
 from camgeo.check.sizing.face_task import FaceTask, face_task_of
-from camgeo.check.sizing.faces import size_for_face
+from camgeo.check.sizing.faces import rate_face, size_for_face
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
@@ -123,6 +123,8 @@ def test_what_no_size_can_do() -> None:
     task = face_task_of(cam_of(quick, OscillatingFlat(-70 + 50j, 35.0), 1))
     reasons = [size_for_face(side, ANGLE, 0.0).hopeless for side in task.sides]
     assert sum("turns back" in (each or "") for each in reasons) == 1
+    rated = [rate_face(side, side.present) for side in task.sides]
+    assert [each is None for each in rated] == ["turns back" in (why or "") for why in reasons]
     jumping = face_task_of(cam_of(plan_of(9.0, "straight-line"), TranslatingFlat(60.0)))
     found = size_for_face(jumping, ANGLE, 0.0)
     assert found.answer is None

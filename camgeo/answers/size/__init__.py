@@ -136,8 +136,8 @@ class CamSize(Answer):
 
     @property
     def best(self) -> Side:
-        """The side with the smallest base circle, without one that which keeps the larger angle; the
-        scene's own if there is nothing to choose.
+        """The side with the smallest base circle, or, if neither has one, the larger angle; the
+        scene's own if they are equal.
         """
         return min(
             self.sides, key=lambda side: (side.base_radius, -(side.sizing.nearest_angle or math.pi))

@@ -88,9 +88,13 @@ def _hopeless(task: FaceTask) -> str | None:
 
 
 def rate_face(task: FaceTask, place: complex) -> Rating | None:
-    """What the cam axis at `place` results in; None if there is no such mechanism."""
+    """What the cam axis at `place` results in; None if there is no such mechanism, or its face
+    turns back in the cam.
+    """
     try:
         curve = task.pitch_curve_at(place)
+        if smallest_turn(curve) <= 0.0:
+            return None
         angle = transmission_angle_extremes(curve).smallest()
         contact = contact_extremes(curve)
     except GeometryError:
@@ -147,6 +151,18 @@ def _missed(task: FaceTask, place: complex) -> float | None:
         return None
     found = convexity(cam.disc.pitch_curve)
     return None if found.is_convex else found.radius[1]
+
+
+def smallest_turn(curve: PitchCurve) -> float:
+    """Smallest rate at which the face turns in the cam, see `camgeo.mechanism.face`."""
+
+    def turn(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(touch(curve, phi, side).turn[0])
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(touch(curve, phi, side).turn[1])
+
+    return extremes(curve, turn, slope).smallest()[0]
 
 
 def smallest_radius(curve: PitchCurve) -> tuple[float, float]:
