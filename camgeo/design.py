@@ -93,7 +93,8 @@ class Design(Pickled):
         """What the checks find; without a follower, only for the motion."""
         scene = self.scene
         cams = self.cams if scene.follower is not None else ()
-        return Judgement(self.drive, cams, scene.limits, scene.output.tolerance, self.ledger)
+        tolerance = scene.output.tolerance
+        return Judgement(self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

@@ -23,6 +23,7 @@ from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.outline.path import Flank
 from camgeo.pickled import Pickled
+from camgeo.units import LengthUnit
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
@@ -59,6 +60,7 @@ class Judgement(Pickled):
         a follower.
     limits : what they are compared with.
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
+    unit : that of the scene, in which cures state lengths.
     ledger : records what has been computed.
     """
 
@@ -66,6 +68,7 @@ class Judgement(Pickled):
     cams: tuple[Cam, ...]
     limits: Limits
     tolerance: float
+    unit: LengthUnit = "mm"
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @lazy
@@ -131,12 +134,12 @@ class Judgement(Pickled):
         if CONVEXITY in names:
             from camgeo.check.cures.face import face_cures  # few cams have a flat face
 
-            return face_cures(self.cams[0])
+            return face_cures(self.cams[0], self.unit)
         if not any(name.startswith(UNDERCUT) for name in names):
             return ()
         from camgeo.check.cures.smallest import cures  # a search that few cams need
 
-        return cures(self.cams)
+        return cures(self.cams, self.unit)
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:

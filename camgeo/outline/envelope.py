@@ -192,7 +192,9 @@ class Envelope:
                 beyond = angle + TURN if before else angle
                 if beyond < each.end or (left and beyond == each.end):
                     return float(start) + (beyond - each.start)
-        raise AssertionError("the stretches fill the turn")
+        # A turn added to an angle just below the first stretch may round up to the end of the last.
+        pairs = zip(self.starts, self.elements, strict=True)
+        return next(float(start) for start, each in pairs if isinstance(each, Stretch))
 
     def samples(self, places: FloatArray) -> EnvelopeSamples:
         """Points, tangents and pace at the path parameters `places` (n,), any number of turns."""

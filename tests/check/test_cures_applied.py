@@ -74,15 +74,16 @@ def edited(values: Tables, cure: Cure) -> Tables:
 
 
 def check_cures(values: Tables) -> tuple[Cure, ...]:
-    design = Design(Scene(values))
-    found = design.judgement.cures
+    found = Design(Scene(values)).judgement.cures
     for cure in found:
         if not cure.works:
             assert not cure.also
             continue
         value = cure.value_to
         if isinstance(value, float):
-            assert f" {value:g} mm" in cure.sentence or repr(value) in cure.sentence
+            unit = values.get("units", {}).get("length", "mm")
+            assert cure.unit == unit
+            assert f" {value:g} {unit}" in cure.sentence or repr(value) in cure.sentence
         elif isinstance(value, Decimal):
             assert f"{cure.key} {value.normalize():f} deg" in cure.sentence
         try:
@@ -248,9 +249,17 @@ def scenes(draw: st.DrawFn) -> Tables:
     return values
 
 
+def test_a_scene_in_inches_is_told_in_inches() -> None:
+    values = loaded("lobe_after_no_rest")
+    values["units"] = {"length": "inch"}
+    works = [cure for cure in check_cures(values) if cure.works]
+    assert {cure.unit for cure in works} == {"inch", "deg"}
+
+
 @settings(attack, max_examples=examples(5, long=200))
-@given(scenes())
-def test_every_cure_cures_when_applied_as_printed(values: Tables) -> None:
+@given(scenes(), st.sampled_from(["mm", "inch"]))
+def test_every_cure_cures_when_applied_as_printed(values: Tables, unit: str) -> None:
+    values["units"] = {"length": unit}
     try:
         design = Design(Scene(values))
         assume(undercut(design))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -10,10 +12,14 @@ from camgeo.check.curvature import check_undercut
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.cusps import undercut_ranges
+from camgeo.scene.load import load_scene
 from camgeo.units import TURN
 from tests.strategies import BENT, attack, pitch_curves
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 PHI: FloatArray = np.array([(k + 0.31) * TURN / 2000.0 for k in range(2000)])
 
@@ -78,3 +84,10 @@ def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, sha
         assert fits.severity == "ok"
         above = check_undercut(WorkingCurve(curve, limit * (1.0 + 1e-6)), "inner", bends)
         assert {finding.severity for finding in above} == {"no-disc"}
+
+
+def test_a_roller_as_large_as_the_base_circle_is_told() -> None:
+    """In a rest between shocks a cusp lies all along, and one joint a rounding before the first."""
+    scene = load_scene(SCENES / "straight_moves.toml")
+    found = Design(scene.with_values({"follower.roller_radius": 45})).findings
+    assert found[0].name == "roller-over-axis"

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from typing import Self
 
+from camgeo.units import MM_PER, LengthUnit
+
 DIGITS = 6
 """Significant digits of a length in a sentence, unless the change needs more."""
 
@@ -27,7 +29,8 @@ class Change:
     Attributes
     ----------
     key : path of the key in the scene, e.g. "motion[2].span".
-    value_from, value_to : the present and the new value [mm or degrees], or names of laws.
+    value_from, value_to : the present and the new value, in the unit of the scene or in degrees, or
+        names of laws.
     """
 
     key: str
@@ -53,7 +56,7 @@ class Cure:
     value_to : the value that cures: for a length the limit rounded to the side on which it cures,
         as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
         law its name. None if the knob has no cure.
-    unit : "mm", "deg" or "".
+    unit : of both: that of the scene for a length, "deg", or "".
     cost : relative change, referred to the base radius for an offset; for a law the relative
         increase of its peak acceleration, 0 if that does not grow. The largest one if several
         moves change. None if the knob has no cure.
@@ -85,27 +88,39 @@ class Length:
     Attributes
     ----------
     limit : beyond which lengths cure [mm].
-    value : a length beyond it with few digits, which cures [mm].
+    stated : a length beyond it with few digits, which cures, in `unit`.
+    value : the same [mm].
     digits : number of significant digits that show the change to it.
+    unit : that of the scene, whose keys take it.
     """
 
     limit: float
+    stated: float
     value: float
     digits: int
+    unit: LengthUnit
 
     @classmethod
     def beyond(
-        cls, old: float, limit: float, cures: Callable[[float], bool], *, upward: bool
+        cls,
+        old: float,
+        limit: float,
+        cures: Callable[[float], bool],
+        unit: LengthUnit,
+        *,
+        upward: bool,
     ) -> Self | None:
         """The length with the fewest digits, above `limit` if `upward`, else below, that `cures`.
 
-        The digits show the change from the `old` one. None if no such length cures.
+        The digits, in `unit`, show the change from the `old` one. All lengths in mm. None if no
+        such length cures.
         """
+        mm = MM_PER[unit]
         for digits in range(digits_for(old, limit), MOST_DIGITS + 1):
             for steps in (0, 1):  # a rounded length may be the limit itself
-                value = float(rounded_beyond(limit, digits, upward=upward, steps=steps))
-                if cures(value):
-                    return cls(limit, value, digits)
+                stated = float(rounded_beyond(limit / mm, digits, upward=upward, steps=steps))
+                if cures(mm * stated):
+                    return cls(limit, stated, mm * stated, digits, unit)
         return None
 
 
@@ -125,14 +140,13 @@ def length_cure(
     """
     if length is None:
         return no_cure(knob, key, old, "mm", none)
-    limit, value = length.limit, length.value
-    present = f"{old:.{length.digits}g}"
+    limit, unit, present = length.limit, length.unit, old / MM_PER[length.unit]
     cost = abs(limit - old) / scale
     sentence = (
-        f"{knob} {bound}{shown(value)} mm instead of {present} mm"
+        f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
         f" ({key}, a change by {percent(cost)})"
     )
-    return Cure(knob, key, old, value, "mm", cost, sentence, limit=limit)
+    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=limit)
 
 
 def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:

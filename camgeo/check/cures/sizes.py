@@ -8,11 +8,12 @@ from typing import Any, Final
 
 from camgeo.check.cures.cure import Change, Cure, Length, length_cure, no_cure
 from camgeo.check.cures.discs import Discs, sized
-from camgeo.check.cures.margin import Pairs, bends_of, is_intact
+from camgeo.check.cures.margin import bends_of, is_intact
 from camgeo.check.cures.search import BEYOND, Make, nearest_cure
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.units import LengthUnit
 
 MOST = 100.0
 """Largest base radius tried, as a multiple of the present one."""
@@ -25,7 +26,7 @@ TABLES: Final = ("follower", "follower.return")
 """The scene's table of each disc's roller."""
 
 
-def base_radius(discs: Discs, _: Pairs) -> Cure:
+def base_radius(discs: Discs, unit: LengthUnit) -> Cure:
     """A larger base circle; an oscillating follower keeps its pivot and arm.
 
     The return roller of a pair moves with the main one, perhaps towards the cam axis: there a
@@ -47,14 +48,14 @@ def base_radius(discs: Discs, _: Pairs) -> Cure:
         low = INSIDE * old if limit is None else max(2.0 * old - limit, INSIDE * old)
         down = nearest_cure(made, old, low, old)
         limit, why = (limit if down is None else down), f"from {low:g} mm {why}"
-    length = _beyond(made, old, limit)
+    length = _beyond(made, old, limit, unit)
     larger = "larger" if len(discs) == 1 else "other"
     none = f"no {larger} base radius {why} cures it"
     bound = "at least " if len(discs) == 1 else ""
     return length_cure(knob, f"{TABLES[0]}.base_radius", old, length, old, none, bound)
 
 
-def roller_radius(discs: Discs, _: Pairs) -> Cure:
+def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
     """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
 
     In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
@@ -82,7 +83,7 @@ def roller_radius(discs: Discs, _: Pairs) -> Cure:
         near = regular * (1.0 - BEYOND)
         if not is_intact(alone(near)):
             limit = nearest_cure(alone, near, BEYOND * old, old)
-        length = _beyond(alone, old, limit)
+        length = _beyond(alone, old, limit, unit)
         cure = length_cure(knob, key, old, length, old, none, "at most ")
         if length is None:
             return cure
@@ -91,7 +92,7 @@ def roller_radius(discs: Discs, _: Pairs) -> Cure:
     return _together(found, intact=is_intact(made)) if len(discs) > 1 else found[0]
 
 
-def offset_or_arm(discs: Discs, _: Pairs) -> Cure:
+def offset_or_arm(discs: Discs, unit: LengthUnit) -> Cure:
     """Another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot and r_G.
 
     In whichever direction the change is smaller. Of a pair whose return disc alone is at fault,
@@ -109,7 +110,7 @@ def offset_or_arm(discs: Discs, _: Pairs) -> Cure:
         low = max(low, old - (up - old))
     down = nearest_cure(made, old, min(low, old), scale)
     limit = up if down is None else down
-    length = _beyond(made, old, limit)
+    length = _beyond(made, old, limit, unit)
     return length_cure(knob, f"{TABLES[number]}.{knob}", old, length, scale, none)
 
 
@@ -118,7 +119,7 @@ def _alone(discs: Discs, number: int, radius: float) -> Discs:
     return (sized(discs, number, roller_radius=radius)[number],)
 
 
-def _beyond(made: Make, old: float, limit: float | None) -> Length | None:
+def _beyond(made: Make, old: float, limit: float | None, unit: LengthUnit) -> Length | None:
     """The length beyond the `limit`, which is nearest to the `old` one, that cures."""
     if limit is None:
         return None
@@ -130,7 +131,7 @@ def _beyond(made: Make, old: float, limit: float | None) -> Length | None:
             return False
 
     ways = (False, True) if limit == old else (limit > old,)
-    found = (Length.beyond(old, limit, cures, upward=upward) for upward in ways)
+    found = (Length.beyond(old, limit, cures, unit, upward=upward) for upward in ways)
     return next(filter(None, found), None)
 
 
@@ -139,7 +140,8 @@ def _together(found: list[Cure], *, intact: bool) -> Cure:
     leading = max(found, key=lambda cure: cure.cost or 0.0)
     knob, key, old = leading.knob, leading.key, leading.value_from
     if not intact:
-        return no_cure(knob, key, old, "mm", "no smaller roller radii cure both discs")
+        reason = "no smaller roller radii cure both discs"
+        return no_cure(knob, key, old, leading.unit, reason)
     others = [cure for cure in found if cure is not leading]
     sentence = " and ".join(cure.sentence for cure in (leading, *others))
     also = tuple(Change(each.key, each.value_from, each.value_to or 0.0) for each in others)

@@ -11,15 +11,18 @@ from camgeo.check.cures.margin import crossings, margin
 from camgeo.check.cures.sizes import base_radius, offset_or_arm, roller_radius
 from camgeo.check.cures.spans import longer_segment
 from camgeo.outline.cusps import CUSP
+from camgeo.units import LengthUnit
 
-KNOBS = (base_radius, roller_radius, offset_or_arm, longer_segment, other_law)
+SIZES = (base_radius, roller_radius, offset_or_arm)
+
+OF_MOTION = (longer_segment, other_law)
 
 
-def cures(discs: Discs) -> tuple[Cure, ...]:
+def cures(discs: Discs, unit: LengthUnit = "mm") -> tuple[Cure, ...]:
     """The smallest cure by each knob with all others unchanged, cheapest first.
 
-    It leaves no undercut on any of the discs. Knobs that have no cure come last and say why. Empty
-    if there is nothing to cure, or if there is no mechanism.
+    It leaves no undercut on any of the discs. Lengths are rounded in `unit`. Knobs that have no
+    cure come last and say why. Empty if there is nothing to cure, or if there is no mechanism.
 
     Raises
     ------
@@ -32,5 +35,5 @@ def cures(discs: Discs) -> tuple[Cure, ...]:
     pairs = crossings(discs) if least > CUSP else ()
     if least > CUSP and not pairs:
         return ()
-    found = [knob(discs, pairs) for knob in KNOBS]
+    found = [size(discs, unit) for size in SIZES] + [knob(discs, pairs) for knob in OF_MOTION]
     return tuple(sorted(found, key=lambda cure: math.inf if cure.cost is None else cure.cost))
