@@ -19,7 +19,7 @@ from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     import pathlib
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from camgeo.effects.effect import Column
     from camgeo.effects.graph import Effects
@@ -103,6 +103,15 @@ class Design(Pickled):
         For a conjugate pair this includes findings on the return disc, and on both together.
         """
         return self.judgement.findings
+
+    def with_output(self, values: Mapping[str, Any]) -> Design:
+        """The design with other `values` of [output] by key, none of which a finding depends on; it
+        shares all that is computed of drive and cams.
+        """
+        edits = {f"output.{key}": value for key, value in values.items()}
+        other = Design(self.scene.with_values(edits))
+        other.__dict__.update(drive=self.drive, cams=self.cams, judgement=self.judgement)
+        return other
 
     # Effects ----------------------------------------------------------------------------------
 

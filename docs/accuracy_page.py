@@ -39,7 +39,7 @@ HEAD = """# What accuracy costs
 
 A tolerance is paid for in pieces: each decade makes the file larger, and where the pieces become
 too short for the feed, the part is milled more slowly. `camgeo accuracy SCENE` measures it for one
-cam, for tolerances from 0.1 to 1e-7 mm: the number of pieces and its ratio to the lower limit, the
+cam, for tolerances from 0.1 to 1e-6 mm: the number of pieces and its ratio to the lower limit, the
 proved deviation, bytes, computing time, machining time, and with `--ripple` the error of the
 follower's acceleration; also triangles and bytes of the solids, and how much accuracy a value table
 loses between its rows. `--json` prints the results for programs, `-o FILE` draws them. They end

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -37,7 +38,8 @@ class CurveBoundary(Pickled):
     ----------
     path : the outline.
     ledger : records its fits.
-    known : the fits already made, by function and tolerance: several files need the same one.
+    known : the fits already made, by function and tolerance, and the deviations already found, by
+        contour: several files need the same one, and a solid has each outline twice.
     """
 
     name: str
@@ -91,7 +93,7 @@ class CurveBoundary(Pickled):
         """Proved bound [mm], see `camgeo.contour.proof.deviation`."""
         if isinstance(contour, SplineContour):
             return spline_deviation(self.path, contour)
-        return deviation(self.path, contour)
+        return _once(self.known, contour, lambda: deviation(self.path, contour))
 
     def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
@@ -99,8 +101,20 @@ class CurveBoundary(Pickled):
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
 
+def _once(known: dict[Any, Any], contour: Contour, find: Callable[[], float]) -> float:
+    """The deviation of `contour`, found now or known for the same numbers from another start."""
+    first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
+    # + 0.0 turns -0.0 into 0.0
+    numbers = (np.roll(each + 0.0, first) for each in (contour.vertices, contour.sweeps))
+    key = hashlib.blake2b(b"".join(each.tobytes() for each in numbers)).digest()
+    if key not in known:
+        known[key] = find()
+    deviation: float = known[key]
+    return deviation
+
+
 @dataclass(frozen=True, slots=True)
-class ExactBoundary:
+class ExactBoundary(Pickled):
     """An outline of lines and arcs as a boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
@@ -108,12 +122,14 @@ class ExactBoundary:
     exact : the outline.
     core : for a bore with keyway, the circle that a round cutter makes; None if that is the whole
         outline.
+    known : the deviations already found, by contour.
     """
 
     name: str
     hole: bool
     exact: Contour
     core: Contour | None = None
+    known: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         instance("part", self.name, str, "the name of a boundary")
@@ -146,7 +162,7 @@ class ExactBoundary:
         """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""
         chords = chords_of if effort == "fast" else fewest_chords_of
         contour = chords(self.exact, tolerance).counter_clockwise()
-        return Fit(contour, distance_between(self.exact, contour), tolerance)
+        return Fit(contour, self.deviation(contour), tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself, at either effort: lines and arcs already are strands."""
@@ -164,7 +180,7 @@ class ExactBoundary:
         """Bound [mm] in closed form, see `camgeo.contour.exact`; for a spline by its arcs."""
         if isinstance(contour, SplineContour):
             return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
-        return distance_between(self.exact, contour)
+        return _once(self.known, contour, lambda: distance_between(self.exact, contour))
 
 
 def largest_radius(contour: Contour) -> float:

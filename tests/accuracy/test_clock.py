@@ -12,7 +12,7 @@ from camgeo.accuracy.contours import PATIENCE, RUNS, timed
 @pytest.mark.parametrize(
     ("durations", "runs", "seconds"),
     [
-        ([0.03, 0.01, 0.02, 0.001], RUNS, 0.01),
+        ([0.003, 0.001, 0.002, 0.0001], RUNS, 0.001),
         ([1.1 * PATIENCE, 0.01], 1, 1.1 * PATIENCE),
         ([0.6 * PATIENCE, 0.5 * PATIENCE, 0.01], 2, 0.5 * PATIENCE),
     ],

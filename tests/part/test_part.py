@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,13 @@ from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import Path, whole
-from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
+from camgeo.part import boundaries
+from camgeo.part.boundaries import (
+    CurveBoundary,
+    ExactBoundary,
+    largest_radius,
+    smallest_radius,
+)
 from camgeo.part.build import bore_outline, build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
@@ -267,3 +274,31 @@ def test_bore_near_a_corner() -> None:
     assert largest_radius(contour) == pytest.approx(9.06066828504406653, rel=1e-12)
     with pytest.raises(GeometryError, match=r"the outline comes as near as (5\.99|6)"):
         build_part(Contact.INNER, path, path, PartSpec(bore=12.1), 0.01)
+
+
+@pytest.mark.parametrize("kind", [CurveBoundary, ExactBoundary])
+def test_a_deviation_is_computed_once_for_the_same_contour(
+    kind: type[CurveBoundary | ExactBoundary], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From whichever vertex it begins: a solid has each outline at two heights."""
+    boundary: CurveBoundary | ExactBoundary = CurveBoundary("outline", False, INNER)
+    name = "deviation"
+    if kind is ExactBoundary:
+        boundary = ExactBoundary("bore", True, bore_outline(20.0, Keyway(6.0, 2.0)))
+        name = "distance_between"
+    compute = getattr(boundaries, name)
+    calls: list[Contour] = []
+
+    def counted(exact: Any, contour: Contour) -> float:
+        calls.append(contour)
+        return float(compute(exact, contour))
+
+    monkeypatch.setattr(boundaries, name, counted)
+    contour = boundary.polyline(0.01).contour
+    known = len(calls)
+    found = boundary.deviation(contour)
+    turned = Contour.polygon(np.roll(contour.vertices, 5))
+    assert boundary.deviation(turned) == found
+    assert len(calls) <= known + 1
+    assert boundary.deviation(Contour.polygon(1.001 * contour.vertices)) > found
+    assert len(calls) <= known + 2

@@ -17,8 +17,10 @@ from contextlib import contextmanager
 import numpy as np
 from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
 from ezdxf.document import Drawing
+from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
+from ezdxf.lldxf.types import DXFTag
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
@@ -178,7 +180,35 @@ def _polyline(space: Modelspace, contour: Contour, scale: float, layer: str) -> 
     width = np.zeros(len(x))
     polyline = space.add_lwpolyline([], close=True, dxfattribs={"layer": layer})
     # All at once: ezdxf copies the whole array for each point that is appended.
+    polyline.lwpoints = _Vertices()
     polyline.lwpoints.set(np.column_stack((x, y, width, width, bulges)))
+
+
+class _Vertices(LWPolylinePoints):
+    """Vertices of a polyline whose text is made at once, not by an object for each number."""
+
+    def dxftags(self) -> Iterator[_Text]:
+        """Their text: code 10 and 20 for x and y, 42 for a bulge that is not 0; no widths."""
+        rows = self.values[:, [0, 1, 4]].tolist()
+        yield _Text(
+            "".join(
+                f" 10\n{x}\n 20\n{y}\n 42\n{bulge}\n" if bulge else f" 10\n{x}\n 20\n{y}\n"
+                for x, y, bulge in rows
+            )
+        )
+
+
+class _Text(DXFTag):
+    """The text of many tags, which is written as it stands."""
+
+    __slots__ = ()
+
+    def __init__(self, text: str) -> None:
+        super().__init__(0, text)
+
+    def dxfstr(self) -> str:
+        text: str = self.value
+        return text
 
 
 def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str) -> None:

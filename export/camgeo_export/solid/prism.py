@@ -109,6 +109,7 @@ class _Mesh:
     def __init__(self) -> None:
         self.points: list[FloatArray] = []
         self.faces: list[IntArray] = []
+        self.triangulated: dict[tuple[bytes, ...], IntArray] = {}
         self.count = 0
 
     def level(self, rings: list[ComplexArray], z: float) -> list[IntArray]:
@@ -145,8 +146,11 @@ class _Mesh:
 
     def face(self, sides: list[tuple[ComplexArray, IntArray]], upwards: bool) -> None:
         """Add the flat face on the left of rings with the indices of their points."""
-        polygons = [np.column_stack((ring.real, ring.imag)) for ring, _ in sides]
-        triangles = np.concatenate([each for _, each in sides])[manifold3d.triangulate(polygons)]
+        key = tuple(ring.tobytes() for ring, _ in sides)
+        if key not in self.triangulated:  # the faces of a plate are alike but for their height
+            polygons = [np.column_stack((ring.real, ring.imag)) for ring, _ in sides]
+            self.triangulated[key] = manifold3d.triangulate(polygons)
+        triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
     def wall(self, lower: IntArray, upper: IntArray) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from xml.etree import ElementTree as ET
 
@@ -29,6 +30,9 @@ RELATIONSHIPS_PATH = "_rels/.rels"
 NAMESPACE = "urn:camgeo:2026"
 """Namespace of our metadata; names outside the core specification must have one."""
 
+VERTICES, TRIANGLES = "@vertices@", "@triangles@"
+"""Marks in the XML."""
+
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date that a zip can hold: the file's bytes depend only on its content."""
 
@@ -46,8 +50,8 @@ class ThreeMfWriter:
         solid = body(product.drawn.part, tolerance, _exact)
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
-            _store(package, CONTENT_TYPES_PATH, _content_types())
-            _store(package, RELATIONSHIPS_PATH, _relationships())
+            _store(package, CONTENT_TYPES_PATH, _xml(_content_types()))
+            _store(package, RELATIONSHIPS_PATH, _xml(_relationships()))
             _store(package, MODEL_PATH, _model(product, tolerance, solid))
         facts: dict[str, int | float | str] = {
             "triangles": len(solid.triangles),
@@ -67,11 +71,16 @@ def _exact(values: FloatArray) -> FloatArray:
     return values + 0.0  # -0.0 becomes 0.0
 
 
-def _store(package: zipfile.ZipFile, path: str, root: ET.Element) -> None:
+def _xml(root: ET.Element) -> bytes:
+    found: bytes = ET.tostring(root, "UTF-8", xml_declaration=True)
+    return found
+
+
+def _store(package: zipfile.ZipFile, path: str, data: bytes) -> None:
     entry = zipfile.ZipInfo(path, FIXED_DATE)
     entry.compress_type = zipfile.ZIP_DEFLATED
     entry.create_system = UNIX
-    package.writestr(entry, ET.tostring(root, "UTF-8", xml_declaration=True))
+    package.writestr(entry, data)
 
 
 def _content_types() -> ET.Element:
@@ -89,7 +98,17 @@ def _relationships() -> ET.Element:
     return root
 
 
-def _model(product: Product, tolerance: float, solid: Body) -> ET.Element:
+def _model(product: Product, tolerance: float, solid: Body) -> bytes:
+    """The model; an object for each of its vertices and triangles would take most of the time."""
+    frame = _xml(_frame(product, tolerance)).decode()
+    before, between, after = re.split(f"{VERTICES}|{TRIANGLES}", frame)
+    vertices = (f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist())
+    triangles = (f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist())
+    return "".join((before, *vertices, between, *triangles, after)).encode()
+
+
+def _frame(product: Product, tolerance: float) -> ET.Element:
+    """The model with marks in place of vertices and triangles."""
     attributes = {
         "xmlns": CORE,
         "xmlns:camgeo": NAMESPACE,
@@ -108,13 +127,8 @@ def _model(product: Product, tolerance: float, solid: Body) -> ET.Element:
     resources = ET.SubElement(root, "resources")
     item = ET.SubElement(resources, "object", {"id": "1", "type": "model", "name": product.name})
     mesh = ET.SubElement(item, "mesh")
-    vertices = ET.SubElement(mesh, "vertices")
-    for x, y, z in solid.vertices.tolist():
-        ET.SubElement(vertices, "vertex", {"x": repr(x), "y": repr(y), "z": repr(z)})
-    triangles = ET.SubElement(mesh, "triangles")
-    for a, b, c in solid.triangles.tolist():
-        corners = {"v1": str(a), "v2": str(b), "v3": str(c)}
-        ET.SubElement(triangles, "triangle", corners)
+    ET.SubElement(mesh, "vertices").text = VERTICES
+    ET.SubElement(mesh, "triangles").text = TRIANGLES
     build = ET.SubElement(root, "build")
     ET.SubElement(build, "item", {"objectid": "1"})
     return root
