@@ -135,6 +135,8 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
     envelope = Envelope(flank)
     known = backward_ranges(envelope, bends)
     cells = first_cells(envelope, np.empty(0))
+    # Turns about corners have no curvature of the pitch curve.
+    cells = cells.some(~envelope.is_pivot[envelope.element_at(cells.low)])
     missed: list[FloatArray] = []
     for _ in range(HALVINGS):
         cells = cells.some(cells.sign == 0.0)
