@@ -10,6 +10,7 @@ process alone.
 from __future__ import annotations
 
 import gc
+import os
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,10 @@ import pytest
 from hypothesis import settings
 
 from tests.quick import BUILDS, BUILT, QUICK, TESTS
+
+# Read when numpy is imported, so before any test module is. Its matrices are small here: a second
+# thread hardly shortens a product and spins while it waits for the next one.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", derandomize=False, deadline=None, print_blob=True)
