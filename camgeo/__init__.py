@@ -14,11 +14,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
-from camgeo.check.finding import Finding
-from camgeo.check.limits import Limits
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
 from camgeo.errors import (
     CamgeoError,
     Fault,
@@ -28,32 +23,47 @@ from camgeo.errors import (
     ToleranceError,
     UndercutError,
 )
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.motion.plan import Dwell, MotionPlan, Move
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from camgeo.check.finding import Finding
+    from camgeo.check.limits import Limits
+    from camgeo.curve.pitch_curve import PitchCurve
+    from camgeo.curve.working_curve import WorkingCurve
+    from camgeo.design import Design
     from camgeo.mechanism.four_bar import FourBar
+    from camgeo.mechanism.linkage import LinkedMotion
     from camgeo.mechanism.oscillating_flat import OscillatingFlat
     from camgeo.mechanism.oscillating_roller import OscillatingRoller
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
     from camgeo.mechanism.translating_flat import TranslatingFlat
     from camgeo.mechanism.translating_roller import TranslatingRoller
+    from camgeo.motion.plan import Dwell, MotionPlan, Move
     from camgeo.scene.scene import Scene
 
 WHEN_ASKED: Final = {
+    "Design": "camgeo.design",
+    "Dwell": "camgeo.motion.plan",
+    "Finding": "camgeo.check.finding",
     "FourBar": "camgeo.mechanism.four_bar",
+    "Limits": "camgeo.check.limits",
+    "LinkedMotion": "camgeo.mechanism.linkage",
+    "MotionPlan": "camgeo.motion.plan",
+    "Move": "camgeo.motion.plan",
     "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
     "OscillatingRoller": "camgeo.mechanism.oscillating_roller",
+    "PitchCurve": "camgeo.curve.pitch_curve",
     "Scene": "camgeo.scene.scene",
     "SliderCrank": "camgeo.mechanism.slider_crank",
     "SliderDrivenCrank": "camgeo.mechanism.slider_driven_crank",
     "TranslatingFlat": "camgeo.mechanism.translating_flat",
     "TranslatingRoller": "camgeo.mechanism.translating_roller",
+    "WorkingCurve": "camgeo.curve.working_curve",
 }
-"""Public names by module, imported on first use, as a run needs only a few."""
+"""Public names by module, imported on first use: a run needs only a few, and the command line must
+be ready for Ctrl-C before it imports anything large."""
 
 
 def __getattr__(name: str) -> Any:
@@ -70,7 +80,8 @@ def load(path: str | Path) -> Design:
     SceneError
         If anything in the file is wrong; all faults at once.
     """
-    from camgeo.scene.load import load_scene  # the engine works without scene files
+    from camgeo.design import Design
+    from camgeo.scene.load import load_scene
 
     return Design(load_scene(path))
 
@@ -83,7 +94,8 @@ def loads(text: str, *, folder: str | Path | None = None) -> Design:
     SceneError
         If anything in the text is wrong; all faults at once.
     """
-    from camgeo.scene.load import parse_scene  # the engine works without scene files
+    from camgeo.design import Design
+    from camgeo.scene.load import parse_scene
 
     return Design(parse_scene(text, folder=folder))
 

@@ -214,7 +214,7 @@ class Design(Pickled):
         return write_files(
             self.discs,
             folder,
-            tuple(formats or output.formats),
+            output.formats if formats is None else tuple(formats),
             output.tolerance if tolerance is None else tolerance,
             force=force,
         )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Final
 
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.build import build
-from camgeo.cli.command import add_scene, notify, opened, show
+from camgeo.cli.command import add_scene, opened, settle, show
+from camgeo.cli.streams import notify
 
 SUMMARY: Final = "write the files of a scene, with certificate.json"
 
@@ -36,6 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     formats = arguments.only
     if formats is not None:
         formats = tuple(name.strip() for name in formats.split(",") if name.strip())
+    settle(Path(arguments.output), arguments)
     found = build(
         design,
         arguments.output,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Final
 
 from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
-from camgeo.cli.progress import clear
+from camgeo.cli.streams import notify, say, write
 from camgeo.design import Design
 from camgeo.lazy import Ledger
 from camgeo.wording import counted
@@ -76,7 +75,7 @@ def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:
     """Print the text, or write it into the file of `-o` with a `report` of what was written."""
     if arguments.output is None:
         arguments.progress.end()
-        sys.stdout.write(text)
+        write(text)
     else:
         write_files([(Path(arguments.output), text.encode(), report)], arguments)
     return FINE
@@ -97,9 +96,19 @@ def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None
     from camgeo.writing.transaction import write_set  # most commands write nothing
 
     data = {path.name: data for path, data, _ in files}
-    write_set(files[0][0].parent, data, force=arguments.force)
+    folder = files[0][0].parent
+    settle(folder, arguments)
+    write_set(folder, data, force=arguments.force, progress=arguments.progress)
     for path, _, report in files:
         notify(f"{path}: {report}")
+
+
+def settle(folder: Path, arguments: argparse.Namespace) -> None:
+    """Put a folder back in the state before a run that was stopped there, and report it."""
+    from camgeo.writing import transaction  # most commands write nothing
+
+    if found := transaction.settle(folder, arguments.progress):
+        notify(f"{folder}: {found}")
 
 
 def require_beside(option: str, name: str | None, output: str | None) -> None:
@@ -145,9 +154,9 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
     """Print the answer as text, or as JSON with `--json`; return the exit code."""
     arguments.progress.end()
     if arguments.json:
-        print(json.dumps(render.to_json(answer), indent=2, allow_nan=False))
+        write(json.dumps(render.to_json(answer), indent=2, allow_nan=False) + "\n")
     elif text := render.text(answer):
-        print(text)
+        say(text)
     return answer.exit_code
 
 
@@ -157,12 +166,6 @@ def present_name(name: str) -> str:
     if present != name:
         notify(f'camgeo: "{name}" is now called "{present}"')
     return present
-
-
-def notify(message: str) -> None:
-    """Print a line for the person at the terminal, on standard error."""
-    clear()
-    print(message, file=sys.stderr)
 
 
 def notify_main_disc(design: Design, what: str) -> None:

@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.command import CallError, add_output, deliver, notify
+from camgeo.cli.command import CallError, add_output, deliver
+from camgeo.cli.streams import notify
 from camgeo.scene.document import MOST_BYTES
 from camgeo.scene.load import read_file
 from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name

@@ -6,19 +6,35 @@ import argparse
 import atexit
 import gc
 import importlib
-import os
+import signal
 import sys
+import traceback
 from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+from typing import Final, NoReturn
 
 from camgeo._version import __version__
-from camgeo.answers import render
-from camgeo.answers.answer import WRONG
-from camgeo.cli.command import CallError, notify, present_name, show
 from camgeo.cli.progress import Progress
+from camgeo.cli.streams import StreamError, discard_output, mend, notify, printable, write
 from camgeo.errors import CamgeoError
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells count it."""
+# What takes longer to import is imported in functions: a signal may come meanwhile.
+
+WRONG: Final = 2
+"""Exit code of a wrong call, as of a wrong scene."""
+
+CRASHED: Final = 70
+"""Exit code after an error in camgeo itself, EX_SOFTWARE of BSD's sysexits.h."""
+
+STOPPED: Final = 128
+"""Exit code after a signal, less its number: 130 after Ctrl-C, as shells count it."""
+
+STOPPING: Final = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals after which a run takes back what is incomplete, and ends."""
+
+TRACEBACK: Final = "--traceback"
+"""Option of every command, not only of those whose parser knows it: one may crash before."""
 
 COLLECTED_AT = 50_000
 """New objects after which the garbage collector runs. Python's own 700 makes it scan imported
@@ -50,17 +66,43 @@ MODULES = {"import": "import_"}
 """Those whose name is a Python keyword."""
 
 
-def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
+class Stopped(KeyboardInterrupt):
+    """A signal asks the process to stop.
+
+    Attributes
+    ----------
+    number : of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose messages do not direct the terminal, whatever the call contains."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(printable(message))
+
+
+def parser(commands: Sequence[str] = COMMANDS) -> Parser:
     """The parser of `commands`; no module of another command is imported."""
-    top = argparse.ArgumentParser(
+    top = Parser(
         prog="camgeo",
         description="From a scene file to DXF, G-code, STL and 3MF of a cam, each proved to be"
         " within its tolerance.",
         epilog="example:\n  camgeo new oscillating-roller -o my-cam.toml\n"
-        "  camgeo check my-cam.toml\n  camgeo build my-cam.toml -o out",
+        "  camgeo check my-cam.toml\n  camgeo build my-cam.toml -o out\n\n"
+        "exit codes:\n"
+        "  0 fine, 1 a limit is broken, 2 the scene or the call is wrong or a file cannot be\n"
+        f"  written, {CRASHED} an error in camgeo itself, {STOPPED} and its number after a signal",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.add_argument("--version", action="version", version=f"camgeo {__version__}")
+    top.add_argument(
+        TRACEBACK, action="store_true", help="print where in camgeo an internal error happened"
+    )
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
     for command in commands:
         name = MODULES.get(command, command.replace("-", "_"))
@@ -78,36 +120,99 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; 0 fine, 1 a limit is broken, 2 the scene or the call is wrong."""
-    if arguments is None:  # the process runs this command alone
-        gc.set_threshold(COLLECTED_AT)
-        atexit.register(gc.freeze)  # no last collection at the end of the process
+    """Run one command, by default that of this process; return the exit code.
+
+    0 fine, 1 a limit is broken, 2 the scene or the call is wrong, CRASHED, or STOPPED and more.
+    """
     words = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        if arguments is None:
+            _own_the_process()
+        return _run([word for word in words if word != TRACEBACK])
+    except KeyboardInterrupt as stop:
+        number = stop.number if isinstance(stop, Stopped) else signal.SIGINT
+        notify(f"camgeo: interrupted by {signal.Signals(number).name}")
+        return STOPPED + number
+    except BrokenPipeError:  # the reader of the output has had enough
+        discard_output()
+        return 0
+    except StreamError as error:
+        discard_output()
+        notify(f"camgeo: {error}")
+        return WRONG
+    except Exception as error:
+        if TRACEBACK in words:
+            traceback.print_exc()
+        notify(f"camgeo: {_crash(error)}")
+        return CRASHED
+    finally:
+        if arguments is None:
+            for each in _stopping():
+                if signal.getsignal(each) is _stop:
+                    signal.signal(each, signal.SIG_DFL)  # there is nothing left to take back
+
+
+def _run(words: list[str]) -> int:
+    """Run the command of these words."""
+    from camgeo.answers import render
+    from camgeo.answers.refusal import refusal
+    from camgeo.cli.command import CallError, present_name, show
+
     words[:1] = [present_name(word) for word in words[:1]]
     named = words[:1] if words and words[0] in COMMANDS else COMMANDS
-    parsed = parser(named).parse_args(words)
+    try:
+        parsed = parser(named).parse_args(words)
+    except SystemExit:
+        write("")  # help may not have been taken yet
+        raise
     parsed.progress.begin()
     try:
         code: int = parsed.run(parsed)
-        sys.stdout.flush()
         return code
     except CallError as error:
         parsed.parser.error(str(error))
         return WRONG  # never reached: `error` exits
     except CamgeoError as error:
-        from camgeo.answers.refusal import refusal  # few commands are refused
-
         found = refusal(error)
         if getattr(parsed, "json", False):
             return show(found, parsed)
         notify(render.text(found))
         return found.exit_code
-    except KeyboardInterrupt:
-        notify("camgeo: interrupted; nothing half-written was left behind")
-        return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of the output has closed it; do not fail again while closing it here.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     finally:
         parsed.progress.end()
+
+
+def _own_the_process() -> None:
+    """Settings that hold for a process that runs this command alone."""
+    gc.set_threshold(COLLECTED_AT)
+    atexit.register(gc.freeze)  # no last collection at the end of the process
+    mend()
+    stop_on_signals()
+
+
+def stop_on_signals() -> None:
+    """Raise `Stopped` when a signal of STOPPING arrives, unless it is ignored, as with nohup."""
+    for each in _stopping():
+        if signal.getsignal(each) is not signal.SIG_IGN:
+            signal.signal(each, _stop)
+
+
+def _stopping() -> list[int]:
+    """The numbers of STOPPING that the system has."""
+    return [getattr(signal, name) for name in STOPPING if hasattr(signal, name)]
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    raise Stopped(number)
+
+
+def _crash(error: Exception) -> str:
+    """One line on an error that camgeo did not foresee."""
+    steps = traceback.extract_tb(error.__traceback__)
+    ours = [step for step in steps if "camgeo" in Path(step.filename).parts[-4:]] or steps
+    place = f"{Path(ours[-1].filename).name}, line {ours[-1].lineno}"
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    return (
+        f"internal error ({what}; {place}): please report it with the scene to the authors of"
+        f" camgeo, and with what the same call prints with {TRACEBACK}"
+    )

@@ -14,7 +14,6 @@ from camgeo.cli.command import (
     add_scene,
     check_step,
     decimal,
-    notify,
     number,
     opened,
     show,
@@ -22,6 +21,7 @@ from camgeo.cli.command import (
     write_files,
 )
 from camgeo.cli.plot import SUFFIXES, pictures
+from camgeo.cli.streams import notify
 from camgeo.outline.path import Flank
 
 SMALLEST_STEP: Final = Decimal("0.001")

@@ -12,7 +12,6 @@ from camgeo.cli.command import (
     CallError,
     add_json,
     add_scene,
-    notify,
     notify_main_disc,
     opened,
     require_beside,
@@ -20,6 +19,7 @@ from camgeo.cli.command import (
     write_files,
 )
 from camgeo.cli.plot import add_picture, pictures
+from camgeo.cli.streams import notify
 from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
 

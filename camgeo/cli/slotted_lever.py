@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import Final
 
 from camgeo.answers import render
@@ -19,6 +18,7 @@ from camgeo.cli.command import (
     write_files,
 )
 from camgeo.cli.plot import add_picture, pictures
+from camgeo.cli.streams import write
 
 TABLE_OPTIONS: Final = dict(zip(("step", "from", "to"), FULL_TURN, strict=True))
 """With their defaults."""
@@ -96,6 +96,6 @@ def run(arguments: argparse.Namespace) -> int:
     files = tables(found, arguments.csv) + pictures(found, arguments, "phi, omega2, eps2")
     write_files(files, arguments)
     if arguments.table and not arguments.json:
-        sys.stdout.write(render.table(found).csv())
+        write(render.table(found).csv())
         return FINE
     return show(found, arguments)

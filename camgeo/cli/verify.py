@@ -8,7 +8,8 @@ from typing import Final
 
 from camgeo._version import __version__
 from camgeo.answers.verify import verify
-from camgeo.cli.command import CallError, add_json, notify, number, show
+from camgeo.cli.command import CallError, add_json, number, settle, show
+from camgeo.cli.streams import notify
 from camgeo.errors import Fault, SceneError
 from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
 
@@ -50,7 +51,10 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Verify; 0 if all files pass, 1 if one does not."""
-    paths = _paths(arguments.files)
+    named = [Path(name) for name in arguments.files]
+    for folder in dict.fromkeys(path if _is_folder(path) else path.parent for path in named):
+        settle(folder, arguments)
+    paths = _paths(named)
     target = None if arguments.output is None else Path(arguments.output)
     if target is None:
         folders = {path.parent for path in paths}
@@ -75,17 +79,23 @@ def _length(text: str) -> float:
     return length
 
 
-def _paths(names: list[str]) -> tuple[Path, ...]:
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # the name is too long, ...
+        return False
+
+
+def _paths(named: list[Path]) -> tuple[Path, ...]:
     """The files, those of folders in place of the folders; each once."""
     paths: list[Path] = []
-    for name in names:
-        path = Path(name)
-        if not path.is_dir():
+    for path in named:
+        if not _is_folder(path):
             paths.append(path)
             continue
         found = files_in(path)
         if not found:
             message = f"the folder holds no file that ends in {', '.join(endings())}"
-            raise SceneError([Fault("DIR", name, message)])
+            raise SceneError([Fault("DIR", str(path), message)])
         paths += found
     return tuple(dict.fromkeys(paths))

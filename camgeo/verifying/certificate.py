@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from camgeo.writing.transaction import interrupted
 from camgeo.writing.write import CERTIFICATE
 
 
@@ -32,6 +33,8 @@ class Certificate:
 
 def certificate_in(folder: Path) -> Certificate | None:
     """The certificate in `folder`; None if there is none."""
+    if interrupted(folder):
+        return Certificate(damage="is not valid: a run that wrote here was interrupted")
     try:
         data = (folder / CERTIFICATE).read_bytes()
     except FileNotFoundError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
@@ -129,7 +130,7 @@ def _verdict(
     if verifier is None and not certified:
         allowed = ", ".join(endings())
         message = f"the name must end in one of {allowed}, or {CERTIFICATE} here name the file"
-        message = message if path.exists() else "there is no such file or folder"
+        message = message if os.path.lexists(path) else "there is no such file or folder"
         raise SceneError([Fault("FILE", str(path), message)])
     kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
     try:

@@ -1,45 +1,91 @@
-"""A set of files written completely or not at all, overwriting nothing unless told to."""
+"""A set of files written completely or not at all, also if the process is killed meanwhile.
+
+The new files are staged, on disk for good, in the hidden folder `STAGING` of the target folder,
+next to links to the files that they replace. Then a journal, the list of their names, is put there,
+and only now are they moved into place, the last one's predecessor being removed first and itself
+moved last: a certificate never lies next to files of another set. Removing the journal makes the
+set valid. While there is a journal, the state before can be restored, by the process itself after
+an error, or else by the next one that writes there or calls `settle`; it may be stopped, too.
+
+One process at a time writes into a folder; the system releases the lock of one that has died.
+"""
 
 from __future__ import annotations
 
+import errno
+import json
 import os
 import shutil
-import tempfile
-from collections.abc import Mapping
+import sys
+import time
+from collections.abc import Callable, Generator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Final
 
-from camgeo.errors import OutputError
+from camgeo.errors import OutputError, unreadable
+
+if sys.platform != "win32":
+    import fcntl
+
+STAGING: Final = ".camgeo-set"
+"""Folder in the target folder, with the new files, the old ones, and the journal."""
+
+NEW: Final = "new"
+OLD: Final = "old"
+JOURNAL: Final = "journal"
+WRITER: Final = "writer"
+"""File in the staging folder with the number of the process."""
+
+LOCK: Final = ".camgeo-lock"
+"""File that is the lock on Windows; elsewhere the folder itself is locked."""
+
+PATIENCE: Final = 10.0
+"""Seconds to wait for another process; moving files takes much less."""
+
+EVERY: Final = 0.02
+"""Seconds between two attempts to get the lock."""
+
+Progress = Callable[[str], None]
 
 
-def write_set(folder: Path, files: Mapping[str, bytes], *, force: bool) -> tuple[Path, ...]:
+def _silent(_: str) -> None:
+    """Report progress to no one."""
+
+
+def write_set(
+    folder: Path, files: Mapping[str, bytes], *, force: bool, progress: Progress = _silent
+) -> tuple[Path, ...]:
     """Write `files` (name -> content) into `folder`, which is created if necessary.
 
-    Everything is first written to a hidden folder next to the targets and moved into place only
-    when it is complete on disk; a move that fails undoes the moves before it. A file that
-    already exists with the same content counts as written.
+    The last of several files vouches for the others, as a certificate does. A file that already
+    exists with the same content counts as written. A link is replaced, not what it points to.
+    `progress` is told if another process has to be waited for.
 
     Raises
     ------
     OutputError
-        If a different file exists and `force` is not set, or on any disk error; in both cases
-        nothing has been changed.
+        If a different file exists and `force` is not set, if another process keeps writing there,
+        or on any disk error; nothing has been changed, or will be when `settle` has been called.
     """
-    _refuse_overwriting(folder, files, force=force)
     made = _make_folder(folder)
-    staging: Path | None = None
     try:
-        staging = Path(tempfile.mkdtemp(prefix=".camgeo-", dir=folder))
-        for name, data in files.items():
-            _write_durably(staging / name, data)
-        _move_into_place(folder, staging, files)
-    except OSError as error:
-        place = Path(error.filename).name if error.filename else folder.name
-        raise OutputError(
-            f"{folder}: cannot write {place}: {error.strerror or error}; nothing was written"
-        ) from error
-    finally:  # after Ctrl-C too; then `_move_into_place` has put everything back
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
+        with _locked(folder, progress):
+            _restore(folder)
+            _refuse_overwriting(folder, files, force=force)
+            _replace(folder, files)
+        for created in made:
+            _sync(created.parent)
+    except (OSError, ValueError) as error:
+        if isinstance(error, OutputError):
+            raise
+        place = Path(getattr(error, "filename", None) or folder).name
+        outcome = "nothing was written"
+        if interrupted(folder):
+            outcome = "what was there before is put back by the next camgeo build or verify there"
+        message = f"{folder}: cannot write {place}: {unreadable(error)}; {outcome}"
+        raise OutputError(message) from error
+    finally:  # after Ctrl-C too
         for created in reversed(made):
             try:
                 created.rmdir()  # only if nothing has been put in it
@@ -48,21 +94,114 @@ def write_set(folder: Path, files: Mapping[str, bytes], *, force: bool) -> tuple
     return tuple(folder / name for name in files)
 
 
+def interrupted(folder: Path) -> bool:
+    """Whether a run is just putting a set in place in `folder`, or was stopped while it did."""
+    return os.path.lexists(folder / STAGING / JOURNAL)
+
+
+def settle(folder: Path, progress: Progress = _silent) -> str:
+    """Put `folder` back in the state before a run that was stopped there.
+
+    Returns what was found, in words; nothing if no run was stopped. Raises OutputError if the
+    state cannot be restored, or another process is writing there.
+    """
+    try:
+        if not os.path.lexists(folder / STAGING):
+            return ""
+        with _locked(folder, progress):
+            return _restore(folder)
+    except (OSError, ValueError) as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"{folder}: a run was interrupted here, and the files from before, which are in"
+            f" {STAGING}, cannot be put back: {unreadable(error)}"
+        ) from error
+
+
+# -- the lock --------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _locked(folder: Path, progress: Progress) -> Generator[None]:
+    """Keep other processes, and other threads, out of `folder`."""
+    end = time.monotonic() + PATIENCE
+    while (lock := _lock(folder)) is None:
+        try:
+            who = f"process {int((folder / STAGING / WRITER).read_bytes())}"
+        except (OSError, ValueError):  # it has not said so yet, or has just finished
+            who = "another process"
+        if time.monotonic() > end:
+            raise OutputError(f"{folder}: {who} is writing there; nothing was written")
+        progress(f"waiting for {who}, which is writing into {folder}")
+        time.sleep(EVERY)
+    try:
+        yield
+    finally:
+        os.close(lock)  # releases it
+
+
+def _lock(folder: Path) -> int | None:
+    """The lock as an open file; None if another process has it."""
+    if sys.platform == "win32":
+        flags = os.O_CREAT | os.O_EXCL | os.O_TEMPORARY  # deleted when it is closed
+        try:
+            return os.open(folder / LOCK, flags)
+        except FileExistsError:
+            return None
+    lock = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(lock)
+        return None
+    except OSError:
+        pass  # a file system without locks: sets are still safe, but two at once are not kept apart
+    return lock
+
+
+# -- before ----------------------------------------------------------------------------------------
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Create `folder` and its missing parents; return what was created, outermost first."""
+    made: list[Path] = []
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: is a file, not a folder; nothing was written")
+        missing = []
+        place = folder
+        while not place.exists():
+            missing.append(place)
+            place = place.parent
+        for place in reversed(missing):
+            with suppress(FileExistsError):  # another process was quicker
+                place.mkdir()
+                made.append(place)
+    except (OSError, ValueError) as error:
+        for place in reversed(made):
+            place.rmdir()
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"{folder}: cannot create the folder: {unreadable(error)}; nothing was written"
+        ) from error
+    return made
+
+
 def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder}: is a file, not a folder; nothing was written")
     differing = []
     for name, data in files.items():
         target = folder / name
-        if target.is_dir():
-            raise OutputError(f"{target}: is a folder; nothing was written")
-        try:
-            if target.exists() and target.read_bytes() != data:
+        if target.is_file():
+            if target.read_bytes() != data:
                 differing.append(name)
-        except OSError as error:
-            raise OutputError(
-                f"{target}: {error.strerror or error}; nothing was written"
-            ) from error
+        elif target.is_symlink() and not target.exists():
+            differing.append(name)  # a link to nothing is no file, but it is someone's
+        elif target.is_dir():
+            raise OutputError(f"{target}: is a folder; nothing was written")
+        elif target.exists():
+            raise OutputError(f"{target}: is not a regular file; nothing was written")
     if differing and not force:
         raise OutputError(
             f"{folder}: {', '.join(differing)} would be overwritten; allow it with --force, or"
@@ -70,25 +209,103 @@ def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool
         )
 
 
-def _make_folder(folder: Path) -> list[Path]:
-    """Create `folder` and its missing parents; return what was created, outermost first."""
-    missing = []
-    place = folder
-    while not place.exists():
-        missing.append(place)
-        place = place.parent
-    made: list[Path] = []
+# -- a set put in place, or taken back -------------------------------------------------------------
+
+
+def _replace(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Put the files in place, or leave everything as it was."""
     try:
-        for place in reversed(missing):
-            place.mkdir()
-            made.append(place)
-    except OSError as error:
-        for place in reversed(made):
-            place.rmdir()
-        raise OutputError(
-            f"{folder}: cannot create the folder: {error.strerror or error}; nothing was written"
-        ) from error
-    return made
+        _stage(folder, files)
+        _move_into_place(folder, tuple(files))
+        shutil.rmtree(folder / STAGING, ignore_errors=True)  # what stays, the next run removes
+    except BaseException:
+        _restore(folder)
+        raise
+
+
+def _stage(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Make the new files, and links to the old ones; then the journal, which makes them count."""
+    staging = folder / STAGING
+    for place in (staging, staging / NEW, staging / OLD):
+        place.mkdir()
+    (staging / WRITER).write_text(str(os.getpid()))
+    for name, data in files.items():
+        _write_durably(staging / NEW / name, data)
+        if os.path.lexists(folder / name):
+            _keep(folder / name, staging / OLD / name)
+    _sync(staging / NEW)
+    _sync(staging / OLD)
+    _write_durably(staging / "names", json.dumps(list(files)).encode())
+    (staging / "names").replace(staging / JOURNAL)
+    _sync(staging)
+
+
+def _move_into_place(folder: Path, names: tuple[str, ...]) -> None:
+    *others, last = names
+    if others:
+        (folder / last).unlink(missing_ok=True)
+    _sync(folder)
+    for name in others:
+        (folder / STAGING / NEW / name).replace(folder / name)
+    _sync(folder)
+    (folder / STAGING / NEW / last).replace(folder / last)
+    _sync(folder)
+    (folder / STAGING / JOURNAL).unlink()
+
+
+def _restore(folder: Path) -> str:
+    """Undo what a run did that was stopped; return what was found, see `settle`.
+
+    Each step leaves a state from which all steps can be taken again: a new file is either in place
+    or in the staging folder, and an old one is put back once no new one is in place.
+    """
+    staging = folder / STAGING
+    if not staging.is_dir() or staging.is_symlink():
+        return ""
+    said = "a run was interrupted here while it replaced nothing; its remains have been removed"
+    if interrupted(folder):
+        names = _names(staging / JOURNAL)
+        for name in reversed(names):  # the last one vouches for the others
+            if not os.path.lexists(staging / NEW / name) and os.path.lexists(folder / name):
+                if (folder / name).is_dir():
+                    reason = "is a folder now, which must be moved away"
+                    raise OSError(errno.EISDIR, reason, str(folder / name))
+                (folder / name).replace(staging / NEW / name)
+        _sync(folder)
+        for name in names:
+            if os.path.lexists(staging / OLD / name) and not os.path.lexists(folder / name):
+                (staging / OLD / name).replace(folder / name)
+        _sync(folder)
+        (staging / JOURNAL).unlink()
+        said = "a run was interrupted here; the files from before it have been put back"
+    shutil.rmtree(staging)
+    return said
+
+
+def _names(journal: Path) -> list[str]:
+    """Those of the files of a set, the last one last; ValueError if they are none."""
+    try:
+        names = json.loads(journal.read_bytes())
+    except ValueError:
+        names = None
+    if isinstance(names, list) and all(
+        isinstance(name, str) and Path(name).name == name for name in names
+    ):
+        return names
+    raise ValueError(f"{journal} is damaged")
+
+
+# -- single files ----------------------------------------------------------------------------------
+
+
+def _keep(source: Path, target: Path) -> None:
+    """Make `target` the same file as `source`, or a copy of it where there are no links."""
+    try:
+        os.link(source, target, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(source, target, follow_symlinks=False)
+        if not target.is_symlink():
+            _sync(target)
 
 
 def _write_durably(path: Path, data: bytes) -> None:
@@ -98,22 +315,15 @@ def _write_durably(path: Path, data: bytes) -> None:
         os.fsync(file.fileno())
 
 
-def _move_into_place(folder: Path, staging: Path, files: Mapping[str, bytes]) -> None:
-    kept = staging / "replaced"
-    kept.mkdir()
-    moved: list[str] = []
+def _sync(path: Path) -> None:
+    """Wait until a folder's entries, or a file, are on disk; some systems cannot for folders."""
+    if sys.platform == "win32":
+        return
+    opened = os.open(path, os.O_RDONLY)
     try:
-        for name in files:
-            target = folder / name
-            moved.append(name)  # first: Ctrl-C may come right after a move
-            if target.exists():
-                target.replace(kept / name)
-            (staging / name).replace(target)
-    except BaseException:
-        for name in reversed(moved):
-            target = folder / name
-            if (kept / name).exists():
-                (kept / name).replace(target)
-            elif not (staging / name).exists():
-                target.unlink(missing_ok=True)
-        raise
+        os.fsync(opened)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(opened)

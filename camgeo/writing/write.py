@@ -15,7 +15,7 @@ from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.writing.transaction import write_set
-from camgeo.writing.writer import Writer, Written, find_writer, with_companions
+from camgeo.writing.writer import Writer, Written, find_writer, with_companions, writer_names
 
 CERTIFICATE = "certificate.json"
 
@@ -79,7 +79,7 @@ def write_files(
         message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
         raise SceneError([Fault("tolerance", f"{tolerance:g}", message)])
     contents, reports = make_files(discs, formats, tolerance, progress=progress)
-    paths = write_set(Path(folder), contents, force=force)
+    paths = write_set(Path(folder), contents, force=force, progress=progress)
     return Report(paths, reports)
 
 
@@ -94,6 +94,9 @@ def make_files(
 
     The files of the first disc, then those of the next. Raises like `Design.write`.
     """
+    if not formats:
+        message = f"no format is named; there are {', '.join(writer_names())}"
+        raise SceneError([Fault("format", "", message)])
     product = discs[0]
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+import camgeo
 from camgeo.cli.main import main
+from camgeo.errors import SceneError
 from camgeo.writing import transaction
 from tests.scene.scenes import FIXTURES, PLATE, ROCKER, spoilt
 
@@ -170,6 +172,33 @@ def test_unknown_format(tmp_path: Path, capsys: Capture) -> None:
     scene.write_text(PLATE)
     assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv,dfx"]) == 2
     assert 'did you mean "dxf"?' in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+@pytest.mark.parametrize("formats", ["", ",", " , "])
+def test_no_format(formats: str, tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(PLATE)
+    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", formats]) == 2
+    assert "format: no format is named; there are 3mf, " in capsys.readouterr().err
+    with pytest.raises(SceneError, match="no format is named"):
+        camgeo.load(scene).write(tmp_path / "out", [])
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+@pytest.mark.parametrize("command", ["build", "table", "plot", "new", "size", "verify"])
+def test_names_that_are_too_long(command: str, tmp_path: Path, capsys: Capture) -> None:
+    scene, name = tmp_path / "scene.toml", str(tmp_path / ("a" * 256))
+    scene.write_text(PLATE)
+    call = {
+        "new": ["-o", name],
+        "plot": [str(scene), "motion", "-o", f"{name}.svg"],
+        "size": [str(scene), "--scene", name],
+        "verify": [name],
+    }
+    assert main([command, *call.get(command, [str(scene), "-o", name])]) == 2
+    err = capsys.readouterr().err
+    assert "File name too long" in err or "there is no such file" in err
     assert list(tmp_path.iterdir()) == [scene]
 
 

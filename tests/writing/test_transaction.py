@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 
 from camgeo.errors import OutputError
 from camgeo.writing import transaction
-from camgeo.writing.transaction import write_set
+from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING, settle, write_set
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
 
@@ -95,11 +96,11 @@ def test_failing_write_leaves_nothing(
 
 
 @pytest.mark.parametrize("error", [OSError(errno.EIO, "Input/output error"), KeyboardInterrupt()])
-@pytest.mark.parametrize("number", range(1, 6))
+@pytest.mark.parametrize("number", range(1, 5))
 def test_failing_move_puts_everything_back(
     number: int, error: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Moves: a aside, a in, b in, c aside, c in."""
+    """Moves: the journal, a, b, c."""
     before = {"a.dxf": b"old a", "c.stl": b"old c"}
     for name, data in before.items():
         (tmp_path / name).write_bytes(data)
@@ -128,6 +129,140 @@ def test_interrupt_right_after_a_move(tmp_path: Path, monkeypatch: pytest.Monkey
         with pytest.raises(KeyboardInterrupt):
             write_set(tmp_path, FILES, force=True)
         assert _everything(tmp_path) == {"a.dxf": b"old a"}
+
+
+def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "a.dxf").symlink_to("nowhere")
+    with pytest.raises(OutputError, match=r"a\.dxf would be overwritten"):
+        write_set(tmp_path, FILES, force=False)
+    assert (tmp_path / "a.dxf").is_symlink()
+    write_set(tmp_path, FILES, force=True)
+    assert _everything(tmp_path) == FILES
+    assert not (tmp_path / "a.dxf").is_symlink()
+
+
+@pytest.mark.skipif(not Path(os.devnull).is_char_device(), reason="no devices")
+def test_a_device_is_no_file() -> None:
+    null = Path(os.devnull)
+    with pytest.raises(OutputError, match="is not a regular file; nothing was written"):
+        write_set(null.parent, {null.name: b"new"}, force=True)
+    assert null.is_char_device()
+
+
+@pytest.mark.parametrize("length", [256, 5000])
+def test_names_that_are_too_long(length: int, tmp_path: Path) -> None:
+    name = "a" * length
+    with pytest.raises(OutputError, match="File name too long; nothing was written"):
+        write_set(tmp_path, {name: b"new"}, force=True)
+    with pytest.raises(OutputError, match="File name too long; nothing was written"):
+        write_set(tmp_path / name, FILES, force=True)
+    with pytest.raises(OutputError, match="null byte; nothing was written"):
+        write_set(tmp_path / "\0", FILES, force=True)
+    assert not any(tmp_path.iterdir())
+
+
+# -- one at a time ---------------------------------------------------------------------------------
+
+
+def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thread is kept out like another process."""
+    told: list[str] = []
+    written = threading.Event()
+
+    def write() -> None:
+        write_set(tmp_path, FILES, force=False, progress=told.append)
+        written.set()
+
+    with transaction._locked(tmp_path, told.append):
+        (tmp_path / STAGING).mkdir()
+        (tmp_path / STAGING / transaction.WRITER).write_text("4711")
+        with monkeypatch.context() as patch:
+            patch.setattr(transaction, "PATIENCE", 0.1)
+            message = "process 4711 is writing there; nothing was written"
+            with pytest.raises(OutputError, match=message):
+                write_set(tmp_path, FILES, force=False)
+            with pytest.raises(OutputError, match=message):
+                settle(tmp_path)
+        thread = threading.Thread(target=write)
+        thread.start()
+        assert not written.wait(0.1)
+    thread.join()
+    assert set(told) == {f"waiting for process 4711, which is writing into {tmp_path}"}
+    assert _everything(tmp_path) == FILES
+
+
+# -- what an interrupted run leaves ----------------------------------------------------------------
+
+
+def _interrupted(folder: Path, journal: str = '["a.dxf", "b.ngc"]') -> None:
+    """As after a kill: a.dxf is new, b.ngc, the last one, has been removed."""
+    for place in (NEW, OLD):
+        (folder / STAGING / place).mkdir(parents=True)
+    (folder / "a.dxf").write_bytes(b"new a")
+    (folder / STAGING / NEW / "b.ngc").write_bytes(b"new b")
+    for name in ("a.dxf", "b.ngc"):
+        (folder / STAGING / OLD / name).write_bytes(b"old")
+    (folder / STAGING / JOURNAL).write_text(journal)
+
+
+def test_settle_restores_and_says_so(tmp_path: Path) -> None:
+    assert settle(tmp_path) == settle(tmp_path / "none") == ""
+    _interrupted(tmp_path)
+    assert "interrupted here; the files from before it have been put back" in settle(tmp_path)
+    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
+    assert settle(tmp_path) == ""
+    (tmp_path / STAGING).mkdir()
+    assert "interrupted here while it replaced nothing" in settle(tmp_path)
+    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
+
+
+def test_what_the_user_put_there_meanwhile_is_kept(tmp_path: Path) -> None:
+    _interrupted(tmp_path)
+    (tmp_path / "b.ngc").write_bytes(b"mine")
+    settle(tmp_path)
+    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"mine"}
+
+
+def test_a_folder_in_the_way_is_kept(tmp_path: Path) -> None:
+    _interrupted(tmp_path)
+    (tmp_path / "a.dxf").unlink()
+    (tmp_path / "a.dxf").mkdir()
+    (tmp_path / "a.dxf" / "notes").write_bytes(b"mine")
+    for _ in range(2):
+        with pytest.raises(OutputError, match="cannot be put back: is a folder now"):
+            settle(tmp_path)
+        with pytest.raises(OutputError, match=r"cannot write a\.dxf: is a folder now.*put back"):
+            write_set(tmp_path, FILES, force=True)
+    (tmp_path / "a.dxf").rename(tmp_path / "elsewhere")
+    settle(tmp_path)
+    assert _everything(tmp_path) == {
+        "a.dxf": b"old", "b.ngc": b"old", "elsewhere/notes": b"mine",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("journal", ["", "[1]", "{}", '["../a.dxf"]', '["/a.dxf"]', '["a'])
+def test_a_damaged_journal_is_not_followed(journal: str, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    _interrupted(folder, journal)
+    (tmp_path / "a.dxf").write_bytes(b"mine")
+    before = _everything(tmp_path)
+    with pytest.raises(OutputError, match=f"which are in {STAGING}, cannot be put back"):
+        settle(folder)
+    with pytest.raises(OutputError, match="put back by the next camgeo build or verify there"):
+        write_set(folder, FILES, force=True)
+    assert _everything(tmp_path) == before
+
+
+def test_a_link_in_place_of_the_staging_folder_is_not_followed(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    _interrupted(elsewhere)
+    before = _everything(elsewhere)
+    folder.mkdir()
+    (folder / STAGING).symlink_to(elsewhere / STAGING)
+    assert settle(folder) == ""
+    with pytest.raises(OutputError, match="File exists"):
+        write_set(folder, FILES, force=True)
+    assert _everything(elsewhere) == before
 
 
 def test_folder_that_is_a_file(tmp_path: Path) -> None:

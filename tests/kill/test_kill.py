@@ -1,0 +1,161 @@
+"""A set is whole, whenever the process is stopped and whatever the disk refuses."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import Stopped
+from camgeo.errors import OutputError
+from camgeo.writing.transaction import settle, write_set
+from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
+from tests.kill.stops import Killed, Steps, full_after, stepping
+
+BEFORE = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
+WRITTEN = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
+FURTHER = stub_set(3, ("a.dxf", "c.stl"))
+
+FOLDERS = {"fresh": {}, "full": BEFORE}
+
+
+@pytest.fixture(autouse=True)
+def quick_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """These processes never really end: what they write need not wait for the disk."""
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+
+
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """A folder to write into, in memory if there is such a place."""
+    with tempfile.TemporaryDirectory(dir=MEMORY) as place:
+        yield Path(place) / "out"
+
+
+Folder = pytest.mark.parametrize("old", FOLDERS.values(), ids=FOLDERS)
+
+
+def stops(folder: Path, old: Files, steps: Iterator[Steps]) -> Iterator[BaseException]:
+    """What `write_set` into a folder with `old` ends with, for each of `steps`, until it ends well.
+
+    The caller looks at the folder between the runs.
+    """
+    for each in steps:
+        shutil.rmtree(folder, ignore_errors=True)
+        put(folder, old)
+        try:
+            with stepping(each):
+                write_set(folder, WRITTEN, force=True)
+        except (OSError, Killed, Stopped) as error:
+            yield error
+        else:
+            if each.done < each.number:
+                return
+
+
+def counted(error: BaseException, **options: bool) -> Iterator[Steps]:
+    return (Steps(number, error, **options) for number in range(1, 200))
+
+
+@Folder
+@pytest.mark.parametrize("after", [False, True])
+def test_killed_at_every_step(old: Files, after: bool, folder: Path) -> None:
+    kills = 0
+    for _ in stops(folder, old, counted(Killed(), after=after, forever=True)):
+        kills += 1
+        assert is_safe(folder, old, old | WRITTEN)
+        settle(folder)
+        assert is_whole(folder, old, old | WRITTEN)
+    assert kills > 20
+
+
+def test_restoring_killed_at_every_step(folder: Path) -> None:
+    """Wherever the first process was killed, the one that restores may be killed, too."""
+    left, old, new = folder.with_name("left"), BEFORE, BEFORE | WRITTEN
+    for _ in stops(folder, old, counted(Killed(), forever=True)):
+        shutil.rmtree(left, ignore_errors=True)
+        shutil.copytree(folder, left)
+        settle(folder)
+        found = everything(folder)
+        for steps in counted(Killed(), forever=True):
+            shutil.rmtree(folder)
+            shutil.copytree(left, folder)
+            try:
+                with stepping(steps):
+                    settle(folder)
+            except Killed:
+                assert is_safe(folder, old, new)
+                write_set(folder, FURTHER, force=True)
+                assert is_whole(folder, found | FURTHER)
+            else:
+                break
+
+
+@Folder
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_at_every_step(number: int, after: bool, old: Files, folder: Path) -> None:
+    """A signal that is handled leaves nothing to the next run."""
+    stopped = 0
+    for error in stops(folder, old, counted(Stopped(number), after=after)):
+        stopped += 1
+        assert isinstance(error, Stopped)
+        assert is_whole(folder, old, old | WRITTEN)
+    assert stopped > 20
+
+
+@Folder
+def test_each_step_refused(old: Files, folder: Path) -> None:
+    """The error is reported and nothing has changed, or else, late, everything is in place."""
+    refused = 0
+    for error in stops(folder, old, counted(OSError(errno.EACCES, "Permission denied"))):
+        refused += 1
+        assert isinstance(error, OutputError)
+        assert "Permission denied; nothing was written" in str(error)
+        assert is_whole(folder, old)
+    assert refused > 20
+
+
+@Folder
+def test_each_step_and_all_later_ones_refused(old: Files, folder: Path) -> None:
+    """As if the disk were gone: the next run restores, and the message says so."""
+    failing = counted(OSError(errno.EIO, "Input/output error"), forever=True)
+    told = set()
+    for error in stops(folder, old, failing):
+        assert is_safe(folder, old, old | WRITTEN)
+        told.add(str(error).rpartition("; ")[2])
+        said = settle(folder)
+        assert ("put back" in said) == ("put back" in str(error))
+        assert is_whole(folder, old, old | WRITTEN)
+    assert len(told) == 2
+
+
+@Folder
+def test_full_disk(old: Files, folder: Path) -> None:
+    """At every file, and at a hundred numbers of bytes."""
+    source = random.Random(7)
+    most = sum(map(len, WRITTEN.values()))
+    ends = [sum(map(len, list(WRITTEN.values())[:count])) for count in range(len(WRITTEN))]
+    for room in [*ends, *(source.randrange(most) for _ in range(100))]:
+        put(folder, old)
+        with full_after(room), pytest.raises(OutputError, match="No space left on device; nothing"):
+            write_set(folder, WRITTEN, force=True)
+        assert is_whole(folder, old)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
+def test_killed_at_random() -> None:
+    """Signals sent to processes, two builds at once, and `camgeo build` and `verify`."""
+    seed = str(random.SystemRandom().randrange(10**6))
+    command = [sys.executable, "-m", "tests.kill", "--count", "20", "--seed", seed]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
