@@ -124,11 +124,10 @@ class DensePath:
     def distances(self, points: ComplexArray) -> FloatArray:
         """(n,) distance of each point from the path."""
         targets = shapely.points(points.real, points.imag)
-        found, distances = self._tree.query_nearest(targets, return_distance=True)
-        # A point equally near to two runs appears twice.
-        nearest: FloatArray = np.full(len(points), np.inf)
-        np.minimum.at(nearest, found[0], distances)
-        return nearest
+        found: FloatArray = self._tree.query_nearest(
+            targets, return_distance=True, all_matches=False
+        )[1]
+        return found
 
 
 def polygon(points: ComplexArray) -> shapely.Polygon:
