@@ -216,11 +216,9 @@ def bare() -> dict[str, bytes]:
     return geometry("")
 
 
-# Of all together, below, none runs: what one alone would change they would change.
-@pytest.mark.parametrize("name", EFFECTS if LONG else EFFECTS[::5])
-def test_an_effect_changes_no_byte_of_the_geometry(name: str, bare: dict[str, bytes]) -> None:
-    assert geometry(text_of(with_data(name))) == bare
-
-
-def test_all_effects_together_change_no_byte_either(bare: dict[str, bytes]) -> None:
-    assert geometry(text_of(EFFECTS)) == bare
+# Of all together none runs: what one alone would change they would change.
+@pytest.mark.parametrize("names", [EFFECTS, *((name,) for name in EFFECTS if LONG)], ids="+".join)
+def test_effects_change_no_byte_of_the_geometry(
+    names: tuple[str, ...], bare: dict[str, bytes]
+) -> None:
+    assert geometry(text_of(with_data(*names))) == bare
