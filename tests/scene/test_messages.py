@@ -24,6 +24,13 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [('"plate"', '""')], "1 to 100 letters"),
     (PLATE, [('"plate"', '"' + 101 * "a" + '"')], "1 to 100 letters"),
     (PLATE, [('"plate"', '"plate\\n"')], "1 to 100 letters"),
+    (PLATE, [('"plate"', '"CoM1"')], 'name = "CoM1": .* and none of con, .* Windows keeps for dev'),
+    (
+        PLATE,
+        [('"plate"', '"nul"')],
+        'name = "nul": .* and none of con, prn, aux, nul, com0 to com9',
+    ),
+    (PLATE, [('"plate"', '"-rf"')], 'name = "-rf": .* not begin with -'),
     (PLATE, [('name = "plate"', "name = 7")], "name = 7: must be 1 to 100 letters"),
     # keys
     (
@@ -230,3 +237,8 @@ def test_machine_profile_in_the_folder_of_the_scene(tmp_path: pathlib.Path) -> N
     text = spoilt(PLATE, ('"linuxcnc"', '"mill.toml"'))
     scene = parse_scene(text, str(tmp_path / "scene.toml"))
     assert scene.output.options[FORMAT].machine == str(profile.resolve())
+
+
+@pytest.mark.parametrize("name", ["a", "_", "con-1", "nula", "0", "com10", "a-rf", 100 * "a"])
+def test_names_that_are_allowed(name: str) -> None:
+    assert parse_scene(spoilt(PLATE, ('"plate"', f'"{name}"'))).name == name
