@@ -17,7 +17,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from tests.strategies import SMOOTH, oscillating_rollers, plans, signs, translating_rollers
 
 STROKE = 20.0
@@ -70,7 +70,7 @@ def lever_of(main: OscillatingRoller, between: float, arm: float) -> Lever:
     """The lever whose main roller is that of `main`, by the law of cosines."""
     distance = abs(main.pivot)
     cosine = (distance**2 + main.arm**2 - main.base_radius**2) / (2.0 * distance * main.arm)
-    first = cmath.phase(-main.pivot) + main.arm_side * math.acos(cosine)
+    first = phase(-main.pivot) + main.arm_side * math.acos(cosine)
     sense = 1 if main.direction is None else main.direction * main.arm_side
     return Lever(main.pivot, first, between, (main.arm, arm), sense)
 

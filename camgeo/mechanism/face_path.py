@@ -18,7 +18,6 @@ the axis whose normal has the angle theta; its lift and theta tell the cam angle
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from functools import singledispatch
@@ -31,7 +30,7 @@ from camgeo.mechanism.face import Touch
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 
 ROUNDING = 1e-12
 """How far a sine may come out beyond 1: the face is square to the line of centres there."""
@@ -154,7 +153,7 @@ class RockingFace:
     @property
     def _axis(self) -> float:
         """Angle of the line from the pivot to the cam axis [rad]."""
-        return cmath.phase(-self.follower.pivot)
+        return phase(-self.follower.pivot)
 
     def lift_of(self, distance: FloatArray) -> FloatArray:
         """See `FacePath`."""

@@ -12,7 +12,6 @@ Behind a linkage the follower is the rocker, and its lift the rocker's angle.
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from functools import singledispatch
@@ -24,7 +23,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, phase
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
@@ -277,7 +276,7 @@ class SwingPath:
         return abs(follower.excess), follower.centre_distance + follower.arm
 
     def _frame(self, phi: FloatArray) -> ComplexArray:
-        axis = cmath.phase(-self.follower.pivot)
+        axis = phase(-self.follower.pivot)
         frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
         return frame
 
@@ -293,7 +292,7 @@ class SwingPath:
         _require_reach(distance, self.reach)
         psi = self.coordinate(distance)
         follower = self.follower
-        angle = cmath.phase(-follower.pivot) + np.angle(self._centre(psi)) - np.angle(points)
+        angle = phase(-follower.pivot) + np.angle(self._centre(psi)) - np.angle(points)
         return _in_turn(self.rotation * angle), psi
 
     def _centre(self, q: FloatArray) -> ComplexArray:

@@ -29,7 +29,7 @@ from camgeo.mechanism.triangle import (
 )
 from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot, phase
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.interval import Interval, about, cosine, sine
 
@@ -84,7 +84,7 @@ class FourBar(RockerCrank):
     @cached_property
     def _start_bend(self) -> float:
         """beta at motion 0 [rad]: the lever's direction, measured from that of the second shaft."""
-        return self.lever_angle - cmath.phase(self.shaft)
+        return self.lever_angle - phase(self.shaft)
 
     def _bend(self, motion: FloatArray) -> FloatArray:
         return self._start_bend + self.lever_sense * motion
@@ -142,7 +142,7 @@ class FourBar(RockerCrank):
         bend, distance = self._bend(motion), abs(self.shaft)
         if distance > self.lever:
             about = 1.0 + (self.lever / distance) * np.exp(1j * bend)
-            return np.asarray(cmath.phase(self.shaft) + np.angle(about))
+            return np.asarray(phase(self.shaft) + np.angle(about))
         about = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
         return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(about))
 

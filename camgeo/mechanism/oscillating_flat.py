@@ -16,7 +16,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.numeric.checked import check_fields
 
 
@@ -122,7 +122,7 @@ class OscillatingFlat(Rocking, FlatFollower):
 
     def normal(self, lift: FloatArray) -> ComplexArray:
         """See `FlatFollower.normal`."""
-        angle = cmath.phase(-self.pivot) + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
+        angle = phase(-self.pivot) + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
         normals: ComplexArray = np.exp(1j * angle)
         return normals
 
@@ -181,7 +181,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         return RelativeJet(
             along,
             across,
-            cmath.phase(-self.pivot),
+            phase(-self.pivot),
             side * pace[0] * share,
             pace[0] * rest,
             self.swing_sense * jet[1],

@@ -15,7 +15,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.doubled import hypot_rest
 
@@ -90,7 +90,7 @@ class OscillatingRoller(Rocking, WithRoller):
     @property
     def start_arm(self) -> complex:
         """See `Follower`."""
-        return cmath.rect(self.arm, cmath.phase(-self.pivot) + self.arm_side * self.start_angle)
+        return cmath.rect(self.arm, phase(-self.pivot) + self.arm_side * self.start_angle)
 
     @property
     def reach(self) -> float:
@@ -144,7 +144,7 @@ class OscillatingRoller(Rocking, WithRoller):
             rest = chi3 - turning * (turning * (turning - 3.0 * rotation) + 3.0)
             across[3] = tip_across * real + tip_along * rest
             across[3] += rotation * along[0]
-        return RelativeJet(along, across, cmath.phase(-self.pivot), u, v, turning, self.reach)
+        return RelativeJet(along, across, phase(-self.pivot), u, v, turning, self.reach)
 
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
         """See `Follower.tangent_jet`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Literal, TypeVar
@@ -19,6 +20,15 @@ Side = Literal["right", "left"]
 
 Rows = TypeVar("Rows")
 """A dataclass of arrays whose rows belong together."""
+
+
+def phase(value: complex) -> float:
+    """The angle of a complex number [rad], -pi to pi.
+
+    As `cmath.phase`, which raises an OverflowError where the angle is smaller than the smallest
+    normal number (so that of a pivot at [-90, 5e-324]).
+    """
+    return math.atan2(value.imag, value.real)
 
 
 def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:

@@ -14,7 +14,6 @@ controller takes to read a block, and tool changes.
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from functools import partial
@@ -23,7 +22,7 @@ from typing import Annotated
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.checked import check_fields, positive
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, Toolpath
 from camgeo.toolpath.spec import FeedRate
@@ -122,7 +121,7 @@ def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
     An angle slightly below 0 is a rounded 0; one slightly beyond half a turn is not taken for a
     turn in the other direction.
     """
-    turn = cmath.phase(end / start) * (1.0 if ccw else -1.0)
+    turn = phase(end / start) * (1.0 if ccw else -1.0)
     if turn < -0.5 * math.pi:
         turn += 2.0 * math.pi
     turn = max(turn, 0.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from decimal import Decimal
 
@@ -12,6 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.check.sizing.rounding import exponent_of, rounded, sound, upward
 from camgeo.check.sizing.smallest import rate, size
+from camgeo.numeric.arrays import phase
 from tests.check.sizing_scenes import required
 
 
@@ -70,7 +70,7 @@ def test_what_is_written_keeps_the_limits_in_as_few_decimals_as_it_can(name: str
         for each in (value if isinstance(value, list) else [value])
     )
     # One digit less of the base radius: no place on that circle keeps both.
-    theta = cmath.phase(found.answer.place - task.start)
+    theta = phase(found.answer.place - task.start)
     for turn in (0.0, 1e-6, -1e-6, 1e-4, -1e-4):
         way = theta + turn
         place = task.start + (base - 1e-4) * complex(math.cos(way), math.sin(way))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import csv
 import hashlib
 from functools import partial
@@ -14,7 +13,7 @@ from camgeo.design import Design
 from camgeo.formats.csv import FORMAT
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.scene.load import load_scene
 from camgeo.units import MM_PER
 from tests.end_to_end.built import SCENES, Built
@@ -89,9 +88,7 @@ def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, 
         out = np.exp(1j * follower.guide_angle)
         return out * (follower.base_radius + follower.direction * lift), -1j * out + 0.0 * phi
     assert isinstance(follower, OscillatingFlat)
-    along = np.exp(
-        1j * (cmath.phase(-follower.pivot) + follower.arm_side * follower.face_angle(lift))
-    )
+    along = np.exp(1j * (phase(-follower.pivot) + follower.arm_side * follower.face_angle(lift)))
     return follower.pivot + 1j * follower.arm_side * follower.face_offset * along, along
 
 

@@ -18,7 +18,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.motion.plan import MotionPlan
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.outline.convex import touch
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
@@ -52,7 +52,7 @@ def face_line(curve: PitchCurve, lift: FloatArray) -> tuple[ComplexArray, Comple
         return np.asarray(places), np.full(len(lift), -1j * out)
     assert isinstance(follower, OscillatingFlat)
     # The tangent of the base circle that has the pivot at its distance, on the side of the face.
-    axis, away = cmath.phase(-follower.pivot), follower.base_radius - follower.face_offset
+    axis, away = phase(-follower.pivot), follower.base_radius - follower.face_offset
     slope = follower.arm_side * math.asin(away / abs(follower.pivot))
     along = cmath.exp(1j * (axis + slope))
     foot = follower.pivot + 1j * follower.arm_side * along * follower.face_offset

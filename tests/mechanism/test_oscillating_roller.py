@@ -14,6 +14,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.motion.plan import MotionPlan, Move
+from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
 from tests.strategies import attack
@@ -30,6 +31,16 @@ def test_a_base_radius_that_closes_no_triangle_is_refused(base: float) -> None:
         OscillatingRoller(PIVOT, 80.0, base, 5.0)
     assert caught.value.key == "follower.base_radius"
     assert caught.value.value == f"{base:g}"
+
+
+def test_a_pivot_may_lie_as_close_to_an_axis_as_numbers_can_tell() -> None:
+    """Its direction is then smaller than the smallest normal number."""
+    near, at = (
+        PitchCurve(RISE, OscillatingRoller(complex(-120.0, height), 80.0, 60.0, 5.0), 1)
+        for height in (5e-324, 0.0)
+    )
+    assert np.array_equal(near.point(TOP), at.point(TOP))
+    assert np.array_equal(near.curvature(TOP), at.curvature(TOP))
 
 
 @pytest.mark.parametrize("base", [40.001, 60.0, 120.0, 199.999])
@@ -69,7 +80,7 @@ def test_without_direction_the_lift_is_the_rockers_own_angle(arm_side: int) -> N
     curve = PitchCurve(RISE, follower, 1)
     start = curve.point(np.zeros(1))[0] - PIVOT
     top = curve.point(TOP)[0] * cmath.exp(1j * math.pi) - PIVOT
-    assert cmath.phase(top / start) == pytest.approx(SWING, rel=1e-14)
+    assert phase(top / start) == pytest.approx(SWING, rel=1e-14)
 
 
 def test_the_rocker_angle_is_counted_on_the_arms_own_side() -> None:

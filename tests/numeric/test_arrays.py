@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.arrays import ascending, frozen, merged
+from camgeo.numeric.arrays import ascending, frozen, merged, phase
 from camgeo.units import TURN
 
 
@@ -70,3 +72,16 @@ def test_merged_takes_any_order() -> None:
     array = np.array([0.0, 1.0, 1.0 + np.spacing(1.0), 3.0, TURN])
     for shift in range(len(array)):
         assert merged(np.roll(array, shift)).tolist() == [0.0, 1.0, 3.0, TURN]
+
+
+@given(st.complex_numbers(allow_nan=False))
+def test_the_phase_is_that_of_numpy(value: complex) -> None:
+    assert math.copysign(1.0, phase(value)) == math.copysign(1.0, np.angle(value))
+    assert phase(value) == pytest.approx(np.angle(value), rel=1e-15)
+
+
+@pytest.mark.parametrize("height", [5e-324, -5e-324])
+def test_the_smallest_phase_is_no_error(height: float) -> None:
+    """`cmath.phase` raises an OverflowError."""
+    assert phase(complex(90.0, height)) == math.copysign(0.0, height)
+    assert phase(complex(-90.0, height)) == math.copysign(math.pi, height)

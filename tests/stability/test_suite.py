@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -17,7 +16,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.follower import bend_of_path
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.outline.outline import real_outline
 from camgeo.stability import cams, faces, loops, outlines, slotted_levers
 from camgeo.stability.cam_case import CamSpec, cases_of
@@ -235,7 +234,7 @@ def test_a_contact_seen_from_a_far_pivot_is_seen() -> None:
         jet = cam.plan.jet(phi)
         place = follower.touch(jet, cam.rotation).contact[0]
         side = follower.arm_side
-        along = np.exp(1j * (cmath.phase(-follower.pivot) + side * follower.face_angle(jet[0])))
+        along = np.exp(1j * (phase(-follower.pivot) + side * follower.face_angle(jet[0])))
         contact = follower.pivot + (place + 1j * side * follower.face_offset) * along
         return (contact * np.exp(-1j * cam.rotation * phi),)
 

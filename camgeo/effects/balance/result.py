@@ -8,7 +8,6 @@ applies to one plane: a groove that is open on one side shifts the plane and doe
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ from camgeo.effects.effect import Request, Result
 from camgeo.effects.wording import KG, at, missed
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.motion.time_course import ConstantSpeed
+from camgeo.numeric.arrays import phase
 from camgeo.outline.moments import Moments, path_moments, total
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part
@@ -184,7 +184,7 @@ def unbalance_finding(
         text = f"unbalance of the disc 0, to within the error of {GRAM_MM * unsure:.2g} g mm"
         value = 0.0
     else:
-        direction = degrees(cmath.phase(unbalance))
+        direction = degrees(phase(unbalance))
         text = f"unbalance of the disc {value:.6g} g mm, in the direction {direction:.4f} deg"
     if grade is None or spin is None:
         return Finding("unbalance", "ok", text, value, unit="g mm")
@@ -223,7 +223,7 @@ def counterweight_finding(weight: float, radius: float, unbalance: complex) -> F
     """The counterweight [t] at `radius` [mm]."""
     if weight == 0.0:
         return Finding("counterweight", "ok", "no counterweight is needed", 0.0, unit="kg")
-    direction = degrees(cmath.phase(-unbalance))
+    direction = degrees(phase(-unbalance))
     return Finding(
         name="counterweight",
         severity="ok",

@@ -8,7 +8,6 @@ that a shop can remove them. No text, no dimensions.
 
 from __future__ import annotations
 
-import cmath
 import io
 import math
 from collections.abc import Iterator
@@ -25,6 +24,7 @@ from ezdxf.lldxf.types import DXFTag
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.formats.dxf import FORMAT
+from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.product.product import Product
 from camgeo.units import MM_PER, LengthUnit
@@ -222,7 +222,7 @@ def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str
             spline.dxf.flags = PLANAR  # ezdxf sets it to 0 on creation
         elif strand.sweep:
             ends = (strand.start, strand.end) if strand.sweep > 0.0 else (strand.end, strand.start)
-            first, last = (math.degrees(cmath.phase(end - strand.centre)) for end in ends)
+            first, last = (math.degrees(phase(end - strand.centre)) for end in ends)
             centre, radius = _xy(strand.centre, scale), strand.radius / scale
             space.add_arc(centre, radius, first + 0.0, last + 0.0, dxfattribs=attributes)
         else:

@@ -15,6 +15,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc
+from camgeo.numeric.arrays import phase
 from camgeo_export.chain import chain
 from camgeo_export.errors import FileError
 
@@ -329,7 +330,7 @@ def _move(state: _State, values: dict[str, float], line: int) -> CutterMove:
         if not arm or end in (start, centre) or z_end != z_start:
             raise FileError(f"line {line}: not an arc in the plane")
         mismatch = abs(abs(arm) - abs(end - centre))
-        sweep = cmath.phase((end - centre) / -arm) % (2.0 * math.pi)
+        sweep = phase((end - centre) / -arm) % (2.0 * math.pi)
         sweep -= 2.0 * math.pi if state.motion == 2 else 0.0
     state.at, state.z = end, z_end
     feed = 0.0 if kind == "rapid" else state.feed
