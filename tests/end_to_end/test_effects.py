@@ -97,6 +97,8 @@ def test_force_and_torque_of_the_table_keep_the_power_balance(
     """Without friction the torque is the normal force times its way a radian (virtual work)."""
     if "friction" in subject.scene.effects:
         pytest.skip("the balance with friction is held in tests/effects")
+    if not {"contact-force", "drive-torque"} <= set(subject.scene.effects):
+        pytest.skip("the scene does not ask for both")
     main(["table", str(scene), "--step", "5"])
     text = capsys.readouterr().out
     phi = np.radians(column(text, "phi"))
