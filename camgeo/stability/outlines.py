@@ -203,7 +203,7 @@ def _lost(replay: Replay, phi: FloatArray) -> FloatArray:
     """Lost stroke (n,) [mm or rad] at `phi` (n,) [rad], as `Replay.lost` has it at its samples."""
     lift = replay.lift
     difference = lift.at(phi) - lift.motion.jet(phi, "right", 1)[0]
-    return np.asarray(replay.press * lift.path.outward * difference)
+    return np.asarray(replay.press * lift.outward * difference)
 
 
 def _cut(spec: CamSpec, side: int) -> Crossing:
