@@ -352,7 +352,7 @@ def near_dead_pitch_curves(draw: st.DrawFn) -> PitchCurve:
     to = end * (1.0 - 10.0 ** -draw(st.floats(0.0, 5.0)))
     law = make_law(draw(st.sampled_from(("polynomial-345", "modified-sine"))), "R-R")
     spans = Decimal(draw(st.integers(20, 120))), Decimal(draw(st.integers(20, 120)))
-    rest = (360 - sum(spans)) / 2
+    rest = (360 - spans[0] - spans[1]) / 2
     moves = Move(spans[0], to, law), Dwell(rest), Move(spans[1], 0.0, law), Dwell(rest)
     motion = LinkedMotion(MotionPlan(moves), linkage)
     rotation = draw(signs())
