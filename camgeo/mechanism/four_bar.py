@@ -31,7 +31,7 @@ from camgeo.mechanism.values import Angle, Branch, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot, phase
 from camgeo.numeric.checked import check_fields
-from camgeo.numeric.interval import Interval, about, cosine, sine
+from camgeo.numeric.interval import Angles, about
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -119,7 +119,7 @@ class FourBar(RockerCrank):
         self, motion: FloatArray, reach: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
         distance, lever = abs(self.shaft), self.lever
-        found = cosine(about(self._bend(motion), reach))
+        found = about(self._bend(motion), reach).cosine
         start = math.cos(self._start_bend)
 
         def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -128,12 +128,13 @@ class FourBar(RockerCrank):
 
         return at(found.high), at(found.low)
 
-    def _pin_slopes(
-        self, motion: FloatArray, reach: FloatArray, direction: Interval
-    ) -> tuple[Interval, Interval, Interval]:
-        ahead = about(self.lever_angle + self.lever_sense * motion, reach) - direction
-        first = sine(ahead).scaled(-self.lever_sense * self.lever)
-        return first, cosine(ahead).scaled(-self.lever), -first
+    def _pin_heading(self, motion: FloatArray, reach: FloatArray) -> Angles:
+        """The pin goes square to the lever."""
+        return about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
+
+    @property
+    def _pin_pace(self) -> tuple[float, float]:
+        return self.lever_sense * self.lever, self.lever_sense
 
     def _pin_angle(self, motion: FloatArray) -> FloatArray:
         """arg P (n,) [rad], continuous over any motion: that of the longer of D_0 and l_c, with

@@ -29,7 +29,7 @@ from camgeo.mechanism.values import AcuteAngle, Branch, Sense, Truth
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
-from camgeo.numeric.interval import Interval, cosine
+from camgeo.numeric.interval import Angles
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -143,13 +143,14 @@ class SliderCrank(RockerCrank):
 
         return at(x + reach), at(np.maximum(x - reach, 0.0))
 
-    def _pin_slopes(
-        self, stroke: FloatArray, reach: FloatArray, direction: Interval
-    ) -> tuple[Interval, Interval, Interval]:
-        """The pin goes along the guide at a constant pace."""
+    def _pin_heading(self, stroke: FloatArray, reach: FloatArray) -> Angles:
+        """The pin goes along the guide."""
         none = np.zeros_like(stroke)
-        still = Interval(none, none)
-        return cosine(direction).scaled(-self.stroke_direction), still, still
+        return Angles(none + 1.0, none, none)
+
+    @property
+    def _pin_pace(self) -> tuple[float, float]:
+        return -self.stroke_direction, 0.0
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:

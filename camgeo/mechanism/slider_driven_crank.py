@@ -31,7 +31,7 @@ from camgeo.mechanism.triangle import (
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import instance
-from camgeo.numeric.interval import Interval, about, cosine, sine
+from camgeo.numeric.interval import Interval, about
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -263,7 +263,7 @@ class SliderDrivenCrank:
         """
         inner, crank, coupler = self.inner, self.crank, self.coupler
         theta = about(self._theta(jet[0]), bounds[0])
-        sine_theta, cosine_theta = sine(theta), cosine(theta)
+        sine_theta, cosine_theta = theta.sine, theta.cosine
         height = np.full_like(jet[0], inner.guide_height)
         drop = Interval(height, height) - sine_theta.scaled(crank)
         whole = np.full_like(height, coupler)

@@ -16,7 +16,7 @@ from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.interval import Interval, about, cosine, sine
+from camgeo.numeric.interval import WIDENED, Angles, Interval
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -80,11 +80,16 @@ class RockerCrank(ABC):
         """
 
     @abstractmethod
-    def _pin_slopes(
-        self, position: FloatArray, reach: FloatArray, direction: Interval
-    ) -> tuple[Interval, Interval, Interval]:
-        """The parts in a `direction` [rad] of the first three derivatives of the pin's place with
-        respect to the position [mm or mm/rad^k], over the same positions.
+    def _pin_heading(self, position: FloatArray, reach: FloatArray) -> Angles:
+        """Directions in which the pin goes, over the same positions, and if its pace is negative
+        those opposite.
+        """
+
+    @property
+    @abstractmethod
+    def _pin_pace(self) -> tuple[float, float]:
+        """Pace of the pin [mm per mm or rad], signed, and by how much its direction turns with the
+        position, -1, 0 or 1.
         """
 
     @property
@@ -162,32 +167,43 @@ class RockerCrank(ABC):
         their magnitudes alone would exceed it by many orders. The angles are enclosed by their
         slopes and these by the angles, in turn.
         """
-        crank, coupler = self.crank, self.coupler
-        theta = self.crank_angle(position)
-        pin = self._distance(position) * np.exp(1j * self._pin_angle(position))
-        v = np.angle(pin - crank * np.exp(1j * theta))
+        crank, coupler, (pace, turns) = self.crank, self.coupler, self._pin_pace
+        tip = np.exp(1j * self.crank_angle(position))
+        d = self._distance(position)
+        rod = d * np.exp(1j * self._pin_angle(position)) - crank * tip
+        rod /= np.abs(rod)
+        rounding = WIDENED * (1.0 + (d + crank) / coupler)
+        heading = self._pin_heading(position, reach)
+        along, on_crank = (Angles(each.real, each.imag, rounding) for each in (rod, tip))
+        between, to_coupler, to_crank = along - on_crank, heading - along, heading - on_crank
         ends = self._farthest_and_nearest(position, reach)
         # Twice the area of the triangle is concave in d^2.
         least = np.minimum(*(np.multiply(*self.half_angle(*end)) for end in ends))
         least *= (1.0 - AREA) / (2.0 * crank * coupler)
         whole = np.ones_like(least)
         area = Interval(least, whole) if self.branch > 0 else Interval(-whole, -least)
-        unknown = Interval(-np.inf * whole, np.inf * whole)
-        theta1 = v1 = unknown
+        theta1 = v1 = Interval(-np.inf * whole, np.inf * whole)
         for _ in range(ROUNDS):
-            along, beside = about(v, times(reach, v1)), about(theta, times(reach, theta1))
-            between = along - beside
-            area, cosine_between = area.within(sine(between)), cosine(between)
-            in_line = self._pin_slopes(position, reach, along)
-            in_crank = self._pin_slopes(position, reach, beside)
-            theta1 = theta1.within(in_line[0] / area.scaled(crank))
-            v1 = v1.within(-in_crank[0] / area.scaled(coupler))
+            far, farther = times(reach, theta1), times(reach, v1)
+            across = between.reaching(between.reach + far + farther)
+            area = area.within(across.sine)
+            inverse = area.inverse
+            in_line = to_coupler.reaching(to_coupler.reach + farther)
+            in_crank = to_crank.reaching(to_crank.reach + far)
+            theta1 = theta1.within((in_line.cosine * inverse).scaled(pace / crank))
+            v1 = v1.within((in_crank.cosine * inverse).scaled(-pace / coupler))
         swing, turn = theta1.squared().scaled(crank), v1.squared().scaled(coupler)
-        theta2 = (in_line[1] + swing * cosine_between + turn) / area.scaled(crank)
-        v2 = -(in_crank[1] + turn * cosine_between + swing) / area.scaled(coupler)
-        mixed = (theta1 * theta2 * cosine_between).scaled(3.0 * crank)
-        mixed += (v1 * v2).scaled(3.0 * coupler)
-        theta3 = (in_line[2] + mixed) / area.scaled(crank) + theta1.squared() * theta1
+        cosine = across.cosine
+        theta2 = swing * cosine + turn
+        v2 = turn * cosine + swing
+        if turns:
+            theta2 += in_line.sine.scaled(-turns * pace)
+            v2 += in_crank.sine.scaled(-turns * pace)
+        theta2, v2 = (theta2 * inverse).scaled(1.0 / crank), (v2 * inverse).scaled(-1.0 / coupler)
+        theta3 = (theta1 * theta2 * cosine).scaled(3.0 * crank) + (v1 * v2).scaled(3.0 * coupler)
+        if turns:
+            theta3 += in_line.cosine.scaled(-pace)
+        theta3 = (theta3 * inverse).scaled(1.0 / crank) + theta1.squared() * theta1
         return theta1, theta2, theta3
 
     @cached_property

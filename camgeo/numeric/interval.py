@@ -5,16 +5,20 @@ Each result is widened by more than its rounding, so that it holds for exact num
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, FloatArray
-from camgeo.units import TURN
+from camgeo.numeric.arrays import FloatArray
 
 WIDENED = 2.0**-50
-"""Fraction of an end by which it is widened: sum, product, sine and cosine are rounded by less."""
+"""Fraction of an end by which it is widened: a sum or product is rounded by less."""
+
+BLUR = 2.0**-48
+"""By how much cosines and sines are widened: those of a difference of angles are rounded by less."""
+
+FARTHEST = 4.0
+"""Reach of an angle [rad] beyond which nothing is known of its cosine and sine."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,21 +48,29 @@ class Interval:
         return Interval(-self.high, -self.low)
 
     def __mul__(self, other: Interval) -> Interval:
-        ends = (self.low, self.high), (other.low, other.high)
         with np.errstate(invalid="ignore", over="ignore"):
-            products = np.stack([one * two for one in ends[0] for two in ends[1]])
-        # 0 times infinity: nothing is known.
-        low, high = np.min(products, axis=0), np.max(products, axis=0)
-        unknown = np.isnan(low)
-        return _widened(np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high))
+            one, two = self.low * other.low, self.low * other.high
+            three, four = self.high * other.low, self.high * other.high
+        low = np.minimum(np.minimum(one, two), np.minimum(three, four))
+        high = np.maximum(np.maximum(one, two), np.maximum(three, four))
+        unknown = np.isnan(low)  # 0 times infinity: nothing is known
+        if np.any(unknown):
+            low, high = np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high)
+        return _widened(low, high)
 
     def __truediv__(self, other: Interval) -> Interval:
         """Infinite where the divisor reaches 0."""
+        return self * other.inverse
+
+    @property
+    def inverse(self) -> Interval:
+        """One divided by the numbers of the ranges; infinite where these reach 0."""
         with np.errstate(divide="ignore"):
-            through = (other.low <= 0.0) & (other.high >= 0.0)
-            low = np.where(through, -np.inf, 1.0 / other.high)
-            high = np.where(through, np.inf, 1.0 / other.low)
-        return self * _widened(low, high)
+            low, high = 1.0 / self.high, 1.0 / self.low
+        through = (self.low <= 0.0) & (self.high >= 0.0)
+        if np.any(through):
+            low, high = np.where(through, -np.inf, low), np.where(through, np.inf, high)
+        return _widened(low, high)
 
     def scaled(self, factor: float) -> Interval:
         """The ranges times a number."""
@@ -76,33 +88,55 @@ class Interval:
         return Interval(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
 
-def about(middle: FloatArray, reach: FloatArray) -> Interval:
-    """The ranges [middle - reach, middle + reach]."""
-    return _widened(middle - reach, middle + reach)
+@dataclass(frozen=True, slots=True, eq=False)
+class Angles:
+    """n ranges of angles about their middles.
+
+    Attributes
+    ----------
+    cosines, sines : (n,) of the middles.
+    reach : (n,) [rad] to both sides, not negative; infinite where nothing is known.
+    """
+
+    cosines: FloatArray
+    sines: FloatArray
+    reach: FloatArray
+
+    def reaching(self, reach: FloatArray) -> Angles:
+        """Ranges about the same middles."""
+        return Angles(self.cosines, self.sines, reach)
+
+    def __sub__(self, other: Angles) -> Angles:
+        return Angles(
+            self.cosines * other.cosines + self.sines * other.sines,
+            self.sines * other.cosines - self.cosines * other.sines,
+            self.reach + other.reach,
+        )
+
+    @property
+    def cosine(self) -> Interval:
+        """The cosines: cos(m + d) = cos m - (1 - cos d) cos m - sin d sin m."""
+        return _swept(self.cosines, self.sines, self.reach)
+
+    @property
+    def sine(self) -> Interval:
+        """The sines: sin(m + d) = sin m - (1 - cos d) sin m + sin d cos m."""
+        return _swept(self.sines, self.cosines, self.reach)
 
 
-def cosine(angles: Interval) -> Interval:
-    """The cosines of ranges of angles [rad]."""
-    known = np.isfinite(angles.low) & np.isfinite(angles.high)
-    low, high = np.where(known, angles.low, 0.0), np.where(known, angles.high, TURN)
-    # The rounding of an angle is not small beside a cosine near 0.
-    blur = WIDENED * (1.0 + np.maximum(np.abs(low), np.abs(high)))
-    low, high = low - blur, high + blur
-    ends = np.cos(low), np.cos(high)
-    least = np.where(_passes(low, high, math.pi), -1.0, np.minimum(*ends))
-    most = np.where(_passes(low, high, 0.0), 1.0, np.maximum(*ends))
-    return Interval(np.maximum(least - WIDENED, -1.0), np.minimum(most + WIDENED, 1.0))
+def about(middles: FloatArray, reach: FloatArray) -> Angles:
+    """The ranges of angles within `reach` (n,) of `middles` (n,) [rad]."""
+    rounding = WIDENED * np.abs(middles)
+    return Angles(np.cos(middles), np.sin(middles), reach + rounding)
 
 
-def sine(angles: Interval) -> Interval:
-    """The sines of ranges of angles [rad]."""
-    quarter = 0.5 * math.pi
-    return cosine(Interval(angles.low - quarter, angles.high - quarter))
-
-
-def _passes(low: FloatArray, high: FloatArray, angle: float) -> BoolArray:
-    passed: BoolArray = np.floor((high - angle) / TURN) >= np.ceil((low - angle) / TURN)
-    return passed
+def _swept(value: FloatArray, slope: FloatArray, reach: FloatArray) -> Interval:
+    """What a cosine or sine of `value` and of `slope` (n,), but for its sign, comes to."""
+    far = np.minimum(reach, FARTHEST)
+    straight, curved = np.abs(slope) * far + BLUR, 0.5 * far * far
+    low = value - straight - curved * np.maximum(value, 0.0)
+    high = value + straight - curved * np.minimum(value, 0.0)
+    return Interval(np.maximum(low, -1.0), np.minimum(high, 1.0))
 
 
 def _widened(low: FloatArray, high: FloatArray) -> Interval:

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from fractions import Fraction
 
 import mpmath
@@ -10,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.interval import Interval, about, cosine, sine
+from camgeo.numeric.interval import Interval, about
 
 numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0.0 or abs(x) > 1e-60)
 """Not so small that a product underflows."""
@@ -52,33 +51,49 @@ def test_results_hold_for_all_exact_numbers_of_the_ranges(
 
 
 @given(
-    low=st.floats(-50.0, 50.0),
-    wide=st.floats(0.0, 8.0),
-    share=shares,
-    pair=st.sampled_from(((cosine, mpmath.cos), (sine, mpmath.sin))),
+    middle=st.floats(-50.0, 50.0),
+    reach=st.one_of(st.floats(0.0, 8.0), st.floats(0.0, 1e-6)),
+    share=st.floats(-1.0, 1.0),
 )
-def test_cosines_and_sines_hold(
-    low: float,
-    wide: float,
-    share: float,
-    pair: tuple[Callable[[Interval], Interval], Callable[[float], mpmath.mpf]],
-) -> None:
-    of_range, exact = pair
-    found = of_range(interval(low, low + wide))
+def test_cosines_and_sines_hold(middle: float, reach: float, share: float) -> None:
+    angles = about(np.array([middle]), np.array([reach]))
     with mpmath.workdps(40):
-        value = exact(mpmath.mpf(min(low + share * wide, low + wide)))
-        assert found.low[0] <= value <= found.high[0]
-    assert found.low[0] >= -1.0
-    assert found.high[0] <= 1.0
+        angle = mpmath.mpf(middle) + mpmath.mpf(share) * mpmath.mpf(reach)
+        for found, exact in ((angles.cosine, mpmath.cos(angle)), (angles.sine, mpmath.sin(angle))):
+            assert found.low[0] <= exact <= found.high[0]
+            assert found.low[0] >= -1.0
+            assert found.high[0] <= 1.0
 
 
-def test_ranges_of_cosines_are_as_narrow_as_they_can_be() -> None:
-    found = cosine(interval(-0.5, 1.0))
-    assert found.high[0] == 1.0
-    assert found.low[0] == pytest.approx(math.cos(1.0), rel=1e-14)
-    found = sine(interval(math.pi, 2.0 * math.pi))
-    assert found.low[0] == -1.0
-    assert found.high[0] == pytest.approx(0.0, abs=1e-14)
+@given(
+    middles=st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)),
+    reaches=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)),
+    shares=st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)),
+)
+def test_differences_of_angles_hold(
+    middles: tuple[float, float], reaches: tuple[float, float], shares: tuple[float, float]
+) -> None:
+    one, other = (
+        about(np.array([middle]), np.array([reach]))
+        for middle, reach in zip(middles, reaches, strict=True)
+    )
+    with mpmath.workdps(40):
+        first, second = (
+            mpmath.mpf(middle) + mpmath.mpf(share) * mpmath.mpf(reach)
+            for middle, reach, share in zip(middles, reaches, shares, strict=True)
+        )
+        found = one - other
+        assert found.cosine.low[0] <= mpmath.cos(first - second) <= found.cosine.high[0]
+        assert found.sine.low[0] <= mpmath.sin(first - second) <= found.sine.high[0]
+
+
+def test_ranges_of_cosines_of_small_ranges_are_narrow() -> None:
+    """To the third power of the reach where the cosine is largest, to the second elsewhere."""
+    found = about(np.array([0.0, 1.0]), np.array([1e-3, 1e-3]))
+    exact = math.cos(1e-3), math.cos(1.0 + 1e-3)
+    assert found.cosine.low == pytest.approx(exact, rel=0.0, abs=1e-6)
+    assert found.cosine.low[0] == pytest.approx(exact[0], rel=0.0, abs=1e-12)
+    assert found.cosine.high[0] == 1.0
 
 
 def test_what_is_not_known_stays_unknown() -> None:
@@ -86,9 +101,9 @@ def test_what_is_not_known_stays_unknown() -> None:
     nothing = interval(0.0, 0.0)
     for found in (unknown * nothing, interval(1.0, 2.0) / interval(-1.0, 1.0)):
         assert np.isinf(found.magnitude[0])
-    found = cosine(unknown)
-    assert (found.low[0], found.high[0]) == (-1.0, 1.0)
-    assert about(np.array([1.0]), np.array([math.inf])).magnitude[0] == math.inf
+    for middle in (0.0, 1.0, 0.5 * math.pi):
+        found = about(np.array([middle]), np.array([math.inf])).cosine
+        assert (found.low[0], found.high[0]) == (-1.0, 1.0)
 
 
 def test_of_two_ranges_the_common_part_remains() -> None:
