@@ -10,7 +10,7 @@ from camgeo._version import __version__
 from camgeo.answers.verify import verify
 from camgeo.cli.command import CallError, add_json, number, settle, show
 from camgeo.cli.streams import notify
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, SceneError, unreadable
 from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
 
 SUMMARY: Final = (
@@ -93,7 +93,11 @@ def _paths(named: list[Path]) -> tuple[Path, ...]:
         if not _is_folder(path):
             paths.append(path)
             continue
-        found = files_in(path)
+        try:
+            found = files_in(path)
+        except OSError as error:
+            fault = Fault("DIR", str(path), f"cannot be read: {unreadable(error)}")
+            raise SceneError([fault]) from error
         if not found:
             message = f"the folder holds no file that ends in {', '.join(endings())}"
             raise SceneError([Fault("DIR", str(path), message)])

@@ -79,7 +79,8 @@ def write_set(
     except (OSError, ValueError) as error:
         if isinstance(error, OutputError):
             raise
-        place = Path(getattr(error, "filename", None) or folder).name
+        name = Path(getattr(error, "filename", None) or folder).name
+        place = name if name in files else "into it"
         outcome = "nothing was written"
         if interrupted(folder):
             outcome = "what was there before is put back by the next camgeo build or verify there"

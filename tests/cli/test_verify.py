@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import shutil
@@ -30,6 +31,19 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def folder(source: Path, tmp_path: Path) -> Path:
     """A copy of it that a test may change."""
     return Path(shutil.copytree(source, tmp_path / "parts"))
+
+
+def test_a_folder_that_cannot_be_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For root there is no such folder."""
+
+    def refused(_: Path) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", refused)
+    assert main(["verify", str(tmp_path)]) == 2
+    assert f"DIR = {tmp_path}: cannot be read: Permission denied" in capsys.readouterr().err
 
 
 def test_verdict_and_certificate(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
