@@ -53,8 +53,8 @@ def say(text: str) -> None:
 
 def notify(message: str) -> None:
     """Print a line for the person at the terminal, on standard error."""
-    clear()
     with suppress(OSError):  # no one is there, and there is nowhere else to say so
+        clear()
         print(printable(message), file=sys.stderr, flush=True)
 
 

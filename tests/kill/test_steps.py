@@ -7,8 +7,6 @@ import os
 import random
 import shutil
 import signal
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -150,12 +148,3 @@ def test_full_disk(old: Files, folder: Path) -> None:
         with full_after(room), pytest.raises(OutputError, match="No space left on device; nothing"):
             write_set(folder, WRITTEN, force=True)
         assert is_whole(folder, old)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
-def test_killed_at_random() -> None:
-    """Signals sent to processes, two builds at once, and `camgeo build` and `verify`."""
-    seed = str(random.SystemRandom().randrange(10**6))
-    command = [sys.executable, "-m", "tests.kill", "--count", "20", "--seed", seed]
-    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
-    assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
