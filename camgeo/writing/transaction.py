@@ -70,12 +70,13 @@ def write_set(
     """
     made = _make_folder(folder)
     try:
+        for created in made:
+            with suppress(OSError):  # it may be a folder that cannot be read
+                _sync(created.parent)
         with _locked(folder, progress):
             _restore(folder)
             _refuse_overwriting(folder, files, force=force)
             _replace(folder, files)
-        for created in made:
-            _sync(created.parent)
     except (OSError, ValueError) as error:
         if isinstance(error, OutputError):
             raise
@@ -218,7 +219,8 @@ def _replace(folder: Path, files: Mapping[str, bytes]) -> None:
     try:
         _stage(folder, files)
         _move_into_place(folder, tuple(files))
-        shutil.rmtree(folder / STAGING, ignore_errors=True)  # what stays, the next run removes
+        with suppress(OSError):  # what stays, the next run removes
+            _clear(folder / STAGING)
     except BaseException:
         _restore(folder)
         raise
@@ -239,6 +241,7 @@ def _stage(folder: Path, files: Mapping[str, bytes]) -> None:
     _write_durably(staging / "names", json.dumps(list(files)).encode())
     (staging / "names").replace(staging / JOURNAL)
     _sync(staging)
+    _sync(folder)
 
 
 def _move_into_place(folder: Path, names: tuple[str, ...]) -> None:
@@ -279,8 +282,17 @@ def _restore(folder: Path) -> str:
         _sync(folder)
         (staging / JOURNAL).unlink()
         said = "a run was interrupted here; the files from before it have been put back"
-    shutil.rmtree(staging)
+    _clear(staging)
     return said
+
+
+def _clear(staging: Path) -> None:
+    """Remove the staging folder; `shutil.rmtree` may close a file twice if a signal comes."""
+    for place in (staging / NEW, staging / OLD, staging):
+        if place.is_dir() and not place.is_symlink():
+            for path in place.iterdir():
+                path.unlink()
+            place.rmdir()
 
 
 def _names(journal: Path) -> list[str]:

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
@@ -59,6 +60,8 @@ def forked(work: Callable[[], object]) -> int:
         code = 0
     except Stopped as stop:
         code = STOPPED + stop.number
+    except Exception:  # the parent sees the exit code alone
+        traceback.print_exc()
     finally:
         os._exit(code)
 

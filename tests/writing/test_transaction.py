@@ -161,6 +161,22 @@ def test_names_that_are_too_long(length: int, tmp_path: Path) -> None:
     assert not any(tmp_path.iterdir())
 
 
+def test_a_parent_that_cannot_be_synchronised(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As one that may be written but not read."""
+    original = transaction._sync
+
+    def refused(path: Path) -> None:
+        if path == tmp_path:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        original(path)
+
+    monkeypatch.setattr(transaction, "_sync", refused)
+    write_set(tmp_path / "out", FILES, force=False)
+    assert _everything(tmp_path / "out") == FILES
+
+
 # -- one at a time ---------------------------------------------------------------------------------
 
 
