@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from camgeo.units import LiftUnit
+from camgeo.units import TURN, LiftUnit
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
@@ -40,7 +40,7 @@ class Finding:
     value : what was found, in `unit`; None if the check has no number.
     limit : what it is compared with, in `unit`; None if there is none.
     unit : "deg", "mm", "" ...
-    cam_angle : where, [rad] in [0, 2 pi); None for the whole turn.
+    cam_angle : where, [rad], given in any turn, kept in [0, 2 pi); None for the whole turn.
     cam_range : start and end [rad] of the range over which the limit is broken, the end below the
         start if it passes cam angle 0; None where a single angle says it.
     """
@@ -53,6 +53,12 @@ class Finding:
     unit: str = ""
     cam_angle: float | None = None
     cam_range: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if self.cam_angle is not None:
+            angle = self.cam_angle % TURN
+            # The remainder of a negative angle can round up to the whole turn.
+            object.__setattr__(self, "cam_angle", angle if angle < TURN else 0.0)
 
 
 def held(

@@ -23,7 +23,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.outline.cusps import undercut_ranges
-from camgeo.units import RPM, LiftUnit
+from camgeo.units import RPM, TURN, LiftUnit
 from tests.laws import LAWS
 from tests.reference import (
     hard_case,
@@ -198,3 +198,18 @@ def test_what_is_no_mechanism() -> None:
     assert (finding.name, finding.severity) == ("roller-over-axis", "invalid")
     assert check_follower(over, runs_on_inner=False) == (), "inside a ring it may reach over"
     assert check_follower(TranslatingRoller(50.0, 8.0, 49.9), runs_on_inner=True) == ()
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        (0.0, 0.0),
+        (TURN, 0.0),
+        (-1e-20, 0.0),
+        (-1.0, TURN - 1.0),
+        (1.5 * TURN, 0.5 * TURN),
+        (math.nextafter(TURN, 0.0), math.nextafter(TURN, 0.0)),
+    ],
+)
+def test_places_lie_within_a_turn(given: float, kept: float) -> None:
+    assert Finding("any", "ok", "somewhere", cam_angle=given).cam_angle == kept
