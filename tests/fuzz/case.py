@@ -1,0 +1,141 @@
+"""A case: files in an empty folder, and what camgeo is called with there; kept as TOML or JSON."""
+
+from __future__ import annotations
+
+import base64
+import json
+import tomllib
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+CORPUS: Final = Path(__file__).with_name("corpus")
+
+SCENE: Final = "scene.toml"
+"""Name of the scene of a case."""
+
+PYTHON: Final = "python"
+"""First word of a step that asks camgeo from Python: all findings and effects of a scene."""
+
+OPEN: Final = "open: "
+"""Beginning of the reason of a case that still fails."""
+
+SCENE_STEPS: Final = (
+    (PYTHON, SCENE),
+    ("check", SCENE),
+    ("build", SCENE, "-o", "out"),
+    ("verify", "out"),
+)
+"""What is asked of a scene that is kept as TOML."""
+
+Step = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Files by their names, and the calls in their order: words of the command line.
+
+    `source` says how it was drawn, or in the corpus why it is kept.
+    """
+
+    files: dict[str, bytes]
+    steps: tuple[Step, ...]
+    source: str = ""
+
+    @property
+    def text(self) -> str:
+        """All that camgeo is given, in lower case: what it may repeat in messages."""
+        words = [word for step in self.steps for word in step]
+        texts = [data.decode("utf-8", "replace") for data in self.files.values()]
+        return "\n".join((*words, *texts)).lower()
+
+    @property
+    def values(self) -> dict[str, Any] | None:
+        """The tree of the scene; None if it is no TOML."""
+        try:
+            return tomllib.loads(self.files[SCENE].decode())
+        except (KeyError, ValueError, RecursionError):
+            return None
+
+    def with_file(self, name: str, data: bytes) -> Case:
+        """The case with another content of a file."""
+        return replace(self, files={**self.files, name: data})
+
+    def with_values(self, values: dict[str, Any]) -> Case:
+        """The case with another scene."""
+        return self.with_file(SCENE, toml(values).encode())
+
+
+def toml(values: dict[str, Any], path: str = "") -> str:
+    """A tree as TOML, tables and lists of tables under headings."""
+    inline = {key: value for key, value in values.items() if not _headed(value)}
+    lines = [f"{_key(key)} = {_inline(value)}" for key, value in inline.items()]
+    for key, value in values.items():
+        name = f"{path}.{_key(key)}" if path else _key(key)
+        if isinstance(value, dict):
+            lines += ["", f"[{name}]", toml(value, name).rstrip()]
+        elif key not in inline:
+            for each in value:
+                lines += ["", f"[[{name}]]", toml(each, name).rstrip()]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _headed(value: Any) -> bool:
+    listed = isinstance(value, list) and value and all(isinstance(each, dict) for each in value)
+    return isinstance(value, dict) or bool(listed)
+
+
+def _key(key: str) -> str:
+    bare = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
+    return key if bare else json.dumps(key)
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_inline, value)) + "]"
+    if isinstance(value, str | bool):
+        return json.dumps(value).replace("\x7f", "\\u007f")
+    return str(value)  # numbers, dates; 1e+300, nan and inf are as TOML has them
+
+
+# In files -----------------------------------------------------------------------------------------
+
+
+def store(case: Case, stem: Path) -> Path:
+    """Write a case under `stem`: as TOML what is a scene alone, else as JSON; give its path."""
+    text = _text(case.files.get(SCENE, b""))
+    if set(case.files) == {SCENE} and case.steps == SCENE_STEPS and isinstance(text, str):
+        path = stem.with_suffix(".toml")
+        path.write_text(f"# {case.source}\n\n{text}", "utf-8")
+        return path
+    path = stem.with_suffix(".json")
+    document = {
+        "reason": case.source,
+        "steps": [list(step) for step in case.steps],
+        "files": {name: _text(data) for name, data in case.files.items()},
+    }
+    path.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    return path
+
+
+def restore(path: Path) -> Case:
+    """The case in a file of the corpus."""
+    text = path.read_text("utf-8")
+    if path.suffix == ".toml":
+        reason = text.splitlines()[0].removeprefix("# ")
+        return Case({SCENE: text.encode()}, SCENE_STEPS, reason)
+    document = json.loads(text)
+    files = {
+        name: data.encode() if isinstance(data, str) else base64.b64decode(data["base64"])
+        for name, data in document["files"].items()
+    }
+    return Case(files, tuple(map(tuple, document["steps"])), document["reason"])
+
+
+def _text(data: bytes) -> str | dict[str, str]:
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        return {"base64": base64.b64encode(data).decode()}

@@ -1,0 +1,295 @@
+"""What must hold for every case, whatever it is; see docs/robustness.md."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import math
+import os
+import re
+import resource
+import signal
+import time
+import traceback
+import zipfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
+
+import numpy as np
+from jsonschema_rs import Draft202012Validator
+
+from camgeo.answers.render import schema_of
+from camgeo.cli.main import CRASHED, TRACEBACK, main
+from camgeo.design import Design
+from camgeo.errors import CamgeoError, SceneError
+from camgeo.scene.load import load_scene
+from tests.effects.test_random_scenes import assert_findings, assert_well_formed
+from tests.fuzz.case import PYTHON, Case, Step
+from tests.fuzz.lines import commands
+
+DOCUMENTED: Final = (0, 1, 2)
+"""Exit codes of the command line."""
+
+MOST_CPU: Final = 10.0
+"""Seconds of a command."""
+
+LONG: Final = {"accuracy": 60.0, "stability": 60.0}
+"""Seconds of those that compute many designs."""
+
+MOST_WALL: Final = 200.0
+"""Seconds of a step on a busy machine, also of one that sleeps."""
+
+NOT_FINITE: Final = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity)(?![\w.]*\w)", re.IGNORECASE)
+
+TEXTS: Final = frozenset((".dxf", ".ngc", ".csv", ".json", ".svg", ".toml", ".asc"))
+
+FACET: Final = np.dtype([("numbers", "<f4", 12), ("rest", "<u2")])
+
+
+class Hang(BaseException):
+    """A step takes too long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """What did not hold: `signature` is equal for failures of one cause, as far as can be told."""
+
+    signature: str
+    step: Step
+    detail: str
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What a case did: failures, whether it came to its end, and how far."""
+
+    failures: list[Failure] = field(default_factory=list)
+    done: bool = False
+    accepted: bool = False
+    built: bool = False
+    verified: bool = False
+    cpu: float = 0.0
+    slowest: float = 0.0
+    slowest_step: Step = ()
+
+
+class Broken(Exception):
+    """An invariant does not hold: a short name of it, and details."""
+
+
+def run(case: Case) -> Outcome:
+    """Run the steps of a case in the current folder, which is empty, and check what they do."""
+    outcome = Outcome()
+    for name, data in case.files.items():
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_bytes(data)
+    for step in case.steps:
+        if step == ("verify", "out") and not Path("out").exists():
+            continue
+        before = time.process_time()
+        failure = _failure(step, partial(_check, step, case, outcome))
+        spent = time.process_time() - before
+        outcome.cpu += spent
+        if spent > outcome.slowest:
+            outcome.slowest, outcome.slowest_step = spent, step
+        if failure:
+            outcome.failures.append(failure)
+    failure = _failure(("files",), lambda: _check_files(case))
+    if failure:
+        outcome.failures.append(failure)
+    outcome.done = True
+    return outcome
+
+
+def _failure(step: Step, check: Callable[[], None]) -> Failure | None:
+    try:
+        check()
+        return None
+    except Broken as broken:
+        kind, detail = broken.args
+    except Hang:
+        kind, detail = "hang", traceback.format_exc()
+    except Exception as error:
+        detail = traceback.format_exc()
+        kind = f"{type(error).__name__} at {_place(detail)}"
+    signature = kind if " at " in kind else f"{kind} in {step[0] if step else ''}"
+    return Failure(signature, step, _shortened(detail))
+
+
+def _shortened(trace: str) -> str:
+    """The last lines of a traceback or an output."""
+    return "\n".join(trace.splitlines()[-24:])
+
+
+def _place(trace: str) -> str:
+    """The last function of camgeo, or else any, that a traceback goes through."""
+    frames = re.findall(r'File "(.*)", line \d+, in (\S+)', trace)
+    ours = [each for each in frames if re.search(r"\bcamgeo(_export)?/", each[0])]
+    name, function = (ours or frames)[-1]
+    return f"{'/'.join(Path(name).parts[-2:])}:{function}"
+
+
+@contextlib.contextmanager
+def limited(name: str) -> Iterator[None]:
+    """Raise `Hang` inside after the CPU that the command `name` may take, or MOST_WALL of time.
+
+    A process in code that hears no signal is ended soon after.
+    """
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise Hang
+
+    most = LONG.get(name, MOST_CPU)
+    used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+    limits = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(used + 2.0 * most) + 1, limits[1]))
+    handlers = [(each, signal.signal(each, stop)) for each in (signal.SIGPROF, signal.SIGALRM)]
+    signal.setitimer(signal.ITIMER_PROF, most)
+    signal.setitimer(signal.ITIMER_REAL, MOST_WALL)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        resource.setrlimit(resource.RLIMIT_CPU, limits)
+        for each, handler in handlers:
+            signal.signal(each, handler)
+
+
+# Steps --------------------------------------------------------------------------------------------
+
+
+def _check(step: Step, case: Case, outcome: Outcome) -> None:
+    """One step; of a command that also answers in JSON both forms."""
+    if step[:1] == (PYTHON,):
+        with limited(PYTHON):
+            _check_python(step[1], outcome)
+        return
+    code, out, err = call(step)
+    if code == CRASHED:
+        error = re.findall(r"internal error \((\w+)", err)
+        raise Broken(f"{error[-1]} at {_place(err)}", err)
+    if code not in DOCUMENTED:
+        raise Broken(f"exit code {code}", err)
+    if "Traceback (most" in err or "Warning:" in err:
+        raise Broken("traceback", err)
+    _require_finite(case, f"text of {step[0]}", out + err)
+    parser = commands().get(step[0]) if step else None
+    if parser is not None and "--json" not in step and "--json" in parser._option_string_actions:
+        _check_json((step[0], "--json", *step[1:]), case, code)
+    elif "--json" in step and "--help" not in step and out:
+        _parsed(out)
+    if step[0] == "build" and code < 2 and Path("out/certificate.json").exists():
+        outcome.built = True
+    if step == ("verify", "out") and outcome.built:
+        outcome.verified = True
+        if code != 0:
+            raise Broken("built files do not verify", out + err)
+
+
+def _check_python(name: str, outcome: Outcome) -> None:
+    """All findings and effects of a scene, by the functions of the package."""
+    try:
+        design = Design(load_scene(name))
+    except SceneError:
+        return
+    outcome.accepted = True
+    try:
+        findings = design.findings
+    except CamgeoError:
+        return
+    names = [each.name.removeprefix("return: ") for each in findings]
+    assert_findings(
+        "geometry",
+        tuple(replace(each, name=name) for each, name in zip(findings, names, strict=True)),
+    )
+    assert_well_formed(design)
+
+
+def _check_json(step: Step, case: Case, code: int) -> None:
+    json_code, out, err = call(step)
+    if json_code != code:
+        raise Broken(f"exit code {code}, with --json {json_code}", out + err)
+    _require_finite(case, f"JSON of {step[0]}", out + err)
+    if not out and code < 2:
+        raise Broken("no JSON", err)
+    if out and "--table" not in step:
+        document = _parsed(out)
+        name = document["schema"].removeprefix("camgeo/")
+        fault = next(iter(_validator(name).iter_errors(document)), None)
+        if fault:
+            raise Broken("JSON against its schema", str(fault))
+
+
+@cache
+def _validator(name: str) -> Draft202012Validator:
+    return Draft202012Validator(schema_of(f"camgeo.answers.{name.replace('-', '_')}"))
+
+
+def call(words: Step) -> tuple[int, str, str]:
+    """Exit code, output and messages of a command line; exceptions that it lets through."""
+    out, err = (
+        io.TextIOWrapper(io.BytesIO(), "utf-8", errors) for errors in ("strict", "backslashreplace")
+    )
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            with limited(words[0] if words else ""):
+                code = main([*words, TRACEBACK])
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    texts = []
+    for stream in (out, err):
+        stream.flush()
+        texts.append(stream.buffer.getvalue().decode())
+    return code, texts[0], texts[1]
+
+
+# What is not finite -------------------------------------------------------------------------------
+
+
+def _require_finite(case: Case, what: str, text: str) -> None:
+    """That no number is infinite or none, but for words that the case itself brings in."""
+    given = {each.group().lstrip("+-") for each in NOT_FINITE.finditer(case.text)}
+    for found in NOT_FINITE.finditer(text):
+        if found.group().lower().lstrip("+-") not in given:
+            near = text[max(found.start() - 300, 0) : found.end() + 100]
+            raise Broken(f"not finite: {what}", near)
+
+
+def _refuse(constant: str) -> float:
+    raise Broken("not finite: JSON", constant)
+
+
+def _parsed(text: str) -> Any:
+    return json.loads(text, parse_constant=_refuse)
+
+
+def _check_files(case: Case) -> None:
+    """That all files written are finite, and nothing else is left."""
+    for folder, names, files in os.walk("."):
+        for name in (*names, *files):
+            if name.startswith("."):
+                raise Broken("left behind", f"{folder}/{name}")
+        for path in (Path(folder, name) for name in files):
+            given = case.files.get(path.as_posix())
+            data = path.read_bytes()
+            if data != given:
+                _check_file(case, path, data)
+
+
+def _check_file(case: Case, path: Path, data: bytes) -> None:
+    if path.suffix == ".stl" and not np.isfinite(np.frombuffer(data[84:], FACET)["numbers"]).all():
+        raise Broken("not finite: STL", str(path))
+    if path.suffix == ".3mf":
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            for name in archive.namelist():
+                _require_finite(case, path.suffix, archive.read(name).decode())
+    if path.suffix in TEXTS:
+        _require_finite(case, path.suffix, data.decode())
+    if path.suffix == ".json":
+        _parsed(data.decode())

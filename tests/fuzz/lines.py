@@ -1,0 +1,119 @@
+"""Command lines: every command with its own options, as its parser declares them."""
+
+from __future__ import annotations
+
+import argparse
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Final
+
+from camgeo.cli.main import COMMANDS, parser
+from camgeo.figure import plots
+from camgeo.formats.registry import FORMATS
+from camgeo.motion.laws import FAMILIES
+from tests.fuzz.case import SCENE, Case, Step
+from tests.fuzz.drawn import WORDS
+from tests.fuzz.files import outputs
+from tests.fuzz.scenes import FIXTURES, fixtures
+
+NUMBERS: Final = ("0", "1", "2", "5", "10", "30", "45", "60", "90", "0.5", "0.1", "100", "360")
+
+BROKEN: Final = (
+    *("-1", "-0", "1e-300", "1e308", "1e999", "5e-324", "nan", "inf", "-inf", "NaN", "0x10", "1,5"),
+    *(" 1", "1_0", "٣", "1e-7", "1" * 400, "1e99999999999", "--", "-", "/", ".", *WORDS),
+)
+
+NAMES: Final = ("CUT", "0", "polynomial-345", "laws", "cams", "outlines", *FAMILIES, *plots.names())
+
+BY_METAVAR: Final = {
+    "SCENE": (SCENE,),
+    "FILE": ("o.svg", "o.png", "o.csv", "o.toml", "o.json", "o.pdf", "sub/o.svg", "o"),
+    "DIR": ("out", ".", "a/b/c"),
+    "FORMATS": (
+        "dxf",
+        "dxf,csv",
+        "svg",
+        "gcode",
+        "asc,dxf",
+        "dxf,dxf",
+        ",",
+        "stl",
+        ",".join(FORMATS),
+    ),
+    "FILE|DIR": ("out", "out/cam.dxf", "out/certificate.json", "."),
+    "CONTOUR": ("out/cam.dxf", "out/cam.csv"),
+    "PROJECT": ("project.ocv",),
+    "WHAT": tuple(plots.names()),
+    "COMMAND": ("check", "build", "table"),
+    "NAME": NAMES,
+}
+
+
+@cache
+def commands() -> dict[str, argparse.ArgumentParser]:
+    """The parsers of all commands."""
+    actions = parser()._actions
+    (found,) = (each for each in actions if isinstance(each, argparse._SubParsersAction))
+    return dict(found.choices)
+
+
+def line_case(rng: Random) -> Case:
+    """Two command lines in a folder with a scene, its files and a project."""
+    path = rng.choice(fixtures())
+    files = {SCENE: path.read_bytes()}
+    files |= {each.name: each.read_bytes() for each in path.parent.glob("*.csv")}
+    files |= {
+        f"out/{name}": data for name, data in outputs("setzhub").items() if rng.random() < 0.5
+    }
+    files["project.ocv"] = rng.choice(tuple(ocv_projects())).read_bytes()
+    return Case(files, (line(rng), line(rng)), f"command lines, {path.stem}")
+
+
+@cache
+def ocv_projects() -> tuple[Path, ...]:
+    """Projects of the reference program."""
+    return tuple(sorted((FIXTURES / "reference" / "ocv").glob("*.ocv")))
+
+
+def line(rng: Random) -> Step:
+    """A command with some of its options, in 7 of 10 all with values that they may take."""
+    broken = rng.random() < 0.3
+    command = rng.choice(COMMANDS)
+    if broken and rng.random() < 0.05:
+        command = rng.choice((*WORDS, "chek", "--version", "--help", "crank-slide"))
+    words = [command]
+    if command not in commands():
+        return tuple(words)
+    for action in commands()[command]._actions:
+        chance = 0.9 if not action.option_strings or action.required else 0.15
+        if isinstance(action, argparse._HelpAction):
+            chance = 0.01
+        if command == "slotted-lever" and action.dest == "crank" and "--swing" in words:
+            chance = 0.0
+        if rng.random() < chance:
+            words += action.option_strings[:1] if rng.random() < 0.9 else action.option_strings[-1:]
+            words += values(rng, action, broken=broken)
+    if broken and rng.random() < 0.2:
+        words.insert(rng.randint(0, len(words)), rng.choice(BROKEN))
+    if command == "accuracy" and "--tolerances" not in words:  # the default ones take a minute
+        words += ["--tolerances", rng.choice(("1e-1,1e-2", "1e-3", "0.5"))]
+    if command == "stability" and "--only" not in words:  # all of it takes a minute
+        words += ["--only", rng.choice(("setzhub", "laws", "slotted-levers")), "--quick"]
+    return tuple(words)
+
+
+def values(rng: Random, action: argparse.Action, *, broken: bool) -> list[str]:
+    """Values for an option or an argument."""
+    metavar = action.metavar[0] if isinstance(action.metavar, tuple) else action.metavar
+    usual = tuple(map(str, action.choices or ())) or BY_METAVAR.get(metavar or "", NUMBERS)
+    match action.nargs:
+        case 0:
+            count = 0
+        case int():
+            count = action.nargs
+        case "+" | "*":
+            count = rng.randint(1, 3)
+        case _:
+            count = 1
+    return [rng.choice(BROKEN if broken and rng.random() < 0.4 else usual) for _ in range(count)]

@@ -1,0 +1,133 @@
+"""Smaller cases that fail in the same way."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from tests.fuzz.case import SCENE, Case
+from tests.fuzz.drawn import set_span, span_of
+
+Fails = Callable[[Case], bool]
+
+
+def minimised(case: Case, fails: Fails, seconds: float = 60.0) -> Case:
+    """The smallest case found within that time by leaving out steps, files, keys and lines."""
+    end = time.monotonic() + seconds
+    changed = True
+    while changed:
+        changed = False
+        for smaller in candidates(case):
+            if time.monotonic() > end:
+                return case
+            if _size(smaller) < _size(case) and fails(smaller):
+                case, changed = smaller, True
+                break
+    return case
+
+
+def _size(case: Case) -> tuple[int, int]:
+    return sum(map(len, case.steps)), sum(
+        len(name) + len(data) for name, data in case.files.items()
+    )
+
+
+def candidates(case: Case) -> Iterator[Case]:
+    """Cases with one thing less, the largest things first."""
+    for k in range(len(case.steps)):
+        if len(case.steps) > 1:
+            yield replace(case, steps=case.steps[:k] + case.steps[k + 1 :])
+    for name in case.files:
+        yield replace(case, files={key: data for key, data in case.files.items() if key != name})
+    values = case.values
+    if values is not None:
+        yield from (case.with_values(each) for each in smaller_scenes(values))
+    for name, data in case.files.items():
+        if name != SCENE or values is None:
+            yield from (case.with_file(name, each) for each in shorter(data))
+    for k, step in enumerate(case.steps):
+        for word in range(1, len(step)):
+            less = step[:word] + step[word + 1 :]
+            yield replace(case, steps=(*case.steps[:k], less, *case.steps[k + 1 :]))
+
+
+def smaller_scenes(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Scenes without one key or segment, or with a shorter number."""
+    motion = values.get("motion")
+    if isinstance(motion, list):
+        for k in range(len(motion)):
+            yield from _without_segment(values, k)
+    paths = sorted(_paths(values), key=len)
+    for path in paths:
+        yield _changed(values, path, None)
+    for path in paths:
+        number = _at(values, path)
+        if isinstance(number, float):
+            for digits in (1, 2, 3, 6):
+                yield _changed(values, path, float(f"{number:.{digits}g}"))
+
+
+def _without_segment(values: dict[str, Any], k: int) -> Iterator[dict[str, Any]]:
+    """Without a segment, whose span the one before or after it takes over, or none."""
+    for other in (k - 1, k + 1, None):
+        found = copy.deepcopy(values)
+        motion = found["motion"]
+        if other is not None:
+            if not 0 <= other < len(motion):
+                continue
+            if not all(isinstance(motion[i], dict) for i in (k, other)):
+                continue
+            spans = span_of(motion[k]), span_of(motion[other])
+            if spans[0] is None or spans[1] is None:
+                continue
+            set_span(motion[other], round(spans[0] + spans[1], 9))
+        del motion[k]
+        yield found
+
+
+Path = tuple[str | int, ...]
+
+
+def _paths(value: Any, path: Path = ()) -> Iterator[Path]:
+    """Paths of all keys of tables, also in lists."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield (*path, key)
+            yield from _paths(inner, (*path, key))
+    elif isinstance(value, list):
+        for k, inner in enumerate(value):
+            yield from _paths(inner, (*path, k))
+
+
+def _at(values: Any, path: Path) -> Any:
+    for step in path:
+        values = values[step]
+    return values
+
+
+def _changed(values: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
+    """A copy with another value at a path; None takes the key away."""
+    found = copy.deepcopy(values)
+    inside = _at(found, path[:-1])
+    if value is None:
+        del inside[path[-1]]
+    else:
+        inside[path[-1]] = value
+    return found
+
+
+def shorter(data: bytes) -> Iterator[bytes]:
+    """Without a half, a quarter, ... of the lines, or of the bytes where there are few lines."""
+    parts = data.splitlines(keepends=True)
+    if len(parts) < 2:
+        parts = [data[k : k + 1] for k in range(len(data))]
+    size = len(parts)
+    while size > max(len(parts) // 64, 0):
+        for start in range(0, len(parts), size):
+            yield b"".join(parts[:start] + parts[start + size :])
+        size //= 2
+        if size == 0:
+            return

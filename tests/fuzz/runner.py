@@ -1,0 +1,125 @@
+"""Draws cases, runs them and reports: each failure once, with its seed and its smallest case."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from tests.fuzz.case import CORPUS, OPEN, Case, restore, store
+from tests.fuzz.invariants import Failure, Outcome
+from tests.fuzz.minimise import minimised
+from tests.fuzz.worker import Worker
+
+
+@dataclass
+class Report:
+    """Counts of a run, and its failures."""
+
+    seed: int
+    cases: Counter[str] = field(default_factory=Counter)
+    accepted: int = 0
+    builds: int = 0
+    built: int = 0
+    verified: int = 0
+    cpu: float = 0.0
+    slowest: tuple[float, int, tuple[str, ...]] = (0.0, -1, ())
+    found: dict[str, list[int]] = field(default_factory=dict)
+    messages: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The counts, a line each."""
+        scenes = max(self.cases["scenes"], 1)
+        counts = ", ".join(f"{count} {kind}" for kind, count in self.cases.items())
+        seconds, number, step = self.slowest
+        lines = [
+            f"seed {self.seed}: {self.cases.total()} cases ({counts}) in {self.cpu:.0f} s of CPU",
+            f"{100 * self.accepted / scenes:.0f}% of the scenes were accepted",
+            f"{self.built} of {self.builds} builds wrote files; {self.verified} were verified",
+            f"slowest step {seconds:.1f} s: case {number}, {' '.join(step)[:100]}",
+        ]
+        for signature, cases in self.found.items():
+            lines.append(f"{len(cases)} x {signature}: cases {', '.join(map(str, cases[:8]))}")
+        return "\n".join(lines)
+
+
+def known_failures() -> set[str]:
+    """Signatures of the failures in the corpus that are still open."""
+    reasons = (restore(path).source for path in sorted(CORPUS.iterdir()))
+    return {each.removeprefix(OPEN).split(" -- ")[0] for each in reasons if each.startswith(OPEN)}
+
+
+def fuzz(
+    seed: int,
+    *,
+    seconds: float,
+    kind: str | None = None,
+    first: int = 0,
+    count: int | None = None,
+    minimise: float = 60.0,
+    keep: Path | None = None,
+    by_cpu: bool = False,
+) -> Report:
+    """Run cases until `seconds` are over (of the cases' CPU, if `by_cpu`) or `count` are done.
+
+    The smallest case of each new failure goes into the folder `keep`, found within `minimise`
+    seconds.
+    """
+    report, worker, known = Report(seed), Worker(), known_failures()
+    began, number = time.monotonic(), first
+    try:
+        while (report.cpu if by_cpu else time.monotonic() - began) < seconds:
+            if count is not None and number >= first + count:
+                break
+            chosen, case, outcome = worker.draw(seed, number, kind)
+            _count(report, chosen, number, case, outcome)
+            for failure in outcome.failures:
+                if failure.signature in known:
+                    continue
+                cases = report.found.setdefault(failure.signature, [])
+                cases.append(number)
+                if len(cases) == 1:
+                    report.messages.append(
+                        _explained(worker, case, failure, report, minimise, keep)
+                    )
+            number += 1
+    finally:
+        worker.close()
+    return report
+
+
+def _count(report: Report, kind: str, number: int, case: Case, outcome: Outcome) -> None:
+    report.cases[kind] += 1
+    report.cpu += outcome.cpu
+    if outcome.slowest > report.slowest[0]:
+        report.slowest = (outcome.slowest, number, outcome.slowest_step)
+    if kind == "scenes":
+        report.accepted += outcome.accepted
+        report.builds += any(step[0] == "build" for step in case.steps)
+        report.built += outcome.built
+        report.verified += outcome.verified
+
+
+def _explained(
+    worker: Worker, case: Case, failure: Failure, report: Report, seconds: float, keep: Path | None
+) -> str:
+    """What failed, how to repeat it, and the smallest case."""
+    number = report.found[failure.signature][0]
+
+    def fails(smaller: Case) -> bool:
+        found = worker.run(smaller).failures
+        return any(each.signature == failure.signature for each in found)
+
+    smallest = minimised(case, fails, seconds)
+    repeat = f"python -m tests.fuzz --seed {report.seed} --case {number}"
+    lines = [f"FAILED: {failure.signature}", f"repeat with: {repeat}", failure.detail.rstrip()]
+    lines += [f"call: {' '.join(step)}" for step in smallest.steps]
+    if keep is not None:
+        stem = re.sub(r"[^a-z0-9]+", "_", failure.signature.lower()).strip("_")[:80]
+        smallest = replace(smallest, source=f"{OPEN}{failure.signature} -- {repeat}")
+        keep.mkdir(parents=True, exist_ok=True)
+        lines.append(f"kept in {store(smallest, keep / stem)}")
+    return "\n".join(lines)

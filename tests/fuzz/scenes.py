@@ -1,0 +1,243 @@
+"""Scenes: of the fixtures and templates, with effects, or made up, then changed here and there."""
+
+from __future__ import annotations
+
+import copy
+import math
+import tomllib
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Any, Final
+
+from camgeo.answers.explain import GOALS
+from camgeo.errors import SceneError
+from camgeo.figure import plots
+from camgeo.formats.registry import FORMATS
+from camgeo.mechanism.declared.registry import FOLLOWERS
+from camgeo.motion.laws import FAMILIES
+from camgeo.scene.load import parse_scene
+from camgeo.scene.new import KINDS, template
+from tests.effects.test_random_scenes import scene_of
+from tests.end_to_end.random_mechanisms import drawn
+from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
+from tests.fuzz.drawn import WHOLE, edit, table
+
+FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
+
+FOLDERS: Final = ("scenes", "effects", "refused", "found")
+
+
+@cache
+def fixtures() -> tuple[Path, ...]:
+    """All scenes of the fixtures."""
+    return tuple(path for name in FOLDERS for path in sorted((FIXTURES / name).glob("*.toml")))
+
+
+def scene_case(rng: Random) -> Case:
+    """A scene, and some of the commands that take one."""
+    values, files, source = scene(rng)
+    steps: list[Step] = [(PYTHON, SCENE), ("check", SCENE)]
+    if rng.random() < 0.6:
+        steps.append(("build", SCENE, "-o", "out"))
+        if rng.random() < 0.5:
+            steps.append(("verify", "out"))
+    if rng.random() < 0.5:
+        steps.append(rng.choice(_others(rng)))
+    return Case({**files, SCENE: toml(values).encode()}, tuple(steps), source)
+
+
+def _others(rng: Random) -> list[Step]:
+    return [
+        ("size", SCENE),
+        ("size", SCENE, "--scene", "sized.toml"),
+        ("plot", SCENE, rng.choice(plots.names()), "-o", "picture.svg"),
+        ("table", SCENE, "--step", rng.choice(("1", "0.5", "7", "90"))),
+        ("explain", SCENE, rng.choice(tuple(GOALS))),
+        ("accuracy", SCENE, "--tolerances", rng.choice(("1e-1", "1e-2,1e-3"))),
+        ("replay", SCENE, "--step", "1"),
+    ]
+
+
+def scene(rng: Random) -> tuple[dict[str, Any], dict[str, bytes], str]:
+    """The values of a scene, the files that it names, and how it was made.
+
+    In four of five scenes a change that the door refuses is mostly drawn again.
+    """
+    values, folder, source = start(rng)
+    wild = rng.random() < 0.2
+    if rng.random() < 0.4 and isinstance(values.get("limits", {}), dict):
+        values["limits"] = {**values.get("limits", {}), "undercut": "trim"}
+    if rng.random() < 0.8:
+        values["output"] = output(rng, values)
+    for _ in range(rng.choice((0, 1, 1, 2, 3))):
+        for _ in range(4):
+            changed = copy.deepcopy(values)
+            edit(rng, changed, wild=False)
+            if accepted(changed, folder) or rng.random() < 0.05:
+                values = changed
+                break
+    for _ in range(rng.choice((1, 1, 2)) * wild):
+        edit(rng, values, wild=True)
+    files = {path.name: path.read_bytes() for path in folder.glob("*.csv")}
+    text = toml(values)
+    return values, {name: data for name, data in files.items() if name in text}, source
+
+
+def accepted(values: dict[str, Any], folder: Path) -> bool:
+    """Whether the door lets a scene pass; a crash there is worth a case."""
+    try:
+        parse_scene(toml(values), str(folder / SCENE))
+    except SceneError:
+        return False
+    except Exception:
+        return True
+    return True
+
+
+def start(rng: Random) -> tuple[dict[str, Any], Path, str]:
+    """A scene that is mostly accepted, the folder of its files, and where it is from."""
+    for _ in range(10):
+        values, folder, source = _drawn(rng)
+        if accepted(values, folder) or rng.random() < 0.05:
+            break
+    return values, folder, source
+
+
+def _drawn(rng: Random) -> tuple[dict[str, Any], Path, str]:
+    chance = rng.random()
+    if chance < 0.25:
+        path = rng.choice(fixtures())
+        return tomllib.loads(path.read_text("utf-8")), path.parent, path.stem
+    if chance < 0.5:
+        name, text = scene_of(rng)
+        return tomllib.loads(text), Path(name).parent, "effects"
+    if chance < 0.56:
+        kind = rng.choice(KINDS)
+        return tomllib.loads(template(kind)), FIXTURES, kind
+    if chance < 0.78:
+        number = rng.randrange(10**6)
+        return copy.deepcopy(drawn(number).values), FIXTURES, f"random mechanism {number}"
+    return made_up(rng), FIXTURES, "made up"
+
+
+def output(rng: Random, values: dict[str, Any]) -> dict[str, Any]:
+    """Formats that the scene can be written in, mostly the fast ones, and a tolerance."""
+    slow = rng.random() < 0.15
+    possible = [name for name in FORMATS if slow or name in ("dxf", "csv", "gcode", "svg", "asc")]
+    if "thickness" not in values.get("part", {}):
+        possible = [name for name in possible if name not in ("gcode", "stl", "3mf")]
+    if values.get("linkage", {}).get("kind") != "slider-crank":
+        possible.remove("asc")
+    formats = rng.sample(possible, rng.randint(1, 2))
+    found: dict[str, Any] = {
+        "formats": formats,
+        "tolerance": float(f"{10.0 ** rng.uniform(-5.0, -1.0):.2g}"),
+    }
+    if "gcode" in formats:
+        found["gcode"] = {"tool_diameter": float(f"{rng.uniform(0.5, 12.0):.2g}")}
+    elif rng.random() < 0.3:
+        table_of = WHOLE["properties"]["output"]["properties"][formats[0]]
+        found[formats[0]] = table(rng, table_of)
+    return found
+
+
+# Made up ------------------------------------------------------------------------------------------
+
+
+def made_up(rng: Random) -> dict[str, Any]:
+    """A scene of its own: any follower with usual sizes, and any motion."""
+    radius = float(f"{10.0 ** rng.uniform(0.7, 2.3):.4g}")
+    kind = rng.choice(tuple(FOLLOWERS))
+    rocks = kind.startswith("oscillating")
+    follower = FOLLOWER_TABLES[kind](rng, radius)
+    if rng.random() < 0.3:
+        properties = FOLLOWERS[kind].schema["properties"]
+        key = rng.choice([key for key in properties if key not in follower])
+        follower |= table(rng, {"properties": {key: properties[key]}, "required": [key]})
+    stroke = rng.choice((0.2, 1.0)) * (rng.uniform(2.0, 35.0) if rocks else 0.5 * radius)
+    values: dict[str, Any] = {
+        "camgeo": 1,
+        "name": rng.choice(("cam", "A-1_b", "x" * 100)),
+        "cam": {"rotation": rng.choice(("cw", "ccw"))},
+        "follower": {"kind": kind, **follower},
+        "motion": motion(rng, stroke),
+    }
+    if rng.random() < 0.6:
+        values["cam"]["speed"] = rng.choice((1, 60.0, 300.0, 1e4))
+    if rng.random() < 0.5:
+        values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3)}
+    return values
+
+
+def _guided(rng: Random, radius: float) -> dict[str, Any]:
+    found = {"base_radius": radius, "guide_angle": rng.choice((0.0, 90.0, -37.5, 360.0))}
+    found["roller_radius"] = radius * rng.choice((0.0, 0.1, 0.3, 0.8, 1.0, 1.0 - 1e-9))
+    if rng.random() < 0.4:
+        found["offset"] = radius * rng.choice((0.1, -0.5, 0.999999, 1.0))
+    return found
+
+
+def _rocker(rng: Random, radius: float) -> dict[str, Any]:
+    start = rng.choice((rng.uniform(0.2, 2.9), 10.0 ** rng.uniform(-9.0, -1.0)))
+    distance = radius * rng.uniform(1.1, 3.0)
+    arm = distance * rng.uniform(0.3, 1.2)
+    base = math.sqrt(abs(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start)))
+    return {
+        "pivot": [round(distance, 9), 0.0],
+        "arm": arm,
+        "arm_side": rng.choice(("cw", "ccw")),
+        "base_radius": max(base, 1e-9),
+        "roller_radius": base * rng.choice((0.0, 0.1, 0.3, 0.8)),
+    }
+
+
+def _flat(rng: Random, radius: float) -> dict[str, Any]:
+    return {"base_radius": radius, "guide_angle": rng.choice((90.0, 0.0, 12.5))}
+
+
+def _flat_rocker(rng: Random, radius: float) -> dict[str, Any]:
+    pivot = [radius * rng.uniform(1.2, 4.0), radius * rng.uniform(-1.0, 1.0)]
+    return {
+        "pivot": pivot,
+        "base_radius": radius,
+        "face_offset": radius * rng.choice((0.0, 0.1, -0.1)),
+    }
+
+
+FOLLOWER_TABLES: Final = {
+    "translating-roller": _guided,
+    "oscillating-roller": _rocker,
+    "translating-flat": _flat,
+    "oscillating-flat": _flat_rocker,
+}
+"""Tables of followers with usual numbers, for a cam of a radius."""
+
+
+def motion(rng: Random, stroke: float) -> list[dict[str, Any]]:
+    """Segments that add up to 360 degrees, up to 50 of them."""
+    count = rng.choice((1, 2, 2, 3, 3, 4, 4, 5, 8, 20, 50))
+    weights = [rng.choice((1e-3, 1.0, 1.0, 1.0, 2.0, 3.0)) for _ in range(count)]
+    spans = [max(round(360.0 * each / sum(weights), 3), 1e-3) for each in weights]
+    spans[0] = round(360.0 - sum(spans[1:]), 9)
+    named = ("polynomial-345", "auto", "modified-sine", "auto", rng.choice(tuple(FAMILIES)))
+    segments: list[dict[str, Any]] = []
+    position = 0.0
+    for place, span in enumerate(spans):
+        last = place == count - 1
+        if rng.random() < 0.35 and not (last and position != 0.0):
+            segments.append({"dwell": span})
+            continue
+        position = 0.0 if last else round(rng.uniform(0.0, stroke), 4)
+        move: dict[str, Any] = {"law": rng.choice(named), "span": span, "to": position}
+        if rng.random() < 0.1 and span > 1.0:
+            points = [{"at": round(span * z, 6), "to": stroke * rng.random()} for z in (0.3, 0.6)]
+            move = {**move, "law": "points", "points": points}
+        elif rng.random() < 0.1:
+            key = rng.choice(("velocity", "acceleration", "inflection"))
+            move[key] = rng.choice((0.0, 0.3, stroke))
+        segments.append(move)
+    return segments
+
+
+assert set(FOLLOWER_TABLES) == set(FOLLOWERS), "a new follower needs usual numbers here"

@@ -1,0 +1,139 @@
+"""Each invariant is seen to fail where camgeo is broken on purpose."""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from tests.fuzz import invariants
+from tests.fuzz.case import PYTHON, SCENE, Case
+from tests.fuzz.invariants import run
+from tests.fuzz.scenes import FIXTURES
+
+TAPPET = (FIXTURES / "scenes" / "tappet.toml").read_bytes()
+
+CHECK = Case({SCENE: TAPPET}, (("check", SCENE),))
+
+Run = Callable[[argparse.Namespace], int]
+
+
+def signatures(case: Case) -> list[str]:
+    return [failure.signature for failure in run(case).failures]
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_nothing_fails_where_nothing_is_broken() -> None:
+    steps = ((PYTHON, SCENE), ("check", SCENE), ("build", SCENE, "-o", "out"), ("verify", "out"))
+    outcome = run(Case({SCENE: TAPPET}, steps))
+    assert outcome.failures == []
+    assert outcome.accepted
+    assert outcome.built
+    assert outcome.verified
+
+
+def crash(arguments: argparse.Namespace) -> int:
+    return 1 // 0
+
+
+def warn(arguments: argparse.Namespace) -> int:
+    warnings.warn("odd", stacklevel=1)
+    return 0
+
+
+def busy(arguments: argparse.Namespace) -> int:
+    while True:
+        time.process_time()
+
+
+def asleep(arguments: argparse.Namespace) -> int:
+    time.sleep(30.0)
+    return 0
+
+
+def fill_memory(arguments: argparse.Namespace) -> int:
+    raise MemoryError
+
+
+def exit_oddly(arguments: argparse.Namespace) -> int:
+    return 3
+
+
+def differ_in_json(arguments: argparse.Namespace) -> int:
+    return int(arguments.json)
+
+
+def print_nan(arguments: argparse.Namespace) -> int:
+    print("largest lift -nan mm at cam angle 0 deg")  # noqa: T201 - as a command does
+    return 0
+
+
+def print_no_json(arguments: argparse.Namespace) -> int:
+    print("fine")  # noqa: T201 - as a command does
+    return 0
+
+
+def write_infinity(arguments: argparse.Namespace) -> int:
+    Path("result.csv").write_text("0;1\n1;inf\n", "ascii")
+    return 2
+
+
+def leave_something(arguments: argparse.Namespace) -> int:
+    Path(".camgeo-x").mkdir(exist_ok=True)
+    return 2
+
+
+@pytest.mark.parametrize(
+    ("broken", "expected"),
+    [
+        (crash, "ZeroDivisionError at cli/main.py:_run"),
+        (warn, "UserWarning at cli/main.py:_run"),
+        (fill_memory, "MemoryError at cli/main.py:_run"),
+        (busy, "hang in check"),
+        (asleep, "hang in check"),
+        (exit_oddly, "exit code 3 in check"),
+        (differ_in_json, "exit code 0, with --json 1 in check"),
+        (print_nan, "not finite: text of check in check"),
+        (print_no_json, "JSONDecodeError"),
+        (write_infinity, "not finite: .csv in files"),
+        (leave_something, "left behind in files"),
+    ],
+)
+def test_a_broken_command_is_found(
+    broken: Run, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("camgeo.cli.check.run", broken)
+    if broken is busy:
+        monkeypatch.setattr(invariants, "MOST_CPU", 0.2)
+    if broken is asleep:
+        monkeypatch.setattr(invariants, "MOST_WALL", 0.2)
+    (found,) = signatures(CHECK)
+    assert found.startswith(expected)
+
+
+def test_a_number_that_is_none_in_a_finding_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+
+    def findings(design: Design) -> tuple[Finding, ...]:
+        return (Finding("any", "ok", "fine", value=float("nan")),)
+
+    monkeypatch.setattr(Design, "findings", property(findings))
+    case = replace(CHECK, steps=((PYTHON, SCENE), ("check", SCENE)))
+    python, *_ = signatures(case)
+    assert python.startswith("ValueError")  # JSON has no such number
+
+
+def test_words_of_the_case_may_be_repeated() -> None:
+    text = TAPPET.replace(b'rotation = "ccw"', b"rotation = nan", 1)
+    assert text != TAPPET
+    assert signatures(CHECK.with_file(SCENE, text)) == []
