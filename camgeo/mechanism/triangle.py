@@ -36,7 +36,7 @@ on the other branch they are far from it."""
 AREA = 2.0**-40
 """Fraction of the area of a triangle that far exceeds its rounding."""
 
-ROUNDS = 3
+ROUNDS = 2
 """How often angles and slopes are enclosed in turn: of small cells two rounds settle all but the
 last digits."""
 

@@ -15,7 +15,7 @@ WIDENED = 2.0**-50
 """Fraction of an end by which it is widened: a sum or product is rounded by less."""
 
 BLUR = 2.0**-48
-"""By how much cosines and sines are widened, which exceeds the rounding of differences of angles."""
+"""By how much cosines and sines are widened: more than the rounding of differences of angles."""
 
 FARTHEST = 4.0
 """Reach of an angle [rad] beyond which nothing is known of its cosine and sine."""
