@@ -101,6 +101,12 @@ class ToleranceError(CamgeoError, ArithmeticError):
         self.reached = reached
 
 
+class FileError(CamgeoError, ValueError):
+    """A file cannot be used: damaged, not what its writer makes, or beyond what is allowed of a
+    file that is read (`camgeo.reading`).
+    """
+
+
 class OutputError(CamgeoError, OSError):
     """A file could not be written; files of the set already written have been removed."""
 

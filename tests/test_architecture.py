@@ -18,7 +18,17 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "errors", "units", "wording", "lazy", "pickled", "declared", "numeric"),
+    (
+        "_version",
+        "errors",
+        "units",
+        "wording",
+        "lazy",
+        "pickled",
+        "declared",
+        "reading",
+        "numeric",
+    ),
     ("motion",),
     ("mechanism",),
     ("curve",),

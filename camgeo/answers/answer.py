@@ -16,7 +16,9 @@ from camgeo.check.finding import Finding
 FINE: Final = 0
 BROKEN: Final = 1
 WRONG: Final = 2
-"""Exit codes: all limits kept; a limit is broken; the scene or the call is wrong."""
+CRASHED: Final = 70
+"""Exit codes: all limits kept; a limit is broken; the scene or the call is wrong; an error in
+camgeo itself."""
 
 
 class Answer:

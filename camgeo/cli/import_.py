@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo.cli.command import CallError, add_output, deliver
 from camgeo.cli.streams import notify
-from camgeo.scene.document import MOST_BYTES
+from camgeo.reading import PROJECT
 from camgeo.scene.load import read_file
 from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name
 
@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     source, target = Path(arguments.project), arguments.output
     if target is not None and Path(target).resolve() == source.resolve():
         raise CallError(f"argument -o: {target} is the project itself")
-    data = read_file(source, MOST_BYTES)
+    data = read_file(source, PROJECT.size)
     text = import_project(data, scene_name(source.stem), str(source))
     if ignored_answer(project_numbers(data)):
         notify(

@@ -188,7 +188,7 @@ class DataFile:
     Attributes
     ----------
     name : as written in the scene.
-    data : its bytes, up to one more than `camgeo.motion.two_columns.MOST_BYTES`.
+    data : its bytes, up to one more than the size of a `camgeo.reading.TABLE`.
     """
 
     name: str

@@ -12,15 +12,20 @@ from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.pickled import Pickled
+from camgeo.reading import DIGITS, TABLE
 from camgeo.units import TURN
 from camgeo.wording import counted
 
-MOST_BYTES: Final = 16_000_000
 MOST_ROWS: Final = 200_000
 
-NUMBER: Final = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
+NUMBER: Final = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 
 HEADING: Final = re.compile(r"(?P<name>[^\[(]*?)\s*([\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?")
+
+LONGEST_HEADING: Final = 200
+"""Characters of a cell that may be a name and a unit."""
+
+MOST_COLUMNS: Final = 1_000
 
 LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
@@ -172,17 +177,18 @@ def _columns(
     out = np.empty((2, len(rows)))
     decimal = ""
     for row, (number, line) in enumerate(rows):
-        cells = line.split(layout.separator)
-        if len(cells) != layout.cells:
+        count = 1 + line.count(layout.separator)
+        if count != layout.cells:
             raise fault(
                 file,
                 number,
                 line,
-                f"{counted(len(cells), 'column')}; allowed are {layout.cells} in this file",
+                f"{counted(count, 'column')}; allowed are {layout.cells} in this file",
             )
+        cells = line.split(layout.separator)
         for column, cell in enumerate((layout.first, layout.second)):
             text = cells[cell].strip()
-            if not NUMBER.fullmatch(text):
+            if len(text) > DIGITS or not NUMBER.fullmatch(text):
                 raise fault(file, number, text, "not a number; allowed are numbers like 12.5")
             mark = "," if "," in text else "." if "." in text else ""
             if mark and decimal and mark != decimal:
@@ -200,9 +206,9 @@ def _columns(
 
 def _lines(data: bytes | str, file: str) -> list[str]:
     size = len(checked.instance("data", data, (bytes, str), "bytes or text"))
-    if size > MOST_BYTES:
+    if size > TABLE.size:
         raise GeometryError(
-            f"{file}, line 1: the file has {counted(size, 'byte')}; allowed are {MOST_BYTES:,}",
+            f"{file}, line 1: the file has {counted(size, 'byte')}; allowed are {TABLE.size:,}",
             value=str(size),
         )
     if isinstance(data, str):
@@ -213,6 +219,10 @@ def _lines(data: bytes | str, file: str) -> list[str]:
         except UnicodeDecodeError as error:
             line = data[: error.start].count(b"\n") + 1
             raise fault(file, line, "", "no UTF-8 text; allowed is UTF-8") from error
+    count = text.count("\n") + text.count("\r") - text.count("\r\n")
+    if TABLE.lines is not None and count > TABLE.lines:
+        message = f"the file has {counted(count, 'line')}; allowed are {TABLE.lines:,}"
+        raise GeometryError(f"{file}: {message}", value=str(count))
     return LINE_END.split(text.removeprefix("\N{BYTE ORDER MARK}"))
 
 
@@ -221,6 +231,10 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
     separator = next((mark for mark in (";", "\t", ",") if mark in line), "")
     if not separator:
         raise fault(file, number, line, "one column; allowed separators are ; and tab and comma")
+    columns_found = 1 + line.count(separator)
+    if columns_found > MOST_COLUMNS:
+        message = f"{counted(columns_found, 'column')}; allowed are at most {MOST_COLUMNS:,}"
+        raise fault(file, number, line, message)
     cells = [cell.strip().strip('"').strip() for cell in line.split(separator)]
     if NUMBER.fullmatch(cells[0]):
         if len(cells) != 2:
@@ -250,7 +264,7 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
 
 def _heading(cell: str) -> tuple[str, str]:
     """Name, in lower case, and unit of a column."""
-    match = HEADING.fullmatch(cell)
+    match = HEADING.fullmatch(cell) if len(cell) <= LONGEST_HEADING else None
     if match is None:
         return cell.lower(), ""
     return match["name"].strip().lower(), match["unit"] or ""
@@ -259,7 +273,7 @@ def _heading(cell: str) -> tuple[str, str]:
 def _column(headings: list[tuple[str, str]], column: Column, file: str, number: int) -> int:
     found = [k for k, (name, _) in enumerate(headings) if name in column.names]
     if len(found) != 1:
-        given = ", ".join(name for name, _ in headings)
+        given = ", ".join(name[:LONGEST_HEADING] for name, _ in headings)
         raise fault(
             file,
             number,

@@ -13,12 +13,10 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any, Final, Self
 
-from camgeo.errors import Fault
+from camgeo.errors import Fault, FileError
+from camgeo.reading import SCENE, check_toml
 from camgeo.scene.keys import Path, key_lines, line_of, spelled, value_at
 from camgeo.scene.tree import DEEPEST, Taking, Tree, refused
-
-MOST_BYTES: Final = 2_000_000
-"""Size of the largest scene file: 10,000 segments with generous comments."""
 
 LONGEST_VALUE: Final = 60
 """Characters shown of a value."""
@@ -97,6 +95,10 @@ def document(data: bytes) -> Document:
     """Parse the bytes of a TOML file; raises SceneError if they are not valid TOML."""
     text = _text(data)
     try:
+        check_toml(text)
+    except FileError as error:
+        raise refused(str(error)) from None
+    try:
         exact = tomllib.loads(text, parse_float=Decimal)
         found = document_of_tree(exact, key_lines(text.replace("\r\n", "\n")))
     except tomllib.TOMLDecodeError as error:
@@ -154,8 +156,8 @@ def written(value: Any) -> str:
 
 
 def _text(data: bytes) -> str:
-    if len(data) > MOST_BYTES:
-        raise refused(f"is larger than {MOST_BYTES:,} bytes, too large for a scene")
+    if len(data) > SCENE.size:
+        raise refused(f"is larger than {SCENE.size:,} bytes, too large for a scene")
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:

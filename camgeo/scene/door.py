@@ -18,7 +18,8 @@ from camgeo.mechanism.values import SIGNS, Values
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.scene.document import MOST_BYTES, Document, Source
+from camgeo.reading import SCENE
+from camgeo.scene.document import Document, Source
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.motion import MotionRequests
@@ -75,7 +76,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         builder.join(plan, follower, linkage)
     faults += inside.faults
     if faults or plan is None or (follower is None and values.has("follower")):
-        last = len(document.lines) + MOST_BYTES
+        last = len(document.lines) + SCENE.size
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
     return {
         "stated": values,

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.errors import SceneError
+from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.scene.document import Document, document
 from camgeo.scene.keys import path_of, value_at
 from camgeo.scene.schema import EFFECTS, Node, keys_of, names_a_file, resolved, schema_of_all
@@ -108,14 +109,14 @@ def _number(value: float | Decimal) -> str:
 def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
     """The hashes by which files may name the scene file at `path`: of its text, and of its values.
 
-    None if it is not TOML; OSError if it, or a file that it names, cannot be read. Files whose
-    SHA-256 is `known` are taken as they were then.
+    None if it is not TOML; OSError, or ValueError, if it, or a file that it names, cannot be read
+    or is larger than allowed. Files whose SHA-256 is `known` are taken as they were then.
     """
 
     def digest(name: str) -> str:
-        return known.get(name) or hashlib.sha256((path.parent / name).read_bytes()).hexdigest()
+        return known.get(name) or hashlib.sha256(read_within(path.parent / name, TABLE)).hexdigest()
 
-    data = path.read_bytes()
+    data = read_within(path, SCENE)
     try:
         scene = document(data)
     except SceneError:

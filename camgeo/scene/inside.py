@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from camgeo.errors import CamgeoError, Fault, unreadable
+from camgeo.reading import TABLE
 from camgeo.scene.keys import Path, spelled
 from camgeo.scene.schema import Node, schema
 from camgeo.scene.valid_values import ValidValues
@@ -92,8 +93,6 @@ class Inside:
 
         Its present content is kept too.
         """
-        from camgeo.motion.two_columns import MOST_BYTES  # few scenes name a file
-
         name: str = self.values.get(*key)
         if self._folder is None:
             self.fault(key, NO_FOLDER)
@@ -106,7 +105,7 @@ class Inside:
         if data is None:
             try:
                 with path.open("rb") as stream:
-                    data = stream.read(MOST_BYTES + 1)
+                    data = stream.read(TABLE.size + 1)
             except (OSError, ValueError) as error:
                 self.fault(key, f"cannot be read: {unreadable(error)}")
                 return None

@@ -121,8 +121,11 @@ def key_lines(text: str) -> dict[Path, int]:
             for depth in range(1, len(names) + 1):
                 lines.setdefault((*table, *names[:depth]), line)
             starts, place = _past_value(text, place + 1)
+            at, row = seen, line
             for index, start in enumerate(starts):
-                lines[(*table, *names, index)] = line + text.count("\n", seen, start)
+                row += text.count("\n", at, start)
+                at = start
+                lines[(*table, *names, index)] = row
         place = _skip(BLANK, text, place)
     return lines
 

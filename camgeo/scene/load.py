@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from camgeo.errors import Fault, SceneError, unreadable
-from camgeo.scene.document import MOST_BYTES
+from camgeo.reading import SCENE
 from camgeo.scene.scene import Scene
 
 
@@ -19,7 +19,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     SceneError
         If the file cannot be read or anything in it is wrong; it lists all faults.
     """
-    return Scene.from_text(read_file(path, MOST_BYTES), str(path))
+    return Scene.from_text(read_file(path, SCENE.size), str(path))
 
 
 def read_file(path: str | PathLike[str], most: int) -> bytes:

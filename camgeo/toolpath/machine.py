@@ -8,10 +8,12 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from string import Formatter
 from typing import Annotated, Any, get_args, get_type_hints
 
-from camgeo.errors import Fault, GeometryError, SceneError, meant
+from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant
 from camgeo.numeric.checked import check_fields, checks_of, instance, number, shown, whole
+from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.toolpath.machining_time import Dynamics
 from camgeo.units import LengthUnit
 
@@ -24,6 +26,12 @@ controller needs finely divided arcs."""
 
 MOST_DECIMALS = 10
 """More decimals than a controller's double holds for a length of metres."""
+
+FILLED = ("unit", "tool", "speed", "p")
+"""Names in braces that blocks may have."""
+
+MOST_SHOWN = 60
+"""Characters shown of a block."""
 
 LONGEST_LINE = 10_000
 """Characters; no controller accepts as many."""
@@ -152,10 +160,12 @@ class Machine:
         texts = [(key, block) for key in lists for block in getattr(self, key)]
         for key, text in (*texts, ("blending.on", self.blending.on)):
             try:
-                text.format(unit="", tool="", speed="", p="")
-            except (ValueError, LookupError, AttributeError):
+                found = [each for each in Formatter().parse(text) if each[1] is not None]
+            except ValueError:
+                found = [("", None, None, None)]
+            if any(name not in FILLED or form or kind for _, name, form, kind in found):
                 message = "must hold no braces but {unit}, {tool}, {speed} and, for blending, {p}"
-                raise GeometryError(message, key, repr(text)) from None
+                raise GeometryError(message, key, repr(text[:MOST_SHOWN]))
 
     def unit_word(self, unit: LengthUnit) -> str:
         """Word that switches to `unit`."""
@@ -186,8 +196,8 @@ def load(machine: str) -> Machine:
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
         raise SceneError([Fault(KEY, repr(machine), message, meant(machine, known))])
     try:
-        text = Path(machine).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_within(Path(machine), MACHINE).decode("utf-8")
+    except (OSError, ValueError) as error:  # the latter also for a path that no file can have
         message = f"the profile cannot be read: {error}"
         raise SceneError([Fault(KEY, repr(machine), message)]) from None
     return parse(text, machine)
@@ -196,8 +206,13 @@ def load(machine: str) -> Machine:
 def parse(text: str, file: str) -> Machine:
     """The profile in `text`; `file` is its name for messages."""
     try:
+        check_toml(text)
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except FileError as error:
+        raise SceneError([Fault("", "", str(error))], file) from None
+    except RecursionError:
+        raise SceneError([Fault("", "", "is nested too deeply for a profile")], file) from None
+    except ValueError as error:  # also of an integer of thousands of digits
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
     faults: list[Fault] = []
     machine: Machine | None = _build(Machine, table, "", faults)
@@ -211,7 +226,7 @@ def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> 
     hints = get_type_hints(kind)
     for key, given in table.items():
         if key not in hints:
-            faults.append(Fault(path + key, repr(given), "unknown key", meant(key, hints)))
+            faults.append(Fault(path + key, shown(given), "unknown key", meant(key, hints)))
     values: dict[str, Any] = {}
     for field in fields(kind):
         key, kinds = field.name, hints[field.name]

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
+from camgeo.errors import FileError, unreadable
+from camgeo.formats.format import LARGEST_TOLERANCE
+from camgeo.reading import CERTIFICATE as CERTIFIED
+from camgeo.reading import read_within
 from camgeo.writing.transaction import interrupted
 from camgeo.writing.write import CERTIFICATE
+
+LONGEST: Final = 200
+"""Characters shown of what is wrong with a certificate."""
+
+HASH: Final = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,19 +47,45 @@ def certificate_in(folder: Path) -> Certificate | None:
     if interrupted(folder):
         return Certificate(damage="is not valid: a run that wrote here was interrupted")
     try:
-        data = (folder / CERTIFICATE).read_bytes()
+        data = read_within(folder / CERTIFICATE, CERTIFIED)
     except FileNotFoundError:
         return None
-    except OSError as error:
-        return Certificate(damage=f"cannot be read: {error.strerror or error}")
+    except FileError as error:
+        return Certificate(damage=f"cannot be used: {error}")
+    except (OSError, ValueError) as error:
+        return Certificate(damage=f"cannot be read: {unreadable(error)}")
     try:
         document = json.loads(data)
         scene, files = document["scene"], document["files"]
         return Certificate(
-            str(scene["sha256"]),
-            {str(name): str(sha256) for name, sha256 in scene.get("files", {}).items()},
-            {str(file["file"]): float(file["tolerance_mm"]) for file in files},
-            {str(file["file"]): str(file["sha256"]) for file in files},
+            _hash(scene["sha256"]),
+            {_name(name): _hash(sha256) for name, sha256 in scene.get("files", {}).items()},
+            {_name(file["file"]): _tolerance(file["tolerance_mm"]) for file in files},
+            {_name(file["file"]): _hash(file["sha256"]) for file in files},
         )
+    except RecursionError:
+        return Certificate(damage="is no certificate of camgeo: it is nested too deeply")
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        return Certificate(damage=f"is no certificate of camgeo: {type(error).__name__}: {error}")
+        what = f"{type(error).__name__}: {error}"[:LONGEST]
+        return Certificate(damage=f"is no certificate of camgeo: {what}")
+
+
+def _name(value: object) -> str:
+    """The name of a file; ValueError if it is not one that a file may have."""
+    if not isinstance(value, str) or not value.isprintable():
+        raise ValueError(f"{value!r:.60} is not the name of a file")
+    return value
+
+
+def _hash(value: object) -> str:
+    """A SHA-256; ValueError if it is none."""
+    if not isinstance(value, str) or not HASH.fullmatch(value):
+        raise ValueError(f"{value!r:.60} is no SHA-256")
+    return value
+
+
+def _tolerance(value: object) -> float:
+    """A tolerance [mm]; ValueError if no file can have it."""
+    if not isinstance(value, float | int) or not 0.0 < value <= LARGEST_TOLERANCE:  # or NaN
+        raise ValueError(f"{value!r:.60} is no tolerance in mm")
+    return float(value)

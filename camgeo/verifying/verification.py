@@ -10,7 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
+from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
+from camgeo.reading import number_of
 from camgeo.units import LengthUnit
 
 KIND: Final = "camgeo verification"
@@ -111,12 +113,9 @@ class Origin:
 
 
 def length_of(text: str) -> float | None:
-    """The length in `text` [mm], e.g. "0.001" or "0.001 mm"; None if there is none above 0."""
-    try:
-        value = float(text.strip().removesuffix("mm"))
-    except ValueError:
-        return None
-    return value if math.isfinite(value) and value > 0.0 else None
+    """The tolerance in `text` [mm], e.g. "0.001" or "0.001 mm"; None if no file can have it."""
+    value = number_of(text.strip().removesuffix("mm"))
+    return value if value is not None and SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +165,7 @@ class Verdict:
     scene : name and hash of the scene it was compared with; empty if it was not measured.
     tolerance : [mm] that applied, and where it is from; None if it was not measured.
     checks : in the order of the report.
+    crashed : whether an error in camgeo itself, not the file, prevented the verdict.
     """
 
     file: str
@@ -175,6 +175,7 @@ class Verdict:
     scene: tuple[str, str]
     tolerance: tuple[float, str] | None
     checks: tuple[Check, ...]
+    crashed: bool = False
 
     @property
     def passed(self) -> bool:

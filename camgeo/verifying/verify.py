@@ -6,13 +6,14 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Final
 
-from camgeo.errors import CamgeoError, Fault, SceneError
+from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
 from camgeo.product.product import Product, disc_of
+from camgeo.reading import VERIFIED, read_within
 from camgeo.units import LengthUnit
 from camgeo.verifying.certificate import Certificate, certificate_in
 from camgeo.verifying.verification import (
@@ -34,6 +35,9 @@ GROUP: Final = "camgeo.verifiers"
 
 VERIFICATION: Final = "verification.json"
 """Default name of the file that a verification is written to."""
+
+LONGEST_NOTE: Final = 200
+"""Characters of an unexpected error in a note."""
 
 SHORT: Final = 16
 """Digits of a hash that are shown."""
@@ -96,18 +100,42 @@ def files_in(folder: Path) -> tuple[Path, ...]:
 
 
 def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
-    """One verdict per file.
+    """One verdict per file; no file takes away those of the others.
 
     Raises
     ------
     SceneError
-        If a file is of a format that cannot be read, or its scene is not found or wrong.
+        If no file can be judged but by its bytes: the others are of a format that cannot be read,
+        or their scene is not found or wrong.
     """
-    verifiers = {path: _verifier(path) for path in paths}
     certificates = {folder: certificate_in(folder) for folder in {path.parent for path in paths}}
-    return tuple(
-        _verdict(path, verifiers[path], certificates[path.parent], scenes, wanted) for path in paths
-    )
+    verdicts: list[Verdict] = []
+    refused: list[SceneError] = []
+    judged = False
+    for path in paths:
+        try:
+            verifier = _verifier(path)
+            verdict = _verdict(path, verifier, certificates[path.parent], scenes, wanted)
+            judged = judged or verifier is not None
+        except SceneError as error:
+            refused.append(error)
+            message = "; ".join(map(str, error.faults))
+            verdict = _unread(path, failed("scene", message))
+        except Exception as error:  # the net: a fault of ours in one file must not hide the others
+            what = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST_NOTE]
+            note = f"cannot be read: internal error ({what}); please report it with the file"
+            verdict = replace(_unread(path, failed("file", note)), crashed=True)
+            judged = True
+        verdicts.append(verdict)
+    if refused and not judged:
+        raise refused[0]
+    return tuple(verdicts)
+
+
+def _unread(path: Path, check: Check, size: int = 0) -> Verdict:
+    """The verdict on a file of which nothing is known but why."""
+    kind = path.suffix.removeprefix(".").lower()
+    return Verdict(path.name, kind, "", size, ("", ""), None, (check,))
 
 
 def _verifier(path: Path) -> Verifier | None:
@@ -134,19 +162,20 @@ def _verdict(
         raise SceneError([Fault("FILE", str(path), message)])
     kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        reason = error.strerror or str(error)
+        data, size, sha256 = _contents(path, verifier)
+    except FileError as error:
+        return _unread(path, failed("file", str(error)))
+    except (OSError, ValueError) as error:
+        reason = unreadable(error)
         if not (certified and isinstance(error, FileNotFoundError)):
             fault = Fault("FILE", str(path), f"cannot be read: {reason}")
             raise SceneError([fault]) from error
         missing = failed("file", f"{CERTIFICATE} names it, but it is not there")
         return Verdict(path.name, kind, "", 0, ("", ""), None, (missing,))
-    sha256 = hashlib.sha256(data).hexdigest()
     checks = [_bytes(path.name, sha256, certificate)]
 
     def without_scene() -> Verdict:
-        return Verdict(path.name, kind, sha256, len(data), ("", ""), None, tuple(checks))
+        return Verdict(path.name, kind, sha256, size, ("", ""), None, tuple(checks))
 
     if verifier is None:
         return without_scene()
@@ -172,7 +201,19 @@ def _verdict(
     except CamgeoError as error:
         checks.append(failed("deviation", str(error)))
     scene = (product.name, present)
-    return Verdict(path.name, kind, sha256, len(data), scene, tolerance, tuple(checks))
+    return Verdict(path.name, kind, sha256, size, scene, tolerance, tuple(checks))
+
+
+def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:
+    """Bytes, size and SHA-256 of a file; no bytes of one that is not measured."""
+    if verifier is not None:
+        data = read_within(path, VERIFIED)
+        return data, len(data), hashlib.sha256(data).hexdigest()
+    with path.open("rb") as stream:
+        if not path.is_file():  # a device may have no end
+            raise OSError("it is not a file")
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+        return b"", stream.tell(), sha256
 
 
 def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
@@ -257,8 +298,8 @@ def write_verification(
 
 def _is_verification(path: Path) -> bool:
     try:
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
+        found = json.loads(read_within(path, VERIFIED))
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(found, dict) and found.get("kind") == KIND
 
@@ -275,7 +316,7 @@ def scene_file(
     folders : first that of the files to be verified; what its certificate states of the scene's own
         files applies, so that a scene is found even if its files have changed since.
     hashes : all hashes by which files may name a scene file, given the SHA-256 of the files that it
-        reads where known; OSError if it cannot be read.
+        reads where known; OSError or ValueError if it cannot be read.
 
     Raises
     ------
@@ -290,7 +331,7 @@ def scene_file(
                 try:
                     if any(found.startswith(sha256) for found in hashes(path, known)):
                         return path
-                except OSError:
+                except (OSError, ValueError):  # it, or a file that it names, is not readable
                     continue
         places = "its folder, the folder above it and the current one"
         message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"

@@ -1,22 +1,20 @@
-"""The error of a file that was read back."""
+"""The error of a file that was read back, and the numbers in files."""
 
 from __future__ import annotations
 
-import math
+from camgeo.errors import FileError
+from camgeo.reading import COORDINATE, number_of
 
-from camgeo.errors import CamgeoError
-
-
-class FileError(CamgeoError, ValueError):
-    """A file does not hold what its writer puts into such a file: cut short, changed or foreign."""
+__all__ = ["FileError", "finite"]
 
 
 def finite(text: str, name: str, line: int) -> float:
-    """The number `text` in a line of the file `name`; FileError if it is not finite."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise FileError(f"{name}, line {line}: {text[:40]!r} is not a finite number")
+    """The number `text` in a line of the file `name`.
+
+    Raises FileError if it is none, not finite, or beyond the limits of `camgeo.reading`.
+    """
+    number = number_of(text)
+    if number is None:
+        what = f"is not a finite number of at most {COORDINATE:g}"
+        raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")
     return number

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.motion.motion_tables import read_lift_table
 from camgeo.motion.points import periodic_spline
-from camgeo.motion.two_columns import MOST_BYTES, MOST_ROWS, TwoColumns
+from camgeo.motion.two_columns import MOST_ROWS, TwoColumns
+from camgeo.reading import TABLE
 from camgeo.units import TURN
 from tests.strategies import attack
 
@@ -112,7 +113,7 @@ def test_bytes_that_are_no_text_are_reported_with_their_line() -> None:
 
 def test_too_much_is_refused() -> None:
     with pytest.raises(GeometryError, match="16,000,001 bytes; allowed are 16,000,000"):
-        read_lift_table(b"#" * (MOST_BYTES + 1), "lift.csv")
+        read_lift_table(b"#" * (TABLE.size + 1), "lift.csv")
     rows = "\n".join(f"{k},0" for k in range(MOST_ROWS + 1))
     with pytest.raises(GeometryError, match=r"line 200001: 200,001 rows of numbers; .* to 200,000"):
         read_lift_table(rows, "lift.csv", MOST_ROWS)

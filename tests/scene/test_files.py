@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.document import MOST_BYTES
+from camgeo.reading import SCENE
 from camgeo.scene.load import load_scene, parse_scene
 from tests.scene.scenes import PLATE
 
@@ -29,7 +29,7 @@ BYTES = [
     (b"x = " + 5000 * b"[" + 5000 * b"]", "nested too deeply"),
     (b"x = " + 250 * b"[" + 250 * b"]", "nested too deeply"),
     (b"x" + 250 * b".x" + b" = 1", "nested too deeply"),
-    (b"#" * (MOST_BYTES + 1), "larger than 2,000,000 bytes"),
+    (b"#" * (SCENE.size + 1), "larger than 2,000,000 bytes"),
 ]
 
 

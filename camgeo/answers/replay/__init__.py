@@ -17,7 +17,7 @@ from camgeo.cam.cam import Cam
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import crossing
 from camgeo.design import Design
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.face_lift import FaceLift
@@ -25,6 +25,7 @@ from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
+from camgeo.reading import DRAWING, read_within
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN, LengthUnit
 from camgeo.wording import counted
@@ -252,9 +253,11 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
         raise SceneError([Fault("CONTOUR", str(file), f"the name must end in one of {endings}")])
     reader: Reader = readers[kind].load()
     try:
-        data = file.read_bytes()
-    except OSError as error:
-        message = f"cannot be read: {error.strerror or error}"
+        data = read_within(file, DRAWING)
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        message = f"cannot be read: {unreadable(error)}"
         raise SceneError([Fault("CONTOUR", str(file), message)]) from error
     found = reader.read(data, file.name, layer=reading.layer, unit=reading.unit, gap=reading.gap)
     points = disc.pictured.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))

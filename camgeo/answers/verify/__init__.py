@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
-from camgeo.answers.answer import BROKEN, FINE, Answer
+from camgeo.answers.answer import BROKEN, CRASHED, FINE, Answer
 from camgeo.design import Design
 from camgeo.scene.identity import hashes_of
 from camgeo.scene.load import load_scene
@@ -43,7 +43,9 @@ class Verification(Answer):
 
     @property
     def exit_code(self) -> int:
-        """0 if all files pass, 1 if one does not."""
+        """0 if all files pass, 1 if one does not, CRASHED after an error in camgeo itself."""
+        if any(verdict.crashed for verdict in self.verdicts):
+            return CRASHED
         return FINE if self.passed else BROKEN
 
 
@@ -62,7 +64,8 @@ def verify(
     Raises
     ------
     SceneError
-        If a file is of a format that cannot be read, or its scene is not found or wrong.
+        If none of the files can be compared: they are of a format that cannot be read, or their
+        scene is not found or wrong.
     """
     return Verification(paths, verify_files(paths, _scenes(scene), wanted or Wanted()))
 

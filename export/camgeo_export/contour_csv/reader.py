@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.reading import CONTOUR, check_text
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
 from camgeo_export.chain import chain
@@ -53,6 +54,7 @@ class ContourCsvReader:
 
 def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
     """Line numbers and x, y, bulge of the rows."""
+    check_text(data, CONTOUR, name)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -62,20 +64,20 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
     for line, written in enumerate(text.splitlines(), start=1):
         if not written.strip() or written.lstrip().startswith("#"):
             continue
+        count = 1 + written.count(",")
+        if width and count != width:
+            raise FileError(
+                f"{name}, line {line}: {counted(count, 'value')} where {width} are expected"
+            )
+        if count not in (2, 3):
+            raise FileError(
+                f"{name}, line {line}: {counted(count, 'column')}; allowed are x, y and x, y, bulge"
+            )
         cells = [cell.strip() for cell in written.split(",")]
         if not width:
-            width = len(cells)
-            if width not in (2, 3):
-                raise FileError(
-                    f"{name}, line {line}: {counted(width, 'column')};"
-                    " allowed are x, y and x, y, bulge"
-                )
+            width = count
             if tuple(cell.lower() for cell in cells) in HEADERS:
                 continue
-        if len(cells) != width:
-            raise FileError(
-                f"{name}, line {line}: {counted(len(cells), 'value')} where {width} are expected"
-            )
         rows.append((line, [finite(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
     if not rows:
         raise FileError(f"{name}: holds no points; allowed are rows x, y and x, y, bulge")

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from camgeo.reading import DRAWING, check_text, lines_of
 from camgeo_export.errors import FileError, finite
+
+CODE = re.compile(r"-?[0-9]{1,4}")
+"""A group code."""
 
 LAYER = "LAYER"
 """Kind of the records of layers, which are in the tables."""
@@ -18,6 +23,10 @@ class Tag:
     code: int
     value: str
     line: int
+
+
+NOTHING = Tag(-1, "", 0)
+"""What stands before the first tag."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,39 +78,44 @@ def tags_of(data: bytes, name: str) -> Iterator[Tag]:
     """All tags of the file `name`, in order."""
     if data.startswith(b"AutoCAD Binary DXF"):
         raise FileError(f"{name}: is a binary DXF; save it as text (ASCII)")
-    lines = data.decode("utf-8", errors="replace").splitlines()
-    for index in range(0, len(lines) - 1, 2):
-        try:
-            code = int(lines[index])
-        except ValueError:
-            raise FileError(
-                f"{name}, line {index + 1}: {lines[index][:40]!r} is no group code; not a DXF file"
-            ) from None
-        yield Tag(code, lines[index + 1].strip(), index + 2)
+    check_text(data, DRAWING, name)
+    lines = lines_of(data)
+    for line, (first, second) in enumerate(zip(lines, lines, strict=False)):
+        code = first.strip()
+        if not CODE.fullmatch(code):
+            what = f"{first[:40]!r} is no group code; not a DXF file"
+            raise FileError(f"{name}, line {2 * line + 1}: {what}")
+        yield Tag(int(code), second.strip(), 2 * line + 2)
 
 
 def read_items(data: bytes, name: str) -> tuple[dict[str, Tag], list[Item], list[Item]]:
     """Header variables, each with its first value, the records of layers, and the entities of the
     model space.
     """
-    tags = list(tags_of(data, name))
-    if not tags or (tags[-1].code, tags[-1].value) != (0, "EOF"):
-        raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     header: dict[str, Tag] = {}
     items: list[Item] = []
     layers: list[Item] = []
-    section = ""
-    for index, tag in enumerate(tags):
-        if tag.code == 0 and tag.value in ("SECTION", "ENDSEC", "EOF"):
-            section = tags[index + 1].value if tag.value == "SECTION" else ""
-        elif section == "HEADER" and tag.code == 9:
-            header[tag.value] = tags[index + 1]
-        elif tag.code == 0 and (section == "ENTITIES" or tag.value == LAYER):
-            end = index + 1
-            while tags[end].code != 0:
-                end += 1
-            item = Item(name, tag.value, tag.line, tuple(tags[index + 1 : end]))
+    section, first, before = "", None, NOTHING
+    own: list[Tag] = []  # of the entity or record that begins with the tag `first`
+    for tag in tags_of(data, name):
+        if before.code == 0 and before.value == "SECTION":
+            section = tag.value
+        elif before.code == 9 and section == "HEADER":
+            header[before.value] = tag
+        before = tag
+        if tag.code != 0:
+            if first is not None:
+                own.append(tag)
+            continue
+        if first is not None:
+            item = Item(name, first.value, first.line, tuple(own))
             (items if section == "ENTITIES" else layers).append(item)
+        ends = tag.value in ("SECTION", "ENDSEC", "EOF")
+        section = "" if ends else section
+        kept = not ends and (section == "ENTITIES" or tag.value == LAYER)
+        first, own = tag if kept else None, []
+    if (before.code, before.value) != (0, "EOF"):
+        raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     model = (item for item in items if item.number(67, 0.0) == 0.0)
     return header, layers, list(_with_vertices(list(model)))
 

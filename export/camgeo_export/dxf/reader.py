@@ -16,6 +16,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline
+from camgeo.reading import CONTOURS, DRAWING, beyond
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
 from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
@@ -110,13 +111,13 @@ class Drawing:
         kinds: tuple[str, ...] = CURVES,
     ) -> tuple[Curve, ...]:
         """The closed contours [mm], counter-clockwise, the largest first; see `joined`."""
-        return self.joined(layer, unit, gap, kinds)[0]
+        return self.joined(layer, unit, None if gap is None else (gap,), kinds)[0]
 
     def joined(
         self,
         layer: str | None,
         unit: LengthUnit | None = None,
-        gap: float | None = None,
+        gaps: Sequence[float] | None = None,
         kinds: tuple[str, ...] = CURVES,
     ) -> tuple[tuple[Curve, ...], float]:
         """The closed contours [mm], counter-clockwise, the largest first, and the largest gap
@@ -129,7 +130,8 @@ class Drawing:
         ----------
         layer : whose entities are read; None for layer CUT if it exists, else for all.
         unit : of the drawing, needed if the drawing does not state it.
-        gap : end points up to this far apart [mm] are joined; None for rounding only.
+        gaps : end points up to this far apart [mm] are joined, by the first of these that joins
+            all pieces to closed contours; None for rounding only.
         kinds : of entities that are read.
 
         Raises
@@ -140,12 +142,14 @@ class Drawing:
         """
         scale = self.scale(unit)
         runs = [run for item in self.on(layer, kinds) if (run := _run(item, scale)).pieces]
-        if gap is None:
-            gap = JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0)
-        chains, largest = _chained([run for run in runs if not run.closed], gap)
+        if gaps is None:
+            gaps = (JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0),)
+        chains, largest = _first_chained([run for run in runs if not run.closed], gaps)
         found = [*(run for run in runs if run.closed), *chains]
         if not found:
             raise FileError(f"{self.name}: no contour found; supported are {', '.join(kinds)}")
+        if len(found) > CONTOURS:
+            raise beyond(self.name, counted(len(found), "closed contour"), CONTOURS, DRAWING)
         return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area)), largest
 
     def on(self, layer: str | None, kinds: tuple[str, ...] = CURVES) -> list[Item]:
@@ -241,6 +245,16 @@ def _polyline(item: Item, scale: float) -> list[Arc]:
     following = [*points[1:], *points[:1]] if flags & CLOSED else points[1:]
     pieces = zip(points, following, sweeps, strict=False)
     return [Arc(start, end, sweep, 0j) for start, end, sweep in pieces if start != end]
+
+
+def _first_chained(runs: list[Run], gaps: Sequence[float]) -> tuple[list[Run], float]:
+    """As `_chained`, with the first of `gaps` [mm] that makes all runs closed ones."""
+    for gap in gaps[:-1]:
+        try:
+            return _chained(runs, gap)
+        except FileError:
+            continue
+    return _chained(runs, gaps[-1])
 
 
 def _chained(runs: list[Run], gap: float) -> tuple[list[Run], float]:

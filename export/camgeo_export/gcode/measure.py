@@ -9,7 +9,8 @@ from camgeo.toolpath.machine import load
 from camgeo.units import MM_PER
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.comments import stated
-from camgeo_export.gcode.reader import Loop, Program, read
+from camgeo_export.gcode.moves import Loop
+from camgeo_export.gcode.reader import Program, read
 
 
 def measure(product: Product, data: bytes) -> float:

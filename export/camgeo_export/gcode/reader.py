@@ -9,17 +9,21 @@ import cmath
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Literal
 
-import numpy as np
-
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import Arc
 from camgeo.numeric.arrays import phase
-from camgeo_export.chain import chain
+from camgeo.reading import (
+    COORDINATE,
+    DIGITS,
+    PATHS,
+    PROGRAM,
+    beyond,
+    check_text,
+    lines_of,
+    number_of,
+)
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
-
-Kind = Literal["rapid", "line", "arc"]
+from camgeo_export.gcode.moves import CutterMove, Kind, Loop, loop_of, nearly_closed
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 COMMENT = re.compile(r"\(([^()]*)\)|;(.*)")
@@ -30,56 +34,12 @@ MOTIONS = (0, 1, 2, 3)
 LETTERS = "FGHIJMNPQSTXYZ"
 """Of the words that our programs use, and N."""
 
-LEAST_LENGTH = 30.0
-"""Least length of a run that is closed with a gap, as a multiple of the gap."""
-
 MODAL = {17, 40, 43, 49, 54, 80, 90, 91.1, 94}
 """G words that must be active before the first cut; G49 is superseded by G43."""
 
 TOOL_LENGTH = 43
 
 UNITS = {20: 25.4, 21: 1.0}
-
-
-@dataclass(frozen=True, slots=True)
-class CutterMove:
-    """One move; lengths in mm, feed in mm/min.
-
-    Attributes
-    ----------
-    kind : "rapid", "line" or "arc".
-    start, end : (x + iy); nan + nan i until the program has set a position.
-    z_start, z_end : heights.
-    centre : of an arc.
-    sweep : angle turned along an arc [rad], positive counter-clockwise.
-    mismatch : difference of an arc's radii at its ends.
-    feed : 0 for a traverse.
-    speed : of the spindle [rev/min]; 0 while it stands still.
-    operation : the last one named by a comment.
-    tool : number of the current one; 0 before the first change.
-    offset : number of the tool whose length is compensated; 0 before the first.
-    line : in the file, counted from 1.
-    """
-
-    kind: Kind
-    start: complex
-    end: complex
-    z_start: float
-    z_end: float
-    centre: complex
-    sweep: float
-    mismatch: float
-    feed: float
-    speed: float
-    operation: str
-    tool: int
-    offset: int
-    line: int
-
-    @property
-    def course(self) -> Arc:
-        """Its line or arc in the plane."""
-        return Arc(self.start, self.end, self.sweep, self.centre)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,26 +56,6 @@ class Stop:
     code: int
     z: float
     line: int
-
-
-@dataclass(frozen=True, slots=True)
-class Loop:
-    """A closed run of cuts at one height.
-
-    Attributes
-    ----------
-    operation : its name.
-    tool : number of the tool that cuts it.
-    z : height [mm].
-    contour : path of the tool centre in the direction of cutting; arcs meet their end points.
-    mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
-    """
-
-    operation: str
-    tool: int
-    z: float
-    contour: Contour
-    mismatch: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,16 +94,18 @@ class Program:
         for move in self.moves:
             flat = move.kind != "rapid" and move.z_start == move.z_end
             if not flat or (run and run[-1].operation != move.operation):
-                found += _nearly_closed(run, gap)
+                found += nearly_closed(run, gap)
                 run, reached = [], {}
             if not flat:
                 continue
             reached[move.start] = len(run)
             run.append(move)
+            if len(found) > PATHS:
+                raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
             if move.end in reached:
-                found.append(_loop(run[reached[move.end] :], 0.0))
+                found.append(loop_of(run[reached[move.end] :], 0.0))
                 run, reached = [], {}
-        return found + _nearly_closed(run, gap)
+        return found + nearly_closed(run, gap)
 
     def verify(self, safe_height: float, radius_tolerance: float) -> None:
         """Raise FileError at the first move that is unsafe or that a controller may reject.
@@ -208,10 +150,12 @@ class _State:
 
 def read(text: str) -> Program:
     """Run a program; raises FileError at an invalid block."""
+    data = text.encode("ascii", "replace")
+    check_text(data, PROGRAM, "the program")
     state = _State()
     moves: list[CutterMove] = []
     comments: list[str] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(lines_of(data, "ascii"), start=1):
         for note in notes_of(line):
             comments.append(note)
             if note.startswith("operation "):
@@ -223,7 +167,12 @@ def read(text: str) -> Program:
             raise FileError(f"line {number}: block after the end of the program")
         if WORD.sub("", block).strip():
             raise FileError(f"line {number}: cannot be read: {block}")
-        move = _run(state, WORD.findall(block), number)
+        words = WORD.findall(block)
+        wrong = next((letter + value for letter, value in words if number_of(value) is None), "")
+        if wrong:
+            message = f"the word {wrong[:40]} has more than {DIGITS} digits or is beyond"
+            raise FileError(f"line {number}: {message} {COORDINATE:g}")
+        move = _run(state, words, number)
         if move is not None:
             moves.append(move)
     if not state.ended or state.spindle:
@@ -357,31 +306,3 @@ def _fault(move: CutterMove, height: float, radius_tolerance: float) -> str:
     if move.mismatch > radius_tolerance:
         return f"the radii of the arc differ by {move.mismatch:g} mm"
     return ""
-
-
-def _nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
-    """The part of an open run that comes back to within `gap` [mm] of its beginning, if any."""
-    import shapely
-
-    if not gap or not run:
-        return []
-    starts = np.array([move.start for move in run])
-    ends = np.array([move.end for move in run])
-    along = np.cumsum([0.0, *(move.course.length for move in run)])
-    tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
-    points = shapely.points(ends.real, ends.imag)
-    last, first = tree.query(points, predicate="dwithin", distance=gap)
-    long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
-    if not np.any(long):
-        return []
-    first, last = first[long], last[long]
-    best = int(np.argmin(np.abs(starts[first] - ends[last])))
-    apart = abs(starts[first[best]] - ends[last[best]])
-    return [_loop(run[first[best] : last[best] + 1], float(apart))]
-
-
-def _loop(run: list[CutterMove], gap: float) -> Loop:
-    vertices = np.array([move.start for move in run])
-    sweeps = np.array([move.sweep for move in run])
-    mismatch = max(move.mismatch for move in run) + gap
-    return Loop(run[0].operation, run[0].tool, run[0].z_start, chain(vertices, sweeps), mismatch)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import math
-from typing import Literal
 
 import numpy as np
 import trimesh
@@ -14,6 +13,7 @@ from camgeo.errors import CamgeoError, GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
+from camgeo.reading import COORDINATE
 from camgeo.verifying.verification import Check, failed, near
 from camgeo.wording import counted
 from camgeo_export.verify.mesh import (
@@ -29,12 +29,11 @@ from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
 
 
-def mesh_checks(
-    product: Product, data: bytes, kind: Literal["stl", "3mf"], scale: float, tolerance: float
-) -> list[Check]:
-    """All checks of the body in a file of that `kind`; `scale` [mm] is its unit."""
+def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -> list[Check]:
+    """All checks of the body in a 3MF package; `scale` [mm] is its unit."""
     try:
-        mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=False)
+        with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
         vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
     except Exception as error:  # what trimesh raises for damaged files is not documented
         return [failed("file", f"no mesh: {error}")]
@@ -56,8 +55,9 @@ def body_checks(
         wanted = part.levels
     except GeometryError as error:
         return [failed("body", f"there is none to compare it with: {error.message}")]
-    if not len(triangles) or not np.isfinite(vertices).all():
-        return [failed("facets", "there are none, or one of their coordinates is not finite")]
+    if not len(triangles) or not np.abs(vertices).max(initial=0.0) <= COORDINATE:  # or NaN
+        message = f"there are none, or a coordinate is not finite, or beyond {COORDINATE:g} mm"
+        return [failed("facets", message)]
     if np.min(triangles) < 0 or np.max(triangles) >= len(vertices):
         return [failed("facets", "one of them has a corner that is not among the vertices")]
     vertices, triangles = merged(vertices, triangles)

@@ -13,7 +13,8 @@ from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, equal, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
 from camgeo_export.gcode.comments import Stated, about_operation, about_program, wrapped
-from camgeo_export.gcode.reader import CutterMove, Program
+from camgeo_export.gcode.moves import CutterMove
+from camgeo_export.gcode.reader import Program
 
 PRINTED = 0.5 * 10.0**-FEED_DECIMALS * (1.0 + 1e-9)
 """Rounding of a printed feed, speed or diameter, in its unit."""

@@ -9,6 +9,7 @@ from camgeo.contour.exact import distance_between
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.formats.dxf import FORMAT
 from camgeo.product.product import Product
+from camgeo.reading import DRAWING, check_text
 from camgeo.verifying.verification import (
     Check,
     Origin,
@@ -48,6 +49,10 @@ class DxfVerifier:
 
     def origin(self, data: bytes) -> Origin:
         """From the custom document properties."""
+        try:
+            check_text(data, DRAWING, "the file")
+        except FileError as error:
+            return Origin(damage=str(error))
         lines = [line.strip() for line in data[:HEAD_BYTES].decode("cp1252", "replace").split("\n")]
         # 9, $CUSTOMPROPERTYTAG, 1, label, 9, $CUSTOMPROPERTY, 1, value
         places = [k for k, line in enumerate(lines) if line == "$CUSTOMPROPERTYTAG"]
@@ -125,12 +130,8 @@ def _contours(
     drawing: Drawing, reading: Reading, layer: str | None, tolerance: float
 ) -> tuple[tuple[AnyContour, ...], float]:
     """The closed contours of `layer` [mm], and the largest gap that was joined [mm]."""
-    for gap in (gap for gap in GAPS if gap < tolerance):
-        try:
-            return drawing.joined(layer, reading.unit, gap)
-        except FileError:
-            continue
-    return drawing.joined(layer, reading.unit, tolerance)
+    gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
+    return drawing.joined(layer, reading.unit, gaps)
 
 
 def _auxiliary(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
+from camgeo.reading import PROGRAM, check_text
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
 from camgeo.verifying.verification import (
@@ -21,7 +22,8 @@ from camgeo.verifying.verification import (
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.comments import stated
-from camgeo_export.gcode.reader import Loop, Program, notes_of, read
+from camgeo_export.gcode.moves import Loop
+from camgeo_export.gcode.reader import Program, notes_of, read
 from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.plane import contour_checks
@@ -37,6 +39,10 @@ class GcodeVerifier:
 
     def origin(self, data: bytes) -> Origin:
         """From the comments."""
+        try:
+            check_text(data, PROGRAM, "the file")
+        except FileError as error:
+            return Origin(damage=str(error))
         said = stated(notes_of(data.decode("ascii", "replace")))
         return Origin(bool(said.version), said.scene, said.tolerance)
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.verifying.verification import Check, at_most, failed
-from camgeo_export.gcode.reader import CutterMove, Program
+from camgeo_export.gcode.moves import CutterMove
+from camgeo_export.gcode.reader import Program
 from camgeo_export.matching import distances_from
 from camgeo_export.verify.plane import SLOPE, place_text
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import posixpath
 import re
-import zipfile
 from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 from xml.etree import ElementTree as ET
@@ -82,18 +81,17 @@ METADATA: Final = (
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
 
-ENCODING: Final = re.compile(rb"<\?xml[^>]*encoding=['\"]([^'\"]*)")
 
-
-def package_checks(data: bytes, ours: bool, name: str) -> list[Check]:
-    """That the package is complete and valid; one of `ours` must be of the part `name`."""
+def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Check]:
+    """That the package of these `parts` is complete and valid; one of `ours` must be of the part
+    `name`.
+    """
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as package:
-            path = _model_path(package)
-            if ours:
-                _require_our_parts(package, path)
-            content = package.read(path)
-    except (zipfile.BadZipFile, KeyError, SyntaxError, ValueError) as error:
+        path = _model_path(parts)
+        if ours:
+            _require_our_parts(parts, path)
+        content = parts[path]
+    except (SyntaxError, ValueError) as error:
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
     try:
@@ -103,16 +101,12 @@ def package_checks(data: bytes, ours: bool, name: str) -> list[Check]:
     return [*checks, Check("model", "", "valid", ok=True)]
 
 
-def _model_path(package: zipfile.ZipFile) -> str:
+def _model_path(parts: Mapping[str, bytes]) -> str:
     """The part that holds the model; raises FileError unless the package leads to it."""
-    names = package.namelist()
-    for name in names:
-        if sum(other.lower() == name.lower() for other in names) > 1:
-            raise FileError(f"it has two parts named {name}")
     for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
-        if name not in names:
+        if name not in parts:
             raise FileError(f"it has no {name}: other programs do not read it")
-    relations = _children(package, RELATIONSHIPS_PATH, RELATIONSHIPS, "Relationships")
+    relations = _children(parts, RELATIONSHIPS_PATH, RELATIONSHIPS, "Relationships")
     seen: set[str] = set()
     for relation in relations:
         key = relation.get("Id", "")
@@ -123,16 +117,16 @@ def _model_path(package: zipfile.ZipFile) -> str:
     if len(targets) != 1:
         raise FileError(f"{RELATIONSHIPS_PATH}: {len(targets)} models are named, not one")
     path = targets[0].removeprefix("/")
-    if not targets[0].startswith("/") or path not in names:
+    if not targets[0].startswith("/") or path not in parts:
         raise FileError(f"{RELATIONSHIPS_PATH}: the model {targets[0]!r} is not in the package")
-    _check_types(package, path)
+    _check_types(parts, path)
     return path
 
 
-def _children(package: zipfile.ZipFile, path: str, namespace: str, root: str) -> list[ET.Element]:
+def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) -> list[ET.Element]:
     """The elements of a part, whose root must be `root` of the `namespace`."""
     try:
-        found = ET.fromstring(package.read(path))
+        found = ET.fromstring(parts[path])
     except SyntaxError as error:
         raise FileError(f"{path}: {error}") from None
     if found.tag != f"{{{namespace}}}{root}":
@@ -140,11 +134,11 @@ def _children(package: zipfile.ZipFile, path: str, namespace: str, root: str) ->
     return list(found)
 
 
-def _check_types(package: zipfile.ZipFile, path: str) -> None:
+def _check_types(parts: Mapping[str, bytes], path: str) -> None:
     """The content types of the model and of the relationships are stated."""
     defaults: dict[str, str] = {}
     overrides: dict[str, str] = {}
-    for each in _children(package, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
+    for each in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
         kind = each.tag.rpartition("}")[2]
         table, key = {
             "Default": (defaults, each.get("Extension", "").lower()),
@@ -162,20 +156,15 @@ def _check_types(package: zipfile.ZipFile, path: str) -> None:
             raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {wanted}")
 
 
-def _require_our_parts(package: zipfile.ZipFile, path: str) -> None:
-    parts = (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH)
-    foreign = [name for name in package.namelist() if name not in parts]
+def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
+    own = (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH)
+    foreign = [name for name in parts if name not in own]
     if foreign or path != MODEL_PATH:
         raise FileError(f"{foreign[0] if foreign else path} is not a part of our packages")
 
 
 def _check_model(content: bytes, ours: bool, name: str) -> None:
     """Raise FileError or SyntaxError unless the model is valid."""
-    encoding = ENCODING.match(content)
-    if encoding is not None and encoding.group(1).lower() != b"utf-8":
-        raise FileError("is not encoded as UTF-8")
-    if b"<!DOCTYPE" in content[:1000]:
-        raise FileError("has a document type declaration, which 3MF forbids")
     prefixes: dict[str, str] = {}
     root: ET.Element | None = None
     for event, item in ET.iterparse(io.BytesIO(content), events=("start-ns", "start")):

@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import math
 import re
+from array import array
 
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.product.product import Product
+from camgeo.reading import (
+    COORDINATE,
+    FACETS,
+    STL,
+    beyond,
+    check_size,
+    check_text,
+    lines_of,
+    number_of,
+)
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import Check, Origin, Reading, equal, failed, reported
 from camgeo.wording import counted
+from camgeo_export.errors import FileError
 from camgeo_export.stl.writer import FACET, HEADER_BYTES, PREFIX
-from camgeo_export.verify.body import mesh_checks
+from camgeo_export.verify.body import body_checks
 from camgeo_export.verify.mesh import heights
 
 OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
@@ -36,6 +49,10 @@ class StlVerifier:
         """From the header, which has room only for the first digits of the scene's hash."""
         found = OURS.match(data[:PREFIX])
         scene = found.group(2).decode() if found else ""
+        try:
+            _check(data)
+        except FileError as error:
+            return Origin(damage=str(error))
         return Origin(found is not None, scene, None, _damage(data))
 
     def checks(
@@ -48,12 +65,27 @@ class StlVerifier:
             checks += [_header(data, product), _attributes(data)]
         try:
             normals, corners = _facets_of(data)
-        except ValueError as error:
+        except FileError as error:
             return (*checks, failed("file", f"no mesh: {error}"))
-        if not np.isfinite(corners).all():
-            return (*checks, failed("facets", "one of their coordinates is not finite"))
+        if not np.abs(corners).max(initial=0.0) <= COORDINATE:  # or NaN
+            message = f"one of their coordinates is not finite, or beyond {COORDINATE:g}"
+            return (*checks, failed("facets", message))
         checks.append(_normals(normals, corners, reading.ours))
-        return (*checks, *mesh_checks(product, data, "stl", MM_PER[unit], tolerance))
+        vertices = corners.reshape(-1, 3) * MM_PER[unit]
+        triangles = np.arange(len(vertices)).reshape(-1, 3)
+        return (*checks, *body_checks(product, vertices, triangles, tolerance))
+
+
+def _check(data: bytes) -> None:
+    """Raise FileError if the file is beyond the limits."""
+    if _is_binary(data):
+        check_size(len(data), STL, "the file")
+        count = (len(data) - PREFIX) // FACET.itemsize
+    else:
+        check_text(data, STL, "the file")
+        count = data.count(b"vertex") // 3
+    if count > FACETS:
+        raise beyond("the file", counted(count, "facet"), FACETS, STL)
 
 
 def _damage(data: bytes) -> str:
@@ -106,20 +138,33 @@ def _attributes(data: bytes) -> Check:
 
 
 def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
-    """(m, 3) normals and (m, 3, 3) corners, as in the file; raises ValueError."""
+    """(m, 3) normals and (m, 3, 3) corners, as in the file; raises FileError."""
     if _is_binary(data):
         facets = np.frombuffer(data, FACET, offset=PREFIX)
         return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
-    rows = [line.split() for line in data.decode("ascii", "replace").splitlines()]
-    normals = [row[2:5] for row in rows if row[:2] == ["facet", "normal"]]
-    corners = [row[1:4] for row in rows if row[:1] == ["vertex"]]
+    normals, corners = array("d"), array("d")
+    for number, line in enumerate(lines_of(data), start=1):
+        row = line.split(maxsplit=5)
+        if row[:1] == ["vertex"]:
+            corners.extend(_triple(row[1:], number))
+        elif row[:2] == ["facet", "normal"]:
+            normals.extend(_triple(row[2:], number))
     if len(corners) != 3 * len(normals):
-        stated = counted(len(normals), "facet")
-        raise ValueError(f"{stated} with {counted(len(corners), 'corner')}")
+        stated = counted(len(normals) // 3, "facet")
+        raise FileError(f"{stated} with {counted(len(corners) // 3, 'corner')}")
     return (
         np.array(normals, dtype=np.float64).reshape(-1, 3),
         np.array(corners, dtype=np.float64).reshape(-1, 3, 3),
     )
+
+
+def _triple(words: list[str], line: int) -> tuple[float, float, float]:
+    """The three numbers in a line of a text; NaN where a word is none."""
+    if len(words) != 3:
+        raise FileError(f"line {line}: {counted(len(words), 'number')} where 3 are expected")
+    x, y, z = (number_of(word) for word in words)
+    lost = math.nan
+    return (lost if x is None else x, lost if y is None else y, lost if z is None else z)
 
 
 def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
@@ -128,6 +173,10 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
     Programs may leave them 0, to be computed by the reader; ours are never 0. Others may have
     rounded the corners afterwards, which turns the normal of a narrow facet.
     """
+    lost = np.flatnonzero(~(np.abs(normals).max(axis=1, initial=0.0) <= COORDINATE))  # or NaN
+    if len(lost):
+        many = counted(len(lost), "facet")
+        return failed("normals", f"that of facet {lost[0] + 1} is not finite; wrong at {many}")
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     aside = np.linalg.norm(np.cross(normals, across), axis=1)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
-import zipfile
-import zlib
+from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
+from camgeo_export.errors import FileError
+from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.verify.body import mesh_checks
 from camgeo_export.verify.package import package_checks
 
@@ -35,8 +36,10 @@ class ThreeMfVerifier:
     def origin(self, data: bytes) -> Origin:
         """From the metadata of the model."""
         try:
-            _, metadata = _head(data)
-        except (zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, ValueError) as error:
+            parts = parts_of(data)
+            check_bodies(parts)
+            _, metadata = _head(parts)
+        except (SyntaxError, FileError) as error:
             return Origin(damage=f"not a complete 3MF package: {error}")
         return Origin(
             metadata.get("Application", "").startswith("camgeo "),
@@ -48,36 +51,32 @@ class ThreeMfVerifier:
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
-        valid = package_checks(data, reading.ours, product.name)
-        unit, _ = _head(data)
+        parts = parts_of(data)
+        valid = package_checks(parts, reading.ours, product.name)
+        unit, _ = _head(parts)
         name = SHORT.get(unit, unit)
         check = unit_check(name, reading, "mm", "our 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))
-        return (*valid, check, *mesh_checks(product, data, "3mf", scale, tolerance))
+        return (*valid, check, *mesh_checks(product, packed(parts), scale, tolerance))
 
 
-def _head(data: bytes) -> tuple[str, dict[str, str]]:
-    """Unit and metadata of the model; raises if the package or what is read from it is damaged."""
-    with zipfile.ZipFile(io.BytesIO(data)) as package:
-        damaged = package.testzip()
-        if damaged is not None:
-            raise ValueError(f"the entry {damaged} is damaged")
-        models = [name for name in package.namelist() if name.lower().endswith(MODEL)]
-        if not models:
-            raise ValueError("it contains no model")
-        metadata: dict[str, str] = {}
-        unit = "millimeter"
-        with package.open(models[0]) as model:
-            for event, element in ET.iterparse(model, events=("start", "end")):
-                tag = element.tag.rpartition("}")[2]
-                if event == "start" and tag == "model":
-                    unit = element.get("unit", unit)
-                elif event == "start" and tag in ("resources", "build"):
-                    break
-                elif event == "end" and tag == "metadata":
-                    metadata[element.get("name", "")] = element.text or ""
+def _head(parts: Mapping[str, bytes]) -> tuple[str, dict[str, str]]:
+    """Unit and metadata of the model; raises FileError or SyntaxError if there is none."""
+    model = next((part for name, part in parts.items() if name.lower().endswith(MODEL)), None)
+    if model is None:
+        raise FileError("it contains no model")
+    metadata: dict[str, str] = {}
+    unit = "millimeter"
+    for event, element in ET.iterparse(io.BytesIO(model), events=("start", "end")):
+        tag = element.tag.rpartition("}")[2]
+        if event == "start" and tag == "model":
+            unit = element.get("unit", unit)
+        elif event == "start" and tag in ("resources", "build"):
+            break
+        elif event == "end" and tag == "metadata":
+            metadata[element.get("name", "")] = element.text or ""
     return unit, metadata
 
 

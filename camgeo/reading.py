@@ -1,0 +1,216 @@
+"""Files that are read, whoever made them: their limits, checked before anything is parsed.
+
+A file comes from anywhere: damaged, made by another program, or made to do harm. Each limit lies
+far above what a cam needs, and so low that a file within it can neither exhaust the memory nor
+occupy the machine. docs/robustness.md lists them; `tests/hostile` holds the readers to them.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from camgeo.errors import FileError
+from camgeo.wording import counted
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a file of one kind may hold at most.
+
+    Attributes
+    ----------
+    kind : its name in messages.
+    size : in bytes.
+    lines : of a text that is read line by line; None if its lines do not matter.
+    """
+
+    kind: str
+    size: int
+    lines: int | None = None
+
+
+SCENE: Final = Limits("scene", 2_000_000)
+"""10,000 segments with generous comments."""
+
+MACHINE: Final = Limits("machine profile", 200_000)
+
+TABLE: Final = Limits("table", 16_000_000, lines=400_000)
+"""Of lifts, speeds or loads: 200,000 rows, and as many comments."""
+
+PROJECT: Final = Limits("project", 2_000_000)
+
+CERTIFICATE: Final = Limits("certificate", 2_000_000)
+
+DRAWING: Final = Limits("DXF drawing", 32_000_000, lines=800_000)
+"""A polyline takes four lines for each vertex, a single line or arc about twenty."""
+
+PROGRAM: Final = Limits("milling program", 16_000_000, lines=200_000)
+
+STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
+"""Lines are those of a text, seven for each facet."""
+
+PACKAGE: Final = Limits("3MF package", 16_000_000)
+
+CONTOUR: Final = Limits("CSV contour", 16_000_000, lines=200_000)
+
+VERIFIED: Final = Limits("file to be verified", 32_000_000)
+"""Of any format; that of its own may be less."""
+
+FACETS: Final = 150_000
+"""Of a mesh, all copies of its objects counted."""
+
+CONTOURS: Final = 1_000
+"""Closed contours of a drawing."""
+
+PATHS: Final = 10_000
+"""Closed paths of a program."""
+
+MEMBERS: Final = 1_000
+"""Files in a package."""
+
+OBJECTS: Final = 1_000
+"""Objects of a package."""
+
+UNPACKED: Final = 64_000_000
+"""Bytes of a package's files in all, unpacked."""
+
+RATIO: Final = 200
+"""By how many times a file of a package may grow on unpacking; meshes grow ten times."""
+
+ELEMENTS: Final = 250_000
+"""Elements of the XML in a package, opening and closing tags counted as one."""
+
+ATTRIBUTES: Final = 800_000
+"""Attributes of these elements in all."""
+
+TAG: Final = 4_000
+"""Characters of one of their tags."""
+
+COORDINATE: Final = 1e9
+"""Magnitude of a number of drawings, meshes and programs, in any unit."""
+
+DIGITS: Final = 60
+"""Characters of such a number; exact ones have no more than 24."""
+
+KEY_PARTS: Final = 16
+"""Parts of a dotted key of TOML; scenes need four."""
+
+MARKS: Final = 300_000
+"""Signs that begin a value or a part of a key in TOML: = , [ { and points."""
+
+TABLES: Final = 40_000
+"""Tables of TOML: headers, tables in braces, and dotted keys."""
+
+QUOTED: Final = re.compile(
+    r'"""(?:[^"\\]++|\\.?|"(?!""))*+(?:"{3,5})?'
+    r"|'''(?:[^']++|'(?!''))*+(?:'{3,5})?"
+    r'|"(?:[^"\\\n]++|\\.?)*+"?'
+    r"|'[^'\n]*+'?"
+    r"|#[^\n]*+",
+    re.DOTALL,
+)
+"""Strings and comments of TOML; one without an end goes on to the end of the line or the text, so
+that no text is searched twice."""
+
+DEEP: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{KEY_PARTS}}}")
+"""A dotted key of too many parts, where strings are replaced by a letter."""
+
+
+DOTTED: Final = re.compile(r"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+)++[\w-]++[ \t]*+[=\]]")
+"""A dotted key, or a number at the end of an array; there are few of these."""
+
+HEADER: Final = re.compile(r"^[ \t]*+\[", re.MULTILINE)
+
+
+def read_within(path: Path, limits: Limits) -> bytes:
+    """The bytes of the file at `path`.
+
+    Raises
+    ------
+    FileError
+        If it is larger than allowed; then it is not read.
+    OSError, ValueError
+        If it cannot be read; the latter for a path that no file can have.
+    """
+    with path.open("rb") as stream:
+        size = os.fstat(stream.fileno()).st_size
+        data = stream.read(limits.size + 1) if size <= limits.size else b""
+    check_size(max(size, len(data)), limits, path.name)
+    return data
+
+
+def check_size(size: int, limits: Limits, name: str) -> None:
+    """Raise FileError if a file of `size` bytes is too large."""
+    if size > limits.size:
+        raise beyond(name, counted(size, "byte"), limits.size, limits)
+
+
+def check_text(data: bytes, limits: Limits, name: str) -> None:
+    """Raise FileError if a file is too large, or has too many lines."""
+    check_size(len(data), limits, name)
+    lines = data.count(b"\n") + data.count(b"\r") - data.count(b"\r\n")
+    if limits.lines is not None and lines > limits.lines:
+        raise beyond(name, counted(lines, "line"), limits.lines, limits)
+
+
+def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
+    """The error for a file of which more was `found` than `allowed`."""
+    return FileError(f"{name}: has {found}; allowed in a {limits.kind} are at most {allowed:,}")
+
+
+def lines_of(data: bytes, encoding: str = "utf-8") -> Iterator[str]:
+    """The lines of a text one by one, without their ends: LF, CR or both.
+
+    What `encoding` cannot decode becomes a replacement character, and a byte order mark nothing.
+    """
+    text = io.TextIOWrapper(io.BytesIO(data), encoding, errors="replace", newline=None)
+    for number, line in enumerate(text):
+        kept = line.removesuffix("\n")
+        yield kept.removeprefix("\N{BYTE ORDER MARK}") if number == 0 else kept
+
+
+def number_of(text: str) -> float | None:
+    """The number that `text` is, None if it is none, or beyond the limits of a coordinate."""
+    if len(text) > DIGITS or not text.isascii() or "_" in text:
+        return None
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if abs(number) <= COORDINATE else None
+
+
+def check_toml(text: str) -> None:
+    """Raise FileError if the TOML `text` has too many values, or keys of too many parts.
+
+    A parser makes a table of each part of a dotted key, and looks each up from the top.
+    """
+    plain = QUOTED.sub(_blank, text)
+    marks = sum(map(plain.count, "=,[{."))
+    if marks > MARKS:
+        raise FileError(
+            f"has {marks:,} signs = , [ {{ and points, of values and of parts of keys; allowed are"
+            f" at most {MARKS:,}"
+        )
+    deep = DEEP.search(plain)
+    if deep is not None:
+        line = 1 + plain.count("\n", 0, deep.start())
+        raise FileError(
+            f"is nested too deeply: the key in line {line} has more than {KEY_PARTS} parts, as many"
+            " as are allowed"
+        )
+    tables = plain.count("{") + sum(1 for each in (DOTTED, HEADER) for _ in each.finditer(plain))
+    if tables > TABLES:
+        raise FileError(f"has {tables:,} tables and dotted keys; allowed are at most {TABLES:,}")
+
+
+def _blank(quoted: re.Match[str]) -> str:
+    """What stands for a string, or for a comment, with as many lines."""
+    text = quoted[0]
+    return "" if text[0] == "#" else "s" + "\n" * text.count("\n")

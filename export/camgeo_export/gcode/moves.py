@@ -1,0 +1,136 @@
+"""Moves of a milling program that was read, and the closed paths that they form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc
+from camgeo.numeric.arrays import IntArray
+from camgeo_export.chain import chain
+from camgeo_export.errors import FileError
+
+if TYPE_CHECKING:
+    from shapely import STRtree
+
+Kind = Literal["rapid", "line", "arc"]
+
+LEAST_LENGTH = 30.0
+"""Least length of a run that is closed with a gap, as a multiple of the gap."""
+
+NEAR: Final = 2_000_000
+"""Pairs of moves, the end of one near the start of the other, that may close a path."""
+
+
+@dataclass(frozen=True, slots=True)
+class CutterMove:
+    """One move; lengths in mm, feed in mm/min.
+
+    Attributes
+    ----------
+    kind : "rapid", "line" or "arc".
+    start, end : (x + iy); nan + nan i until the program has set a position.
+    z_start, z_end : heights.
+    centre : of an arc.
+    sweep : angle turned along an arc [rad], positive counter-clockwise.
+    mismatch : difference of an arc's radii at its ends.
+    feed : 0 for a traverse.
+    speed : of the spindle [rev/min]; 0 while it stands still.
+    operation : the last one named by a comment.
+    tool : number of the current one; 0 before the first change.
+    offset : number of the tool whose length is compensated; 0 before the first.
+    line : in the file, counted from 1.
+    """
+
+    kind: Kind
+    start: complex
+    end: complex
+    z_start: float
+    z_end: float
+    centre: complex
+    sweep: float
+    mismatch: float
+    feed: float
+    speed: float
+    operation: str
+    tool: int
+    offset: int
+    line: int
+
+    @property
+    def course(self) -> Arc:
+        """Its line or arc in the plane."""
+        return Arc(self.start, self.end, self.sweep, self.centre)
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A closed run of cuts at one height.
+
+    Attributes
+    ----------
+    operation : its name.
+    tool : number of the tool that cuts it.
+    z : height [mm].
+    contour : path of the tool centre in the direction of cutting; arcs meet their end points.
+    mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
+    """
+
+    operation: str
+    tool: int
+    z: float
+    contour: Contour
+    mismatch: float
+
+
+def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
+    """The part of an open run that comes back to within `gap` [mm] of its beginning, if any."""
+    if not gap or not run:
+        return []
+    import shapely
+
+    starts = np.array([move.start for move in run])
+    ends = np.array([move.end for move in run])
+    along = np.cumsum([0.0, *(move.course.length for move in run)])
+    tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
+    points = np.asarray(shapely.points(ends.real, ends.imag))
+    last, first = _near(tree, points, gap)
+    long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
+    if not np.any(long):
+        return []
+    first, last = first[long], last[long]
+    best = int(np.argmin(np.abs(starts[first] - ends[last])))
+    apart = abs(starts[first[best]] - ends[last[best]])
+    return [loop_of(run[first[best] : last[best] + 1], float(apart))]
+
+
+def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntArray, IntArray]:
+    """Numbers of `points` and of those in the `tree` that lie within `gap` [mm] of them.
+
+    Raises FileError if there are too many such pairs: then the moves of the program are shorter
+    than the gap by far.
+    """
+    found: list[IntArray] = []
+    left, some = NEAR, max(NEAR // len(points), 1)
+    for first in range(0, len(points), some):
+        pairs = tree.query(points[first : first + some], predicate="dwithin", distance=gap)
+        left -= pairs.shape[1]
+        if left < 0:
+            raise FileError(
+                f"more than {NEAR:,} pairs of moves lie within the tolerance {gap:g} mm of each"
+                " other: no closed path can be told in them"
+            )
+        found.append(pairs + np.array([[first], [0]]))
+    last, earlier = np.concatenate(found, axis=1)
+    return last, earlier
+
+
+def loop_of(run: list[CutterMove], gap: float) -> Loop:
+    """The closed path that a run of moves is, with a `gap` [mm] at its end."""
+    vertices = np.array([move.start for move in run])
+    sweeps = np.array([move.sweep for move in run])
+    mismatch = max(move.mismatch for move in run) + gap
+    return Loop(run[0].operation, run[0].tool, run[0].z_start, chain(vertices, sweeps), mismatch)

@@ -1,0 +1,141 @@
+"""Run the readers on hostile files, `python -m tests.hostile [READER...]`, or on good files that
+are mutated, `python -m tests.hostile --mutations 300 --seed 1 [READER...]`.
+
+Each reader has a process of its own, forked after all imports; so memory and CPU time are those of
+the reader alone. Prints a JSON object for each input: reader, name, reason of the refusal (empty:
+none), error (empty: none), seconds and megabytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import sys
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from camgeo_export.threemf.parts import parts_of
+from tests.hostile.mutations import mutated, repacked
+from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
+from tests.hostile.readers import READERS, good
+from tests.hostile.texts import Named, contours, drawings, programs, tables
+
+INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
+    "dxf": drawings,
+    "replay-dxf": partial(drawings, any_text=False),
+    "gcode": programs,
+    "stl": bodies,
+    "3mf": packages,
+    "contour": contours,
+    "lifts": tables,
+    "speeds": partial(tables, any_text=False),
+    "loads": partial(tables, any_text=False),
+    "motor": partial(tables, any_text=False),
+    "scene": scenes,
+    "machine": profiles,
+    "certificate": certificates,
+    "ocv": projects,
+}
+
+STATUS: Final = Path("/proc/self/status")
+
+LONGEST: Final = 120
+"""CPU time [s] after which the process of a reader is killed."""
+
+MOST: Final = 2_000_000_000
+"""Bytes beyond those at its start that it may ever have."""
+
+
+def memory(what: str) -> float:
+    """A figure of the process's memory [MB]; 0 where the system does not state it."""
+    if not STATUS.exists():
+        return 0.0
+    row = next(row for row in STATUS.read_text().splitlines() if row.startswith(f"{what}:"))
+    return float(row.split()[1]) / 1000.0
+
+
+def forget_peak() -> None:
+    """Begin the peak of the memory anew."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+    except OSError:
+        return
+
+
+def measured(reader: str, name: str, data: bytes) -> dict[str, Any]:
+    """One input, read."""
+    forget_peak()
+    before, began = memory("VmRSS"), time.process_time()
+    reason = error = ""
+    try:
+        reason = READERS[reader](data)
+    except Exception as unexpected:
+        error = f"{type(unexpected).__name__}: {unexpected}"
+    seconds = time.process_time() - began
+    return {
+        "reader": reader,
+        "name": name,
+        "reason": reason[:300],
+        "error": error[:300],
+        "seconds": seconds,
+        "megabytes": memory("VmHWM") - before,
+    }
+
+
+def mutants(reader: str, sample: bytes, seeds: range) -> Named:
+    """Mutations of a good file; of packages, half of the mutations are of what is packed."""
+    parts = parts_of(sample) if reader == "3mf" else {}
+    for seed in seeds:
+        data = repacked(parts, seed) if parts and seed % 2 else mutated(sample, seed)
+        yield f"seed {seed}", data
+
+
+def work(reader: str, seeds: range) -> None:
+    """Read all inputs of a reader, or the mutations of these seeds."""
+    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
+    limit = int(1e6 * memory("VmSize")) + MOST
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    sample = good(reader)
+    READERS[reader](sample)  # what it imports, and what is computed once
+    inputs = mutants(reader, sample, seeds) if seeds else INPUTS[reader](sample)
+    for name, data in inputs:
+        sys.stdout.write(json.dumps(measured(reader, name, data)) + "\n")
+        sys.stdout.flush()
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Fork a process for each reader; 1 if one does not come to its end."""
+    parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
+    parser.add_argument("readers", metavar="READER", nargs="*", help=f"of {', '.join(INPUTS)}")
+    parser.add_argument("--mutations", metavar="N", type=int, default=0, help="of each good file")
+    parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the first mutation")
+    wanted = parser.parse_args(arguments)
+    seeds = range(wanted.seed, wanted.seed + wanted.mutations)
+    warnings.simplefilter("error")
+    code = 0
+    for name in ("dxf", "gcode", "stl", "3mf"):
+        good(name)
+    for reader in wanted.readers or INPUTS:
+        child = os.fork()
+        if child == 0:
+            try:
+                work(reader, seeds)
+            except BaseException as error:
+                sys.stderr.write(f"{reader}: {error!r}\n")
+                os._exit(1)
+            os._exit(0)
+        _, status = os.waitpid(child, 0)
+        if status:
+            sys.stderr.write(f"{reader}: ended with {status}\n")
+            code = 1
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,151 @@
+"""Every reader of foreign files as one function: bytes in, a refusal or nothing out."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from pathlib import Path
+from typing import Final
+
+import camgeo
+from camgeo.answers.replay import Reader
+from camgeo.effects.effect import DataFile
+from camgeo.effects.load.profile import read_load_table
+from camgeo.effects.speed_fluctuation.table import read_motor
+from camgeo.errors import CamgeoError
+from camgeo.motion.motion_tables import read_lift_table, read_speed_table
+from camgeo.product.product import Product
+from camgeo.scene.ocv import import_project
+from camgeo.toolpath.machine import load
+from camgeo.verifying.certificate import certificate_in
+from camgeo.verifying.verify import Against, Wanted, verify_files
+from camgeo.writing.writer import find_writer
+from camgeo_export.contour_csv.reader import READER as CONTOUR
+from camgeo_export.dxf.reader import READER as DRAWING
+
+FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
+
+TOLERANCE: Final = 0.05
+
+ENDINGS: Final = {"dxf": "dxf", "gcode": "ngc", "stl": "stl", "3mf": "3mf"}
+"""Of the files that `camgeo verify` measures, by their formats."""
+
+
+class Crash(Exception):
+    """The net below a reader caught an exception that the reader should not have raised."""
+
+
+@cache
+def product() -> Product:
+    """The disc that files are compared with."""
+    return camgeo.load(FIXTURES / "scenes" / "vorschub.toml").disc
+
+
+@cache
+def made(kind: str) -> bytes:
+    """A good file of a format that camgeo writes."""
+    return find_writer(kind).write(product(), TOLERANCE).data
+
+
+def verified(data: bytes, kind: str) -> str:
+    """Why `camgeo verify` does not pass a file; empty if it does."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"vorschub.{ENDINGS[kind]}")
+        path.write_bytes(data)
+        against = Against([product()], TOLERANCE)
+        try:
+            (verdict,) = verify_files((path,), lambda *_: against, Wanted(TOLERANCE))
+        except CamgeoError as error:
+            return str(error)
+    if verdict.crashed:
+        raise Crash(verdict.checks[-1].note)
+    return "; ".join(check.note or check.name for check in verdict.checks if check.ok is False)
+
+
+def replayed(data: bytes, reader: Reader) -> str:
+    """Why `camgeo replay` does not take a contour."""
+    try:
+        reader.read(data, "contour", layer=None, unit="mm", gap=1e-3)
+    except CamgeoError as error:
+        return str(error)
+    return ""
+
+
+def table(data: bytes, read: Callable[[bytes], object]) -> str:
+    """Why a table is refused."""
+    try:
+        read(data)
+    except CamgeoError as error:
+        return str(error)
+    return ""
+
+
+def scene(data: bytes) -> str:
+    """Why a scene is refused."""
+    try:
+        camgeo.Scene.from_text(data, folder=FIXTURES / "scenes")
+    except CamgeoError as error:
+        return str(error)
+    return ""
+
+
+def machine(data: bytes) -> str:
+    """Why a machine profile is refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "mill.toml")
+        path.write_bytes(data)
+        try:
+            load(str(path))
+        except CamgeoError as error:
+            return str(error)
+    return ""
+
+
+def certificate(data: bytes) -> str:
+    """Why a certificate counts as damaged."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "certificate.json").write_bytes(data)
+        found = certificate_in(Path(folder))
+    assert found is not None
+    return found.damage
+
+
+READERS: Final[Mapping[str, Callable[[bytes], str]]] = {
+    "dxf": partial(verified, kind="dxf"),
+    "replay-dxf": partial(replayed, reader=DRAWING),
+    "gcode": partial(verified, kind="gcode"),
+    "stl": partial(verified, kind="stl"),
+    "3mf": partial(verified, kind="3mf"),
+    "contour": partial(replayed, reader=CONTOUR),
+    "lifts": partial(table, read=partial(read_lift_table, file="lift.csv")),
+    "speeds": partial(table, read=partial(read_speed_table, file="speed.csv")),
+    "loads": partial(table, read=lambda data: read_load_table(DataFile("load.csv", data))),
+    "motor": partial(table, read=lambda data: read_motor(DataFile("motor.csv", data))),
+    "scene": scene,
+    "machine": machine,
+    "certificate": certificate,
+    "ocv": partial(table, read=lambda data: import_project(data, "project")),
+}
+"""Each returns why it refuses the bytes, or nothing."""
+
+
+def good(name: str) -> bytes:
+    """A file that the reader of that name takes."""
+    folder = Path(camgeo.__file__).parent
+    files: dict[str, Callable[[], bytes]] = {
+        "replay-dxf": lambda: made("dxf"),
+        "contour": lambda: b"x,y,bulge\n10,0,0.1\n0,10,0\n-10,0,0.5\n0,-10,0\n",
+        "lifts": lambda: ("\n".join(f"{10 * k},{k * (36 - k)}" for k in range(37))).encode(),
+        "speeds": lambda: (FIXTURES / "scenes" / "points_speed.csv").read_bytes(),
+        "loads": lambda: (FIXTURES / "effects" / "linked_press_load.csv").read_bytes(),
+        "motor": lambda: b"n [rpm];M [Nm]\n0;20\n500;12,5\n1000;0\n",
+        "scene": lambda: (FIXTURES / "scenes" / "setzhub.toml").read_bytes(),
+        "machine": lambda: (folder / "toolpath" / "machines" / "linuxcnc.toml").read_bytes(),
+        "certificate": lambda: (
+            b'{"scene": {"sha256": "' + b"0" * 64 + b'", "files": {"a.csv": "' + b"1" * 64 + b'"}},'
+            b' "files": [{"file": "a.dxf", "sha256": "' + b"2" * 64 + b'", "tolerance_mm": 0.01}]}'
+        ),
+        "ocv": lambda: (FIXTURES / "reference" / "ocv" / "setzhub.ocv").read_bytes(),
+    }
+    return files.get(name, lambda: made(name))()

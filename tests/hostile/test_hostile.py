@@ -1,0 +1,73 @@
+"""Hostile and damaged files are refused by every reader, quickly, and in little memory.
+
+A child process imports all readers, and each reader then runs in a fork of it. Times are CPU times:
+the machine may have other work.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+ROOT: Final = Path(__file__).parents[2]
+
+SECONDS: Final = 2.0
+MEGABYTES: Final = 300.0
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the readers are run in forks")
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a reader did with one file, as `tests.hostile.__main__` says."""
+
+    reader: str
+    name: str
+    reason: str
+    error: str
+    seconds: float
+    megabytes: float
+
+
+def results(*words: str) -> list[Result]:
+    """Of a run of `python -m tests.hostile`."""
+    command = [sys.executable, "-m", "tests.hostile", *words]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return [Result(**json.loads(line)) for line in done.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def hostile() -> list[Result]:
+    return results()
+
+
+def test_there_are_many_for_every_reader(hostile: list[Result]) -> None:
+    counts = Counter(each.reader for each in hostile)
+    assert len(counts) == 14
+    assert min(counts.values()) >= 20
+    assert len({(each.reader, each.name) for each in hostile}) == len(hostile) >= 500
+
+
+def test_none_is_taken_or_crashes_a_reader(hostile: list[Result]) -> None:
+    assert [each for each in hostile if each.error or not each.reason] == []
+
+
+def test_none_takes_long_or_much_memory(hostile: list[Result]) -> None:
+    assert [each for each in hostile if each.seconds > SECONDS] == []
+    assert [each for each in hostile if each.megabytes > MEGABYTES] == []
+
+
+def test_mutated_files_crash_no_reader() -> None:
+    """`--mutations 300` of another seed runs more."""
+    found = results("--mutations", "12", "--seed", "1")
+    assert len(found) == 14 * 12
+    assert [each for each in found if each.error] == []

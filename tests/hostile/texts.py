@@ -1,0 +1,174 @@
+"""Hostile files that consist of text: drawings, programs, contours, tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+Named = Iterator[tuple[str, bytes]]
+
+WRONG_NUMBERS = {
+    "310 digits": "1" + "0" * 310,
+    "1e308": "1e308",
+    "1e400": "1e400",
+    "nan": "nan",
+    "inf": "-inf",
+    "underscore": "1_000",
+    "fullwidth": "\uff11\uff12",
+    "hexadecimal": "0x10",
+    "empty": "",
+    "5,000 digits": "9" * 5000,
+    "two signs": "--1",
+    "NUL": "1\0",
+}
+"""What is not a number of a file."""
+
+
+def damaged(good: bytes) -> Named:
+    """What can happen to any text."""
+    yield "empty", b""
+    yield "one line end", b"\n"
+    yield "NUL bytes", bytes(10_000)
+    yield "high bytes", b"\xff" * 10_000
+    yield "UTF-16", good.decode("utf-8", "replace").encode("utf-16")
+    yield "UTF-16 without mark", good.decode("utf-8", "replace").encode("utf-16-be")
+    yield "upside down", good[::-1]
+    yield "another file", b"%PDF-1.7\n" + bytes(range(256)) * 40
+    yield "40 MB", b"0\n" * 20_000_000
+    yield "line ends only", b"\n" * 1_600_000
+    yield "CR only", b"\r" * 1_600_000
+    yield "one line", b"1" * 15_000_000
+    yield "quotes and brackets", b'("[{' * 1_000_000
+    yield "commas", b"," * 8_000_000
+    yield "blanks", b" " * 15_000_000
+
+
+def dxf(*entities: str, unit: str = "4", head: str = "") -> bytes:
+    """A drawing; each entity is its groups, parted by blanks."""
+    body = "".join("\n".join(each.split(" ")) + "\n" for each in entities)
+    header = f"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{unit}\n0\nENDSEC\n"
+    return f"{header}{head}0\nSECTION\n2\nENTITIES\n{body}0\nENDSEC\n0\nEOF\n".encode()
+
+
+def line(x: object, y: object, u: object, v: object) -> str:
+    return f"0 LINE 8 0 10 {x} 20 {y} 11 {u} 21 {v}"
+
+
+def drawings(good: bytes, *, any_text: bool = True) -> Named:
+    """Of drawings; with what can happen to any text if `any_text`."""
+    if any_text:
+        yield from damaged(good)
+    for share in (0.1, 0.5, 0.9, 0.99):
+        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    yield "binary", b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(1000)
+    yield "without EOF", good.replace(b"EOF", b"END")
+    yield "sections in sections", b"0\nSECTION\n2\nENTITIES\n" * 100_000 + b"0\nEOF\n"
+    yield "header that ends", b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n0\nEOF\n"
+    for name, number in WRONG_NUMBERS.items():
+        yield f"coordinate {name}", dxf(f"0 CIRCLE 8 0 10 {number} 20 0 40 5")
+        yield f"bulge {name}", dxf(f"0 LWPOLYLINE 8 0 70 1 10 0 20 0 42 {number} 10 5 20 5")
+    yield "radius 1e-320", dxf("0 CIRCLE 8 0 10 0 20 0 40 1e-320")
+    yield "negative radius", dxf("0 CIRCLE 8 0 10 0 20 0 40 -1")
+    yield "angle of an arc", dxf("0 ARC 8 0 10 0 20 0 40 1 50 1e300 51 2")
+    yield "unit", dxf("0 CIRCLE 8 0 10 0 20 0 40 1", unit="9" * 400)
+    for count in ("-5", "1000000000", "nan", "1e308"):
+        yield f"{count} vertices", dxf(f"0 LWPOLYLINE 8 0 90 {count} 70 1 10 0 20 0 10 1 20 1")
+    yield "flags", dxf("0 POLYLINE 8 0 70 1e300", "0 VERTEX 8 0 10 1 20 1", "0 SEQEND")
+    yield "polyline of nothing", dxf("0 POLYLINE 8 0 70 1", "0 SEQEND")
+    for what in ("71 1e9", "71 nan", "71 3 72 1000000000", "71 3 40 nan", "71 3 73 -1", "71 0"):
+        yield f"spline {what}", dxf(f"0 SPLINE 8 0 {what} 10 0 20 0 10 1 20 1 10 2 20 0 10 3 20 3")
+    knots = " ".join(f"40 {k % 7}" for k in range(100_000))
+    yield "spline of unsorted knots", dxf(f"0 SPLINE 8 0 71 3 {knots} 10 0 20 0 10 1 20 1")
+    controls = " ".join(f"10 {k % 9} 20 {k % 11}" for k in range(100_000))
+    yield "spline of equal knots", dxf(f"0 SPLINE 8 0 71 3 {'40 0 ' * 100_004}{controls}")
+    block = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nINSERT\n2\nA\n0\nENDBLK\n0\nENDSEC\n"
+    yield "block in itself", dxf("0 INSERT 8 0 2 A 10 0 20 0", head=block)
+    blocks = "".join(
+        f"0\nBLOCK\n2\nB{k}\n" + f"0\nINSERT\n2\nB{k + 1}\n" * 10 + "0\nENDBLK\n"
+        for k in range(1000)
+    )
+    head = f"0\nSECTION\n2\nBLOCKS\n{blocks}0\nENDSEC\n"
+    yield "blocks that multiply", dxf("0 INSERT 8 0 2 B0 10 0 20 0", head=head)
+    yield "extrusion", dxf("0 CIRCLE 8 0 10 0 20 0 40 1 210 nan")
+    yield "group code of 5,000 digits", dxf("9" * 5000 + " 1")
+    yield "fullwidth group code", dxf("\uff10 LINE")
+    yield "group codes with marks", dxf("1_0 LINE")
+    yield "text of 10 MB", dxf("0 TEXT 1 " + "x" * 10_000_000)
+    yield "layers", dxf(*(f"0 LINE 8 L{k}" for k in range(100_000)))
+    yield "one line's end", dxf(line(0, 0, 1e-320, 0), line(1e-320, 0, 0, 0))
+    yield "loose lines", dxf(*(line(k, 0, k, 1) for k in range(100_000)))
+    yield "lines at one place", dxf(*(line(0, 0, 1, k % 3) for k in range(100_000)))
+    yield "far and near lines", dxf(line(1e9, 1e9, 1e-9, 0), line(1e-9, 0, 1e9, 1e9))
+    yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(60_000)))
+    many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(350_000))
+    yield "open polyline", dxf(f"0 LWPOLYLINE 8 0 70 0 {many}")
+    yield "too many lines", dxf(f"0 LWPOLYLINE 8 0 70 1 {many} {many}")
+
+
+PROGRAM = "G17 G21 G40 G49 G54 G80 G90 G94\nG91.1\nT1 M6\nG43 H1\nS1000 M3\nG64 P0.001 Q0\nF100\n"
+
+
+def program(*blocks: str, end: str = "M5\nM2\n") -> bytes:
+    return (PROGRAM + "\n".join(blocks) + "\n" + end).encode()
+
+
+def programs(good: bytes) -> Named:
+    yield from damaged(good)
+    for share in (0.1, 0.5, 0.99):
+        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    for letter in "GMXYZIJFSTHNPQ":
+        yield f"{letter} of 310 digits", program(f"{letter}1{'0' * 310}")
+    yield "decimals", program("G1 X0." + "0" * 1_000_000 + "1")
+    yield "beyond 1e9", program("G1 X10000000000 Y1")
+    yield "sizes that overflow", program("G0 X999999999", "G1 X-999999999", "G2 I1 J1 X5")
+    yield "exponent", program("G1 X1E308")
+    yield "fullwidth", program("G1 X\uff11")
+    yield "brackets", program("(" * 2_000_000)
+    yield "comment in a comment", program("(" * 500_000 + ")" * 500_000)
+    yield "words", program("X1" * 1_000_000)
+    yield "variables", program("#1=[#1+1]", "O100 CALL", "G1 X[#1/0]")
+    yield "arc of nothing", program("G1 X0 Y0 Z-1", "G2 X0 Y0 I0 J0")
+    yield "another end", program("G1 X1 Y1", end="M2\nM5\nM2\n")
+    yield "no end", program("G1 X1 Y1", end="")
+    yield "tolerance", b"(camgeo 1.0)\n(tolerance 1e300 mm)\n" + program("G1 X1")
+    yield "polar", program("G16", "G1 X1")
+    yield "only a mark", b"%\n" * 100_000
+    within = (f"X{k % 7 * 1e-5:.5f} Y{k % 5 * 1e-5:.5f}" for k in range(120_000))
+    yield "moves within the tolerance", program("G0 X0 Y0", "G1 Z-1", *within)
+    spiral = (f"X{(k % 2) * 0.01 + k * 1e-7:.7f} Y0" for k in range(60_000))
+    yield "moves to and fro", program("G0 X0 Y0", "G1 Z-1", *spiral)
+    yield "closed paths", program("G0 X0 Y0", "G1 Z-1", *("X1 Y0", "X0 Y0") * 30_000)
+    yield "comments", program(*("(operation a)",) * 150_000)
+    yield "too many blocks", program(*("G1 X1",) * 200_001)
+
+
+def contours(good: bytes) -> Named:
+    yield from damaged(good)
+    for name, number in WRONG_NUMBERS.items():
+        yield f"x {name}", f"0,0\n{number},1\n1,1\n".encode()
+        yield f"bulge {name}", f"0,0,0\n1,1,{number}\n1,0,0\n".encode()
+    yield "no area", b"0,0\n1,1\n2,2\n"
+    yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
+    yield "one place", b"1,1\n" * 100_000
+    yield "rows", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001))
+    yield "semicolons", b"0;0\n1;1\n1;0\n"
+    yield "three columns, then two", b"0,0,0\n1,1\n"
+    yield "too few", b"0,0\n1,0\n"
+
+
+def tables(good: bytes, *, any_text: bool = True) -> Named:
+    """Of tables of two columns; with what can happen to any text if `any_text`."""
+    if any_text:
+        yield from damaged(good)
+        yield "lines", b"0,0\n" * 400_001
+        yield "comments", b"#\n" * 399_000 + b"0,0\n"
+    for name, number in WRONG_NUMBERS.items():
+        yield f"first {name}", f"0,0\n{number},1\n360,0\n".encode()
+        yield f"second {name}", f"0,0\n180,{number}\n360,0\n".encode()
+    yield "columns", b"phi," + b"a," * 2_000_000 + b"lift\n" + b"0,0\n" * 10
+    yield "blanks in a heading", b"a" + b" " * 1_000_000 + b"b,lift\n0,0\n1,1\n"
+    yield "bracket in a heading", b"phi [" + b" " * 100_000 + b",lift\n0,0\n1,1\n"
+    yield "equal headings", b"phi,phi\n0,0\n360,0\n"
+    yield "descending", b"0,0\n10,1\n5,2\n360,0\n"
+    yield "mixed decimals", b"0;0\n1,5;1.5\n360;0\n"
+    yield "one row", b"0,0\n"
+    yield "huge", b"0,0\n180,1e31\n360,0\n"
