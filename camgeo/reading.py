@@ -77,7 +77,7 @@ MEMBERS: Final = 1_000
 OBJECTS: Final = 1_000
 """Objects of a package."""
 
-UNPACKED: Final = 64_000_000
+UNPACKED: Final = 40_000_000
 """Bytes of a package's files in all, unpacked."""
 
 RATIO: Final = 200

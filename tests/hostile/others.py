@@ -59,6 +59,8 @@ def bodies(good: bytes) -> Named:
         yield f"normal {name}", good[:PREFIX] + changed.tobytes()
         foreign = b"another program".ljust(80) + good[80:PREFIX]
         yield f"foreign normal {name}", foreign + changed.tobytes()
+    signalling = good[: PREFIX + 12] + b"\x01\x00\xa0\x7f" + good[PREFIX + 16 :]
+    yield "signalling NaN", signalling  # found by mutation
     data["normal"] *= -1.0
     yield "flipped normals", b"another program".ljust(80) + good[80:PREFIX] + data.tobytes()
     yield "random facets", random_facets(100_000)
@@ -192,7 +194,7 @@ def packages(good: bytes) -> Named:
             f"encoding {encoding[:8]}",
             package(model(head=f'<?xml version="1.0" encoding="{encoding}"?>')),
         )
-    yield "UTF-16", package(model().decode().encode("utf-16"))
+    yield "model in UTF-16", package(model().decode().encode("utf-16"))
     yield "NUL", package(model(top="\0"))
     yield "no XML", package(b"<model")
     yield "deep", package(b"<a>" * 300_000)

@@ -141,7 +141,8 @@ def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
     """(m, 3) normals and (m, 3, 3) corners, as in the file; raises FileError."""
     if _is_binary(data):
         facets = np.frombuffer(data, FACET, offset=PREFIX)
-        return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
+        with np.errstate(invalid="ignore"):  # of some NaN
+            return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
     normals, corners = array("d"), array("d")
     for number, line in enumerate(lines_of(data), start=1):
         row = line.split(maxsplit=5)
