@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
@@ -23,6 +24,7 @@ from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
 from camgeo.check.cures.laws import Choice, choices, offers_for
 from camgeo.check.cures.margin import flanks_of, is_intact, margin
 from camgeo.check.cures.search import NARROW
+from camgeo.check.cures.sizes import roller_radius
 from camgeo.check.cures.smallest import cures
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
@@ -482,3 +484,18 @@ def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: floa
     for knob in ("longer segment", "other law"):
         if by_knob(found)[knob].works:
             assert is_good(applied(cam, by_knob(found)[knob]))
+
+
+@pytest.mark.parametrize("contact", ["inner", "groove"])
+def test_a_roller_without_room_is_told_the_radius_of_curvature(contact: Any) -> None:
+    law = LAWS["polynomial-345"]
+    rise, fall = Move(Decimal("0.0001"), 0.4, law), Move(Decimal(70), 0.0, law)
+    plan = MotionPlan((rise, Dwell(Decimal(80)), fall, Dwell(Decimal("209.9999"))))
+    cam = cam_of(plan, OscillatingRoller(-80 - 40j, 70.0, 50.0, 8.0), 1, contact)
+    assert re.fullmatch(
+        r"the smallest radius of curvature, 3\.\d+e-08 mm, is too small",
+        roller_radius((cam,), "mm").sentence,
+    )
+    played = replace(cam, clearance=1.0) if contact == "groove" else cam
+    beside = " beside the play of the groove" if contact == "groove" else ""
+    assert roller_radius((played,), "mm").sentence.endswith(f"is too small{beside}")

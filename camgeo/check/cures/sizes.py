@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial, singledispatch
 from typing import Any, Final
 
+from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, Length, length_cure, no_cure
 from camgeo.check.cures.discs import Discs, sized
 from camgeo.check.cures.margin import bends_of, is_intact
@@ -75,8 +76,7 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
         kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
         regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
         if regular <= BEYOND * old:
-            none = "the play of the groove alone exceeds the radius of curvature"
-            return no_cure(knob, key, old, "mm", none)
+            return no_cure(knob, key, old, "mm", _no_room(cam, kappa))
 
         alone = partial(_alone, discs, number)
         limit: float | None = regular
@@ -90,6 +90,14 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
         found.append(cure)
         made = sized(made, number, roller_radius=length.value)
     return _together(found, intact=is_intact(made)) if len(discs) > 1 else found[0]
+
+
+def _no_room(cam: Cam, kappa: float) -> str:
+    """Why a disc whose smallest r_K is 1/`kappa` has room for no roller at all."""
+    if cam.follower.roller_radius == 0.0:
+        return "a knife edge has no roller to make smaller"
+    beside = " beside the play of the groove" if cam.clearance > 0.0 else ""
+    return f"the smallest radius of curvature, {1.0 / kappa:.3g} mm, is too small{beside}"
 
 
 def offset_or_arm(discs: Discs, unit: LengthUnit) -> Cure:
