@@ -181,7 +181,9 @@ def _check(step: Step, case: Case, outcome: Outcome) -> None:
     _require_finite(case, f"text of {step[0]}", out + err)
     parser = commands().get(step[0]) if step else None
     if parser is not None and "--json" not in step and "--json" in parser._option_string_actions:
-        _check_json((step[0], "--json", *step[1:]), case, code)
+        overwrites = code < 2 and "--force" in parser._option_string_actions
+        again = ["--force"] * overwrites  # what it has just written
+        _check_json((step[0], "--json", *again, *step[1:]), case, code)
     elif "--json" in step and "--help" not in step and out:
         _parsed(out)
     if step[0] == "build" and code < 2 and Path("out/certificate.json").exists():

@@ -44,6 +44,8 @@ def scene_case(rng: Random) -> Case:
             steps.append(("verify", "out"))
     if rng.random() < 0.5:
         steps.append(rng.choice(_others(rng)))
+    elif rng.random() < 0.05:  # it takes seconds
+        steps.append(("accuracy", SCENE, "--tolerances", rng.choice(("1e-1", "1e-2,1e-3"))))
     return Case({**files, SCENE: toml(values).encode()}, tuple(steps), source)
 
 
@@ -54,7 +56,6 @@ def _others(rng: Random) -> list[Step]:
         ("plot", SCENE, rng.choice(plots.names()), "-o", "picture.svg"),
         ("table", SCENE, "--step", rng.choice(("1", "0.5", "7", "90"))),
         ("explain", SCENE, rng.choice(tuple(GOALS))),
-        ("accuracy", SCENE, "--tolerances", rng.choice(("1e-1", "1e-2,1e-3"))),
         ("replay", SCENE, "--step", "1"),
     ]
 
