@@ -86,19 +86,29 @@ def test_file_that_is_off_is_not_kept(
     assert not any(tmp_path.iterdir())
 
 
-def test_the_same_bytes_in_a_fresh_process(tmp_path: Path) -> None:
-    """Time, hash seed and folder leave no trace in any format."""
+def test_the_same_bytes_in_another_process(tmp_path: Path) -> None:
+    """Time, hash seed, folders, home, umask, locale, threads and who asks leave no trace."""
+    scene = str(SCENES / "inch.toml")
+    code = (
+        f"import camgeo, sys;camgeo.load({scene!r}).write(sys.argv[1], {FORMATS!r}, tolerance=0.01)"
+    )
+    library = ["-c", code, str(tmp_path / "1")]
+    program = ["-m", "camgeo", "build", scene, "-o", str(tmp_path / "4")]
+    program += ["--only", ",".join(FORMATS), "--tolerance", "0.01"]
     runs = []
-    for seed in ("1", "4"):  # by which a set of ezdxf's class names comes in two orders
-        folder = tmp_path / seed
-        code = (
-            "import camgeo, sys;"
-            f"camgeo.load({str(SCENES / 'inch.toml')!r}).write(sys.argv[1], {FORMATS!r},"
-            " tolerance=0.01)"
-        )
+    for seed, command in (("1", library), ("4", program)):
+        # By these seeds a set of ezdxf's class names comes in two orders.
         environment = dict(os.environ, PYTHONHASHSEED=seed, TZ=f"UTC+{seed}")
-        subprocess.run([sys.executable, "-c", code, str(folder)], check=True, env=environment)
-        runs.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
+        home = tmp_path / f"home {seed}"
+        if seed == "4":
+            home.mkdir()
+            threads = {"OPENBLAS_NUM_THREADS": "2", "OMP_NUM_THREADS": "2"}
+            environment |= {"HOME": str(home), "LC_ALL": "C", **threads}
+        subprocess.run(
+            [sys.executable, *command], check=True, env=environment, stdout=subprocess.PIPE,
+            cwd=home if seed == "4" else None, umask=0o077 if seed == "4" else -1,
+        )  # fmt: skip
+        runs.append({path.name: path.read_bytes() for path in sorted((tmp_path / seed).iterdir())})
     assert len(runs[0]) == len(FORMATS) + 1
     assert runs[0].keys() == runs[1].keys()
     differing = [name for name, data in runs[0].items() if data != runs[1][name]]

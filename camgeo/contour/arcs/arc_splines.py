@@ -19,6 +19,7 @@ import numpy as np
 from camgeo.contour.arcs.biarcs import FLAT
 from camgeo.contour.arcs.joints import ArcSystem, Difficulty, Layout, evened
 from camgeo.contour.chain import Chain
+from camgeo.contour.decided import clearly_less
 from camgeo.contour.joints import APART, Bends
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
@@ -285,10 +286,10 @@ def _settled(
         jointed = JointedCurve.of(strands, layout, pieces, places, PROBES)
         deviations = jointed.deviations(jointed.step(system, np.zeros((len(places), 2))))
         worst, excess = layout.largest(deviations), layout.excess(deviations)
-        better = worst < least
+        better = clearly_less(worst, least)
         best = np.where(layout.of_joints(better), places, best)
         uneven = np.where(better, layout.largest(excess), uneven)
-        least = np.fmin(least, worst)
+        least = np.where(better, worst, least)
         swings = excess * last < 0.0
         power = np.where(swings, CALMER * power, np.minimum(BOLDER * power, MOST_POWER))
         places, last = evened(layout, places, power * excess), excess

@@ -22,6 +22,7 @@ from camgeo.contour.arcs.biarcs import PARTS, Biarcs, Ends
 from camgeo.contour.chain import Chain
 from camgeo.contour.contour import Fit
 from camgeo.contour.counts import least_counts
+from camgeo.contour.decided import in_steps
 from camgeo.contour.joints import CROWDED, Bends, bends_of, joints_apart
 from camgeo.contour.legs import TurnLeg
 from camgeo.contour.proved import AIM, Group, fit_by_groups, proved_fit
@@ -83,7 +84,8 @@ class Found:
         """From the `distances` (m,) [mm] of the spans between `joints` (m + 1,)."""
         largest = float(np.max(distances))
         shares = distances / largest if largest > 0.0 else np.ones(len(distances))
-        return cls(0.5 * (joints[:-1] + joints[1:]), np.maximum(shares, LEAST_FOUND) ** POWER)
+        excess = in_steps(np.log(np.maximum(shares, LEAST_FOUND)))
+        return cls(0.5 * (joints[:-1] + joints[1:]), np.exp(POWER * excess))
 
 
 class ArcDensity:

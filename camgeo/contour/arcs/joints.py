@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from camgeo.contour.decided import in_steps
 from camgeo.contour.joints import Bends
 from camgeo.curve.pieces import Piece
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
@@ -79,15 +80,14 @@ class Layout:
         return found
 
     def excess(self, deviations: FloatArray) -> FloatArray:
-        """(n,) logarithms of the arcs' `deviations` (n,) over their geometric mean in a spline; 0
-        where a spline has no deviation at all, or not a number.
+        """(n,) logarithms of the arcs' `deviations` (n,) over their geometric mean in a spline,
+        in steps; 0 where a spline has no deviation at all, or not a number.
         """
         worst = self.largest(deviations)[self.spline]
         usable = np.isfinite(worst) & (worst > 0.0)
         found: FloatArray = np.log(np.where(usable, np.maximum(deviations, LEAST * worst), 1.0))
         mean: FloatArray = np.bincount(self.spline, weights=found) / self.counts
-        found -= mean[self.spline]
-        return found
+        return in_steps(found - mean[self.spline])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 from camgeo.contour.counts import too_many
 from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.least_squares import ORDER, Ends, Layout, Solution, solve
+from camgeo.contour.decided import clearly_less, in_steps
 from camgeo.contour.spline import CubicSpline
 from camgeo.numeric.arrays import FloatArray, IntArray, grouped, taken
 
@@ -183,9 +184,10 @@ def _equalised(
         low, high = _shifted(course, layout, owner, found, power)
         found = solve(course, layout, low, high)
         now = np.maximum.reduceat(found.errors, layout.span_starts)
-        better = (now < worst)[owner]
-        best_low, best_high = np.where(better, low, best_low), np.where(better, high, best_high)
-        worst = np.minimum(worst, now)
+        better = clearly_less(now, worst)
+        moved = better[owner]
+        best_low, best_high = np.where(moved, low, best_low), np.where(moved, high, best_high)
+        worst = np.where(better, now, worst)
     best = solve(course, layout, best_low, best_high, final=True)
     return Trial(layout, best, np.maximum.reduceat(best.errors, layout.span_starts))
 
@@ -198,7 +200,7 @@ def _shifted(
     last = first + layout.counts - 1
     worst = np.maximum.reduceat(found.errors, first)
     share = found.errors / np.where(worst > 0.0, worst, 1.0)[owner]
-    work = (share + SMALLEST) ** (0.25 * power)
+    work = np.exp(0.25 * power * in_steps(np.log(share + SMALLEST)))
     sums = np.cumsum(work)
     before = (sums[first] - work[first])[owner]
     total = np.add.reduceat(work, first)[owner]

@@ -25,6 +25,10 @@ the slack of the bound by which it is measured."""
 LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
 
+TILT, TOWARDS = 0.25, np.exp(1.0j)
+"""By how much a face is tilted to be triangulated, and the direction [rad] in which it recedes: an
+axis of symmetry that no drawing has."""
+
 Rounding = Callable[[FloatArray], FloatArray]
 
 
@@ -103,6 +107,17 @@ def _polygon(ring: ComplexArray) -> shapely.Polygon:
     return shapely.Polygon(np.column_stack((ring.real, ring.imag)))
 
 
+def _tilted(rings: list[ComplexArray]) -> list[FloatArray]:
+    """(n, 2) each: the rings in perspective, where the same triangles are as good.
+
+    Straight lines stay straight and no triangle turns over, but nothing is symmetric. Of the equal
+    choices that symmetry offers the last digits would pick one, and they differ by processor.
+    """
+    size = max(float(np.max(np.abs(ring))) for ring in rings)
+    seen = [ring / (1.0 + TILT / size * (ring * np.conj(TOWARDS)).real) for ring in rings]
+    return [np.column_stack((ring.real, ring.imag)) for ring in seen]
+
+
 class _Mesh:
     """Triangles under construction."""
 
@@ -148,7 +163,7 @@ class _Mesh:
         """Add the flat face on the left of rings with the indices of their points."""
         key = tuple(ring.tobytes() for ring, _ in sides)
         if key not in self.triangulated:  # the faces of a plate are alike but for their height
-            polygons = [np.column_stack((ring.real, ring.imag)) for ring, _ in sides]
+            polygons = _tilted([ring for ring, _ in sides])
             self.triangulated[key] = manifold3d.triangulate(polygons)
         triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]
         self.faces.append(triangles if upwards else triangles[:, ::-1])

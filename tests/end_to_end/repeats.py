@@ -1,0 +1,318 @@
+"""Files of the same scenes, made where the last digits of numbers differ, and made elsewhere.
+
+    python -m tests.end_to_end.repeats [--tolerance MM] [--setting NAME] [SCENE ...]
+
+builds the scenes, without names all in fixtures that make files, in every format that each can be
+written in: in a process as this one is, and in one for each of `SETTINGS`, or those named. A line
+for each format says in how many files bytes differ, and by how much numbers do. It ends with 1
+where docs/robustness.md is broken.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+import camgeo
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.writing.writer import find_writer, writer_names
+
+ROOT: Final = Path(__file__).parents[2]
+
+LENGTHS: Final = 1e-9
+"""Largest difference [mm] of a coordinate between processors, and of the other numbers of a
+drawing: bulges, knots, degrees."""
+
+SHARE: Final = 1e-11
+"""Largest difference of other numbers, as a share of the largest in their column, or, in the
+certificate, of themselves; besides `LENGTHS`."""
+
+PICTURES: Final = (".svg", ".png")
+"""Files that may differ between processors."""
+
+NUMPY: Final = {
+    "NPY_DISABLE_CPU_FEATURES": " ".join(
+        np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
+    )
+}
+"""Only what numpy was compiled to take for granted."""
+
+BLAS: Final = {"OPENBLAS_CORETYPE": "Prescott"}
+"""OpenBLAS's kernels of 2004, with SSE3; numpy's and scipy's both obey."""
+
+LIBM: Final = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
+"""glibc's functions without fused multiplication."""
+
+ELSEWHERE: Final = {
+    "PYTHONHASHSEED": "4",
+    "TZ": "UTC+11",
+    "LC_ALL": "de_DE.UTF-8",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+}
+"""Surroundings that leave no trace, besides the working directory, home and umask."""
+
+SETTINGS: Final[dict[str, dict[str, str]]] = {
+    "elsewhere": ELSEWHERE,
+    "numpy": NUMPY,
+    "blas": BLAS,
+    "nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
+    "libm": LIBM,
+    "all": {**NUMPY, **BLAS, **LIBM},
+}
+
+FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+DXF_REALS: Final = frozenset(
+    code
+    for codes in ((10, 60), (110, 150), (210, 240), (460, 470), (1010, 1060))
+    for code in range(*codes)
+)
+"""Group codes of floating-point numbers."""
+
+WORD: Final = re.compile(r"(?<=[A-Z])-?\d+\.\d*")
+
+VERTEX: Final = re.compile(r' ([xyz])="([^"]*)"')
+
+
+@dataclass(frozen=True)
+class Content:
+    """A file taken apart.
+
+    Attributes
+    ----------
+    rest : all of it but the numbers: entities, their kinds and their order.
+    numbers : (n,) that may differ.
+    allowed : (n,) how much each may.
+    """
+
+    rest: tuple[Any, ...]
+    numbers: FloatArray
+    allowed: FloatArray
+
+
+def content(path: Path) -> Content:
+    """A file of camgeo's, but a picture, taken apart."""
+    parts = {
+        ".dxf": _dxf, ".ngc": _gcode, ".stl": _stl, ".3mf": _threemf, ".csv": _table,
+        ".asc": _table, ".json": _certificate,
+    }  # fmt: skip
+    return parts[path.suffix](path.read_bytes())
+
+
+def _lengths(rest: Sequence[Any], numbers: Sequence[float] | FloatArray) -> Content:
+    values = np.asarray(numbers, dtype=np.float64)
+    return Content(tuple(rest), values, np.full(len(values), LENGTHS))
+
+
+def _dxf(data: bytes) -> Content:
+    lines = data.decode("ascii").split("\n")
+    pairs = [(int(code), value) for code, value in zip(lines[::2], lines[1::2], strict=False)]
+    rest = [code if code in DXF_REALS else (code, value) for code, value in pairs]
+    return _lengths(rest, [float(value) for code, value in pairs if code in DXF_REALS])
+
+
+def _gcode(data: bytes) -> Content:
+    text = data.decode("ascii")
+    return _lengths([WORD.sub("#", text)], [float(word) for word in WORD.findall(text)])
+
+
+def _stl(data: bytes) -> Content:
+    facets = np.frombuffer(data, FACET, offset=84)
+    numbers = np.concatenate((facets["corners"].ravel(), facets["normal"].ravel()))
+    return _lengths([data[:84]], numbers.astype(np.float64))
+
+
+def _threemf(data: bytes) -> Content:
+    with zipfile.ZipFile(io.BytesIO(data)) as package:
+        text = "".join(name + package.read(name).decode() for name in package.namelist())
+    return _lengths([VERTEX.sub("#", text)], [float(value) for _, value in VERTEX.findall(text)])
+
+
+def _table(data: bytes) -> Content:
+    rows = [line.split(",") for line in data.decode().splitlines()]
+    heading = [] if rows[0][0].lstrip("-")[0].isdigit() else rows.pop(0)
+    values = np.array(rows, dtype=np.float64)
+    size = np.max(np.where(np.isfinite(values), np.abs(values), 0.0), axis=0)
+    of_lengths = [name.endswith(("[mm]", "[inch]")) and "r_K" not in name for name in heading]
+    other = ~np.array(of_lengths, dtype=np.bool_) if heading else np.zeros(len(size), np.bool_)
+    allowed = np.broadcast_to(LENGTHS + np.where(other, SHARE * size, 0.0), values.shape)
+    return Content((heading, values.shape), values.ravel(), allowed.ravel())
+
+
+def _certificate(data: bytes) -> Content:
+    rest: list[Any] = []
+    numbers: list[float] = []
+
+    def walk(value: Any, path: str) -> None:
+        if isinstance(value, dict):
+            for key, inside in value.items():
+                if key not in ("sha256", "bytes"):
+                    walk(inside, f"{path}/{key}")
+        elif isinstance(value, list):
+            for number, inside in enumerate(value):
+                walk(inside, f"{path}/{number}")
+        elif isinstance(value, float):
+            rest.append(path)
+            numbers.append(value)
+        else:
+            rest.append((path, value))
+
+    walk(json.loads(data), "")
+    found = np.array(numbers)
+    return Content(tuple(rest), found, LENGTHS + SHARE * np.abs(found))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What differs between two files of one name.
+
+    Attributes
+    ----------
+    file : name.
+    bytes_differ : whether anything does.
+    entities_differ : whether anything but the last digits of numbers does; not asked of a picture.
+    farthest : largest difference of a number.
+    excess : the largest, over what is allowed.
+    """
+
+    file: str
+    bytes_differ: bool = False
+    entities_differ: bool = False
+    farthest: float = 0.0
+    excess: float = 0.0
+
+    @property
+    def broken(self) -> bool:
+        """Whether the files are not what is promised between processors."""
+        return self.entities_differ or not self.excess <= 1.0
+
+
+def difference(one: Path, other: Path) -> Difference:
+    """What differs between two files."""
+    if not other.exists():
+        return Difference(one.name, bytes_differ=True, entities_differ=True)
+    if one.read_bytes() == other.read_bytes():
+        return Difference(one.name)
+    if one.suffix in PICTURES:
+        return Difference(one.name, bytes_differ=True)
+    return compared(one.name, content(one), content(other))
+
+
+def compared(name: str, here: Content, there: Content) -> Difference:
+    """What differs between two contents of the file `name`, whose bytes do."""
+    if here.rest != there.rest or len(here.numbers) != len(there.numbers):
+        return Difference(name, bytes_differ=True, entities_differ=True)
+    same = here.numbers == there.numbers
+    with np.errstate(invalid="ignore"):  # two infinite radii
+        apart = np.where(same, 0.0, np.abs(here.numbers - there.numbers))
+    farthest, excess = np.max(apart, initial=0.0), np.max(apart / here.allowed, initial=0.0)
+    return Difference(name, True, False, float(farthest), float(excess))
+
+
+def differences(one: Path, other: Path) -> list[Difference]:
+    """Those of all files in the folder `one`."""
+    return [difference(path, other / path.name) for path in sorted(one.iterdir())]
+
+
+def scenes() -> list[Path]:
+    """All scenes in fixtures that are valid."""
+    folders = ("scenes", "effects", "found")
+    return sorted(path for name in folders for path in (ROOT / "fixtures" / name).glob("*.toml"))
+
+
+def make(scene: Path, folder: Path, tolerance: float | None = None) -> None:
+    """Write a scene in every format that it can be written in into `folder`; nothing if its cam has
+    no outline.
+    """
+    design = camgeo.load(scene)
+    lacks = {name: find_writer(name).format.lacking for name in writer_names()}
+    formats = [name for name, lacking in lacks.items() if not lacking(design.disc.values)]
+    with suppress(GeometryError):
+        design.write(folder, formats, tolerance=tolerance)
+
+
+def make_in_child(
+    given: Sequence[Path], folder: Path, setting: dict[str, str], tolerance: float | None = None
+) -> None:
+    """`make` the files of scenes, each in a folder of its stem, in one process of its own that has
+    another home, umask and working directory.
+    """
+    home = folder.with_name(f"{folder.name}-home")
+    home.mkdir(parents=True)
+    command = [sys.executable, "-m", "tests.end_to_end.repeats", "--into", str(folder)]
+    command += ["--tolerance", str(tolerance)] if tolerance else []
+    path = os.pathsep.join((str(ROOT), os.environ.get("PYTHONPATH", "")))
+    subprocess.run(
+        [*command, *map(str, given)],
+        env={**os.environ, "HOME": str(home), "PYTHONPATH": path, **setting},
+        cwd=home, umask=0o077, check=True,
+    )  # fmt: skip
+
+
+def _line(found: list[Difference]) -> str:
+    """One line on all differences of a format."""
+    changed = sum(each.bytes_differ for each in found)
+    entities = [each.file for each in found if each.entities_differ]
+    farthest = max(found, key=lambda each: each.farthest)
+    excess = max(each.excess for each in found)
+    text = f"{len(found):4} files, bytes differ in {changed:3}"
+    if changed and Path(farthest.file).suffix not in PICTURES:
+        text += f", numbers by {farthest.farthest:.1e} ({farthest.file}), {excess:.3f} of allowed"
+    return text + (f"; OTHER ENTITIES in {', '.join(entities)}" if entities else "")
+
+
+def main() -> int:
+    """The table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--tolerance", metavar="MM", type=float)
+    parser.add_argument("--setting", choices=SETTINGS, action="append")
+    parser.add_argument("--into", metavar="FOLDER", type=Path, help="build only, into a folder")
+    parser.add_argument("scenes", metavar="SCENE", nargs="*", type=Path)
+    arguments = parser.parse_args()
+    given = [scene.resolve() for scene in arguments.scenes] or scenes()
+    if arguments.into:
+        for scene in given:
+            make(scene, arguments.into / scene.parent.name / scene.stem, arguments.tolerance)
+        return 0
+    bad, show = 0, sys.stdout.write
+    with tempfile.TemporaryDirectory() as temporary:
+        work = Path(temporary)
+        build = functools.partial(make_in_child, given, tolerance=arguments.tolerance)
+        build(work / "here", {})
+        folders = [each for each in (work / "here").glob("*/*") if any(each.iterdir())]
+        for name in arguments.setting or SETTINGS:
+            setting = SETTINGS[name]
+            build(work / name, setting)
+            show(f"{name}: {' '.join(f'{key}={value}' for key, value in setting.items())}\n")
+            found = [
+                each
+                for folder in sorted(folders)
+                for each in differences(folder, work / name / folder.relative_to(work / "here"))
+            ]
+            for suffix in sorted({Path(each.file).suffix for each in found}):
+                kind = [each for each in found if Path(each.file).suffix == suffix]
+                show(f"  {suffix:6}{_line(kind)}\n")
+            same = name == "elsewhere"
+            bad += sum(each.bytes_differ if same else each.broken for each in found)
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
