@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import secrets
 import sys
+from functools import partial
 from pathlib import Path
 
 from tests.fuzz.case import CORPUS
@@ -34,8 +35,9 @@ def main() -> int:
         count=None if given.case is None else 1,
         minimise=given.minimise,
         keep=given.keep,
+        say=partial(print, flush=True),
     )
-    print("\n\n".join((*report.messages, report.text)))
+    print(report.text)
     return 1 if report.found else 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -62,11 +63,12 @@ def fuzz(
     minimise: float = 60.0,
     keep: Path | None = None,
     by_cpu: bool = False,
+    say: Callable[[str], object] = str,
 ) -> Report:
     """Run cases until `seconds` are over (of the cases' CPU, if `by_cpu`) or `count` are done.
 
     The smallest case of each new failure goes into the folder `keep`, found within `minimise`
-    seconds.
+    seconds. What is told of it is passed to `say` at once.
     """
     report, worker, known = Report(seed), Worker(), known_failures()
     began, number = time.monotonic(), first
@@ -82,9 +84,9 @@ def fuzz(
                 cases = report.found.setdefault(failure.signature, [])
                 cases.append(number)
                 if len(cases) == 1:
-                    report.messages.append(
-                        _explained(worker, case, failure, report, minimise, keep)
-                    )
+                    text = _explained(worker, case, failure, report, minimise, keep)
+                    report.messages.append(text)
+                    say(f"{text}\n")
             number += 1
     finally:
         worker.close()
