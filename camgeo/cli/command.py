@@ -154,10 +154,15 @@ def show(answer: Answer, arguments: argparse.Namespace) -> int:
     """Print the answer as text, or as JSON with `--json`; return the exit code."""
     arguments.progress.end()
     if arguments.json:
-        write(json.dumps(render.to_json(answer), indent=2, allow_nan=False) + "\n")
+        write(document(answer))
     elif text := render.text(answer):
         say(text)
     return answer.exit_code
+
+
+def document(answer: Answer) -> str:
+    """The answer as a JSON document."""
+    return json.dumps(render.to_json(answer), indent=2, allow_nan=False) + "\n"
 
 
 def present_name(name: str) -> str:

@@ -13,9 +13,9 @@ from camgeo.cli.command import (
     check_step,
     decimal,
     deliver,
+    document,
     notify_main_disc,
     opened,
-    show,
 )
 from camgeo.cli.law_options import DEFAULT_TASK, add_law_options, given_options, parameters_from
 from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP
@@ -73,7 +73,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _deliver(found: ValueTable, arguments: argparse.Namespace) -> int:
-    """Print the table as JSON, or as CSV to the terminal or into a file."""
-    if arguments.json:
-        return show(found, arguments)
-    return deliver(found.table.csv(), arguments, counted(len(found.table.values), "row"))
+    """The table as CSV or JSON, to the terminal or into a file."""
+    text = document(found) if arguments.json else found.table.csv()
+    return deliver(text, arguments, counted(len(found.table.values), "row"))

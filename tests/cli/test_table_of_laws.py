@@ -193,3 +193,12 @@ def test_a_parameter_that_the_law_has_not_is_named(name: str, capsys: Capture) -
 def test_a_task_that_the_law_does_not_serve_is_refused(capsys: Capture) -> None:
     reported = refused(["--law", "polynomial-345", "--task", "G-U"], capsys)
     assert reported == "camgeo: task = G-U: polynomial-345 is made for R-R\n"
+
+
+def test_a_document_goes_into_the_file_that_is_named(tmp_path: Path, capsys: Capture) -> None:
+    target = tmp_path / "table.json"
+    call = ["table", "--law", "modified-sine", "--step", "0.1", "--json"]
+    assert main(call) == 0
+    printed = capsys.readouterr().out
+    assert main([*call, "-o", str(target)]) == 0
+    assert target.read_text("utf-8") == printed

@@ -5,10 +5,8 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import math
 import os
 import re
-import resource
 import signal
 import time
 import traceback
@@ -140,18 +138,12 @@ def _place(trace: str) -> str:
 
 @contextlib.contextmanager
 def limited(name: str) -> Iterator[None]:
-    """Raise `Hang` inside after the CPU that the command `name` may take, or MOST_WALL of time.
-
-    A process in code that hears no signal is ended soon after.
-    """
+    """Raise `Hang` inside after the CPU that the command `name` may take, or MOST_WALL of time."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Hang
 
     most = LONG.get(name, MOST_CPU)
-    used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
-    limits = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(used + 2.0 * most) + 1, limits[1]))
     handlers = [(each, signal.signal(each, stop)) for each in (signal.SIGPROF, signal.SIGALRM)]
     signal.setitimer(signal.ITIMER_PROF, most)
     signal.setitimer(signal.ITIMER_REAL, MOST_WALL)
@@ -160,7 +152,6 @@ def limited(name: str) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        resource.setrlimit(resource.RLIMIT_CPU, limits)
         for each, handler in handlers:
             signal.signal(each, handler)
 
