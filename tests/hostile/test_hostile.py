@@ -22,7 +22,10 @@ ROOT: Final = Path(__file__).parents[2]
 SECONDS: Final = 2.0
 MEGABYTES: Final = 300.0
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the readers are run in forks")
+pytestmark = [
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="the readers are run in forks"),
+    pytest.mark.xdist_group("hostile"),  # all share one run
+]
 
 
 @dataclass(frozen=True, slots=True)
