@@ -426,24 +426,35 @@ class Model:
         distance, _ = tree.query(_plane(self.flank(phi, side)))
         return float(np.min(distance)) - self.roller_radius
 
-    @cached_property
-    def face_margin(self) -> float:
-        """The least radius of curvature for a flat face [mm]; negative where it turns back."""
-        phi = self.angles
-        height, normal = self.face(phi)
-        (low, first), (high, last) = (self.face(phi + k * BEND_STEP) for k in (-1, 1))
-        pace = (last - first) / (2.0 * BEND_STEP) - self.sense
-        if np.max(pace * self.sense) >= 0.0:
-            return -math.inf
+    def face_radius(self, phi: FloatArray, step: float) -> FloatArray:
+        """(n,) radius of curvature for a flat face [mm], by differences of `step` [rad]; -inf where
+        the face turns back in the cam.
+        """
+        placed = [self.face(phi + k * step) for k in (-1, 0, 1)]
+        pace = (placed[2][1] - placed[0][1]) / (2.0 * step) - self.sense
         # Three faces in the cam enclose a triangle; as they near each other, its circle is rho.
         t = [
-            n - self.sense * (phi + k * BEND_STEP) for k, n in ((-1, first), (0, normal), (1, last))
+            normal - self.sense * (phi + k * step)
+            for k, (_, normal) in zip((-1, 0, 1), placed, strict=True)
         ]
-        h = [low, height, high]
+        h = [height for height, _ in placed]
         d1, d2 = t[1] - t[0], t[2] - t[1]
         slope = (h[2] - h[1]) / d2 - (h[1] - h[0]) / d1
-        bend = 2.0 * slope / (d1 + d2)
-        return float(np.min(height + bend))
+        return np.where(pace * self.sense >= 0.0, -math.inf, h[1] + 2.0 * slope / (d1 + d2))
+
+    @cached_property
+    def face_margin(self) -> float:
+        """The least radius of curvature for a flat face [mm]."""
+        return float(np.min(self.face_radius(self.angles, BEND_STEP)))
+
+    def face_margin_next_to(self, angle: float) -> float:
+        """The same next to a cam angle [rad], which may be a border: there the radius may change
+        much within a step of the whole turn.
+        """
+        phi = np.mod(angle + np.linspace(-10.0, 10.0, 401) * BEND_STEP, TURN)
+        away = np.abs(phi[:, None] - self.motion.borders[None, :]).min(axis=1)
+        fine = 0.05 * BEND_STEP
+        return float(np.min(self.face_radius(phi[away > 2.0 * fine], fine)))
 
 
 def _plane(points: ComplexArray) -> FloatArray:

@@ -143,7 +143,8 @@ def _of_face(model: Model, by_name: dict[str, Any]) -> list[str]:
     if convexity is None or convexity["unit"] != "mm":
         ok = convexity is not None and convexity["severity"] == "ok"
         return ["the face turns back"] if ok and model.face_margin < 0 else []
-    margin = model.face_margin
+    place = math.radians(convexity["cam_angle_deg"])
+    margin = min(model.face_margin, model.face_margin_next_to(place))
     if (
         math.isfinite(margin)
         and abs(margin) > 1e-2
