@@ -1,7 +1,8 @@
 """Which tests are quick: `-m quick` runs the modules that take no more than a second.
 
 `benchmarks/test_suite.py --write` measures which take more. In a folder where all modules do, the
-fastest one counts as quick. Of the scenes built end to end, one is quick.
+fastest one counts as quick, unless it takes more than `LONGEST`. Of the scenes built end to end,
+one is quick.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ MODULES: Final = TESTS / "expensive_modules.json"
 EXPENSIVE: Final[dict[str, float]] = json.loads(MODULES.read_text("utf-8"))
 """CPU time [s] of the modules that take more than a second, by their paths in this folder."""
 
+LONGEST: Final = 10.0
+"""CPU time [s] of a module that is never quick."""
+
 BUILT: Final = "setzhub"
 """The scene whose files the quick tests examine."""
 
@@ -32,7 +36,7 @@ def chosen(modules: Iterable[str], expensive: dict[str, float]) -> frozenset[str
         folders.setdefault(module.partition("/")[0] if "/" in module else "", []).append(module)
     quick = {module for each in folders.values() for module in each if module not in expensive}
     least = (min(each, key=lambda module: expensive.get(module, 0.0)) for each in folders.values())
-    return frozenset(quick.union(least))
+    return frozenset(quick.union(each for each in least if expensive.get(each, 0.0) <= LONGEST))
 
 
 QUICK: Final = chosen(
