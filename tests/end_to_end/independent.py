@@ -148,15 +148,12 @@ class Linked:
         along its guide [mm].
     spare : the smallest of the lengths by which the rods do not fail to close [mm]; negative where
         they do.
-    sines : of the angle between crank and coupler, or of the coupler to the normal of a guide that
-        carries the follower: where it changes sign the follower's motion has no end of speed.
     leverage : sine of the angle between the coupler and the direction in which the driven member
         cannot move; where it changes sign the cam has no hold on that member.
     """
 
     moved: FloatArray
     spare: FloatArray
-    sines: FloatArray
     leverage: FloatArray
 
 
@@ -191,7 +188,6 @@ def by_slider(linkage: Mapping[str, Any], stroke: FloatArray) -> Linked:
     return Linked(
         turned,
         _spare(pin, crank, coupler),
-        _signed_sine(tip[1:], rod),
         rod.real / np.abs(rod),
     )
 
@@ -211,7 +207,6 @@ def by_lever(linkage: Mapping[str, Any], angle: FloatArray) -> Linked:
     return Linked(
         swung,
         _spare(pin, crank, coupler),
-        _signed_sine(tip[1:], rod[1:]),
         _signed_sine(lever[1:], rod[1:]),
     )
 
@@ -229,7 +224,7 @@ def by_crank(linkage: Mapping[str, Any], angle: FloatArray) -> Linked:
     sense = 1.0 if linkage["stroke_direction"] == "right" else -1.0
     rod = side * run[1:] + 1j * rise[1:]
     stroke = sense * (tip.real + side * run - pin0.real)[1:]
-    return Linked(stroke, coupler - np.abs(rise), run[1:] / coupler, _signed_sine(tip[1:], rod))
+    return Linked(stroke, coupler - np.abs(rise), _signed_sine(tip[1:], rod))
 
 
 # The mechanism ------------------------------------------------------------------------------------

@@ -161,7 +161,6 @@ def _motion(rng: Random, stroke: float, *, joints: bool) -> list[Values]:
     spans[-1] = round(360.0 - sum(spans[:-1]), 3)
     segments: list[Values] = []
     level = 0.0
-    low = 0.0 if count < 8 else 0.7  # many moves are short ones
     for number, span in enumerate(spans):
         last = number == count - 1
         if (last and level == 0.0) or (not last and rng.random() < 0.35):
@@ -170,8 +169,8 @@ def _motion(rng: Random, stroke: float, *, joints: bool) -> list[Values]:
         if last:
             level = 0.0
         elif count < 8:
-            level = _round(rng.uniform(low, 1.0) * stroke)
-        else:  # a ramp: short moves with large strokes are not even near anything
+            level = _round(rng.uniform(0.0, 1.0) * stroke)
+        else:  # a ramp: short moves with large strokes would undercut everywhere
             share = 0.5 * (1.0 - math.cos(2.0 * math.pi * number / count))
             level = _round(share * stroke * rng.uniform(0.98, 1.02))
         segments.append({"law": rng.choice(tuple(LAWS)), "span": span, "to": level})
