@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import re
-import zipfile
 from collections.abc import Callable
 
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
+from tests.packages import repacked
 
 TOLERANCE = 1e-3
 """At which the files are built [mm]."""
@@ -392,19 +391,14 @@ def _outermost(points: FloatArray) -> int:
 def in_model(change: Callable[[str], str]) -> Damage:
     """A change of the model inside a 3MF, packed again."""
 
-    def changed(data: bytes) -> bytes:
-        stream = io.BytesIO()
-        with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w") as new:
-            for name in old.namelist():
-                content = old.read(name)
-                if name == MODEL:
-                    after = change(content.decode()).encode()
-                    assert after != content
-                    content = after
-                new.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
-        return stream.getvalue()
+    def changed(path: str, content: str) -> str:
+        if path != MODEL:
+            return content
+        after = change(content)
+        assert after != content
+        return after
 
-    return changed
+    return lambda data: repacked(data, changed)
 
 
 VERTEX = re.compile(r'<vertex x="([^"]+)" y="([^"]+)" z="([^"]+)" />')

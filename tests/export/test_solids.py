@@ -5,7 +5,6 @@ from __future__ import annotations
 import cmath
 import io
 import math
-import zipfile
 from dataclasses import dataclass, replace
 
 import lib3mf  # type: ignore[import-untyped]  # has no types
@@ -23,6 +22,7 @@ from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import body_checks
 from tests.export.stub_product import CircleBoundary, StubProduct
+from tests.packages import repacked
 
 VOLUMES = {False: 8.0 * math.pi * (32.0**2 - 10.0**2)}
 VOLUMES[True] = math.pi * (8.0 * (60.0**2 - 10.0**2) - 3.0 * (48.0**2 - 32.0**2))
@@ -170,19 +170,12 @@ def test_a_scene_without_thickness_is_reported(writer: Writer) -> None:
         writer.measure(StubProduct(thickness=None), data)
 
 
-def repacked(data: bytes, old: bytes, new: bytes) -> bytes:
-    stream = io.BytesIO()
-    source = zipfile.ZipFile(io.BytesIO(data))
-    with zipfile.ZipFile(stream, "w") as target:
-        for name in source.namelist():
-            target.writestr(name, source.read(name).replace(old, new))
-    return stream.getvalue()
-
-
 def test_a_3mf_in_another_unit_is_refused() -> None:
     data = THREEMF.write(StubProduct(), 0.01).data
     with pytest.raises(FileError, match="not in millimetres"):
-        THREEMF.measure(StubProduct(), repacked(data, b"millimeter", b"inch"))
+        THREEMF.measure(
+            StubProduct(), repacked(data, lambda _, text: text.replace("millimeter", "inch"))
+        )
 
 
 def test_a_cut_3mf_is_refused() -> None:
@@ -190,7 +183,7 @@ def test_a_cut_3mf_is_refused() -> None:
     with pytest.raises(FileError, match="not a 3MF"):
         THREEMF.measure(StubProduct(), data[:-100])
     with pytest.raises(FileError, match="not a 3MF"):
-        THREEMF.measure(StubProduct(), repacked(data, b"</mesh>", b""))
+        THREEMF.measure(StubProduct(), repacked(data, lambda _, text: text.replace("</mesh>", "")))
 
 
 def test_a_3mf_keeps_doubles() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import re
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +20,11 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.design import Design
 from camgeo.product.product import Product
-from camgeo.verifying.verification import Check, Origin, Reading, Verifier, length_of
+from camgeo.verifying.verification import Origin, Reading, Verifier, length_of
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.matching import farthest
 from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
@@ -32,10 +32,10 @@ from camgeo_export.verify.mesh import merged, solid_checks, volume
 from camgeo_export.verify.shapes import joints_of
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
+from tests.export.verified import TOLERANCE, Checks, checked
+from tests.packages import repacked
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
-
-TOLERANCE = 1e-2
 
 FIT = 0.5 * TOLERANCE
 
@@ -48,13 +48,12 @@ def design() -> Design:
 
 
 def _checks(
-    verifier: Verifier, design: Product, data: bytes, reading: Reading = FOREIGN
-) -> dict[tuple[str, str], Check]:
-    checks = verifier.checks(design, data, reading, TOLERANCE)
-    return {(check.name, check.of): check for check in checks}
+    verifier: Verifier, product: Product, data: bytes, reading: Reading = FOREIGN
+) -> Checks:
+    return checked(verifier, product, data, reading)
 
 
-def _failed(checks: dict[tuple[str, str], Check]) -> set[str]:
+def _failed(checks: Checks) -> set[str]:
     return {name for (name, _), check in checks.items() if check.ok is False}
 
 
@@ -204,24 +203,17 @@ def test_text_stl_of_another_program(design: Design) -> None:
 
 
 def test_3mf_in_inch_is_measured_in_inch(design: Design) -> None:
-    def inch(text: str) -> str:
+    def inch(path: str, text: str) -> str:
+        if path != MODEL_PATH:
+            return text
         text = text.replace('unit="millimeter"', 'unit="inch"').replace("camgeo", "other")
         return re.sub(r'([xyz])="([^"]+)"', lambda m: f'{m[1]}="{float(m[2]) / 25.4!r}"', text)
 
-    data = _repacked(THREEMF.write(design.disc, FIT).data, inch)
+    data = repacked(THREEMF.write(design.disc, FIT).data, inch)
     assert THREEMF_VERIFIER.origin(data) == Origin()
     checks = _checks(THREEMF_VERIFIER, design.disc, data)
     assert not _failed(checks)
     assert checks["unit", ""].value == "inch"
-
-
-def _repacked(data: bytes, change: Any) -> bytes:
-    stream = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w") as new:
-        for name in old.namelist():
-            content = old.read(name).decode()
-            new.writestr(name, change(content) if name.endswith(".model") else content)
-    return stream.getvalue()
 
 
 # Parts --------------------------------------------------------------------------------------------

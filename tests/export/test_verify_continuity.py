@@ -1,11 +1,9 @@
-"""What verify reports on a drawing is a continuous function of the numbers in it."""
+"""What verify reports on a file is a continuous function of the numbers in it."""
 
 from __future__ import annotations
 
-import io
 import random
 import re
-import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -14,7 +12,7 @@ import pytest
 
 import camgeo
 from camgeo.product.product import Product
-from camgeo.verifying.verification import Check, Reading
+from camgeo.verifying.verification import Reading
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.threemf.writer import MODEL_PATH
@@ -23,10 +21,10 @@ from camgeo_export.verify.dxf import VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.stub_product import StubProduct
+from tests.export.verified import TOLERANCE, Checks, checked
+from tests.packages import repacked
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
-
-TOLERANCE = 0.01
 
 STEPS = (1e-12, 1e-9, 1e-6, 1e-3)
 
@@ -35,7 +33,7 @@ COORDINATES = ("10", "20", "11", "21")
 BULGE = "42"
 
 LONGEST = 40.0
-"""Of a piece [mm]: its middle moves by half of that times the change of the bulge."""
+"""Length of a piece [mm]: its middle moves by half of it times the change of the bulge."""
 
 SLACK = 0.015
 """Fraction by which a proved bound may exceed a deviation from a curve."""
@@ -44,8 +42,6 @@ EACH = 2
 """Numbers of each kind that are moved by each step."""
 
 ECCENTRIC = StubProduct()
-
-Checks = dict[tuple[str, str], Check]
 
 
 @cache
@@ -68,9 +64,7 @@ def places(lines: tuple[str, ...], codes: tuple[str, ...]) -> list[int]:
 
 def verified(scene: str, entity: str, lines: list[str]) -> Checks:
     reading = Reading(f"{scene}.dxf", ours=True)
-    data = "\n".join(lines).encode()
-    checks = VERIFIER.checks(disc(scene, entity), data, reading, TOLERANCE)
-    return {(check.name, check.of): check for check in checks}
+    return checked(VERIFIER, disc(scene, entity), "\n".join(lines).encode(), reading)
 
 
 def deviations(checks: Checks) -> dict[str, float]:
@@ -87,7 +81,7 @@ KINDS = [("setzhub", "arcs"), ("setzhub", "spline"), ("plate_translating", "poly
 def test_a_moved_number_moves_the_deviation_by_no_more(
     scene: str, entity: str, step: float
 ) -> None:
-    """But for the slack of the bound where the exact curve is not made of arcs."""
+    """Except for the slack of the bound where the exact curve is not made of arcs."""
     lines = drawing(scene, entity)
     before = deviations(verified(scene, entity, list(lines)))
     chance = random.Random(f"{scene} {step}")
@@ -128,24 +122,19 @@ def package() -> bytes:
 
 def with_numbers(change: Callable[[float], float]) -> bytes:
     """The package with each coordinate of its vertices changed."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(package())) as old, zipfile.ZipFile(stream, "w") as new:
-        for path in old.namelist():
-            text = old.read(path).decode()
-            if path == MODEL_PATH:
-                text = re.sub(
-                    r'\b([xyz])="([^"]+)"',
-                    lambda found: f'{found[1]}="{change(float(found[2]))!r}"',
-                    text,
-                )
-            new.writestr(path, text)
-    return stream.getvalue()
+
+    def moved(path: str, text: str) -> str:
+        number = r'\b([xyz])="([^"]+)"'
+        if path != MODEL_PATH:
+            return text
+        return re.sub(number, lambda found: f'{found[1]}="{change(float(found[2]))!r}"', text)
+
+    return repacked(package(), moved)
 
 
 def verified_package(data: bytes) -> Checks:
     reading = Reading("setzhub.3mf", ours=True)
-    checks = THREEMF_VERIFIER.checks(disc("setzhub", "arcs"), data, reading, TOLERANCE)
-    return {(check.name, check.of): check for check in checks}
+    return checked(THREEMF_VERIFIER, disc("setzhub", "arcs"), data, reading)
 
 
 @pytest.mark.parametrize("step", [1e-12, 1e-9, 1e-6, 1e-3])
@@ -156,7 +145,7 @@ def test_moved_vertices_of_a_solid(step: float) -> None:
     checks = verified_package(with_numbers(lambda value: value + chance.uniform(-step, step)))
     assert all(check.ok is not False for check in checks.values())
     for name, value in deviations(checks).items():
-        # Each face of its own now: those that were alike before are told once.
+        # Faces that were alike before are reported together; now each is reported by itself.
         of = name if name in before else name.replace("upper", "lower")
         assert abs(value - before[of]) <= 2.0 * step + SLACK * value
 
@@ -175,13 +164,12 @@ def program() -> tuple[str, ...]:
 
 def verified_program(lines: list[str]) -> Checks:
     reading = Reading("eccentric.ngc", ours=False)
-    checks = GCODE_VERIFIER.checks(ECCENTRIC, "\n".join(lines).encode(), reading, TOLERANCE)
-    return {(check.name, check.of): check for check in checks}
+    return checked(GCODE_VERIFIER, ECCENTRIC, "\n".join(lines).encode(), reading)
 
 
 @pytest.mark.parametrize("step", STEPS)
 def test_moved_ends_of_a_program(step: float) -> None:
-    """One after the other, the point at which a path closes among them: it need not, exactly."""
+    """One after the other, also the point where a path closes, which it need not do exactly."""
     lines = program()
     first = next(k for k, line in enumerate(lines) if line.startswith("G1 Z"))
     before = deviations(verified_program(list(lines)))
@@ -193,7 +181,7 @@ def test_moved_ends_of_a_program(step: float) -> None:
         checks = verified_program(moved)
         assert step > 1e-4 or all(check.ok is not False for check in checks.values())
         after = deviations(checks)
-        # A path that is another at one depth is told by itself.
+        # A path that differs at one depth is reported by itself.
         assert {name.partition(",")[0] for name in after} == before.keys()
         for name, value in after.items():
             assert abs(value - before[name.partition(",")[0]]) <= 10.0 * step + 1e-12

@@ -1,8 +1,8 @@
-"""Every group of the entities of our drawings is changed in turn, and verify reports it."""
+"""Every group in the entities of our drawings is changed in turn, and verify reports it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -14,9 +14,9 @@ from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Reading
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.verify.dxf import VERIFIER
+from tests.export import verified
 from tests.export.stub_product import StubProduct
-
-TOLERANCE = 0.01
+from tests.export.verified import TOLERANCE, checked
 
 ADDED = {
     6: "DASHED", 38: "5.0", 39: "5.0", 40: "0.5", 41: "0.5", 43: "0.5", 48: "2.0", 60: "1",
@@ -28,15 +28,12 @@ type, invisibility, colour, paper space, extrusion, a further owner, line weight
 TEXTS = (0, 5, 6, 8, 100, 330)
 """Groups whose values are texts."""
 
-HARMLESS_HEADER = ("$CUSTOMPROPERTYTAG", "$CUSTOMPROPERTY")
-"""The first of them: who wrote the file, without which it is a foreign one, and which version."""
-
-TOLD_HEADER = {"$ACADVER", "$INSBASE", "$INSUNITS", "$MEASUREMENT", "$TILEMODE"}
+CHECKED_HEADER = {"$ACADVER", "$INSBASE", "$INSUNITS", "$MEASUREMENT", "$TILEMODE"}
 """Header variables that say what the drawing is. All others set how a program shows and edits it;
 no coordinate of an entity depends on them."""
 
-TOLD_LAYER = {2, 6, 62, 70}
-"""Groups of the record of a layer that say whether it is seen: name, line type, colour (negative if
+CHECKED_LAYER = {2, 6, 62, 70}
+"""Groups in the record of a layer that say whether it is seen: name, line type, colour (negative if
 it is off), flags. The others are handles, line weight and references to plot styles and materials,
 none of which moves a line."""
 
@@ -51,18 +48,17 @@ def product(entity: str) -> Product:
 
 @cache
 def drawing(entity: str) -> tuple[str, ...]:
-    text = WRITER.write(product(entity), 0.5 * TOLERANCE).data.decode()
+    text = WRITER.write(product(entity), TOLERANCE).data.decode()
     return tuple(text.split("\n"))
 
 
-def faults(entity: str, lines: list[str]) -> list[Check]:
-    data = "\n".join(lines).encode()
-    origin = VERIFIER.origin(data)
-    if origin.damage:
-        return [Check("file", ok=False, note=origin.damage)]
-    reading = Reading("a.dxf", ours=origin.ours)
-    checks = VERIFIER.checks(product(entity), data, reading, TOLERANCE)
-    return [check for check in checks if check.ok is False]
+def faults(entity: str, lines: Sequence[str]) -> list[Check]:
+    return verified.faults(VERIFIER, product(entity), "\n".join(lines).encode())
+
+
+def with_line(lines: Sequence[str], place: int, line: str) -> list[str]:
+    """The lines with another one at `place`."""
+    return [*lines[:place], line, *lines[place + 1 :]]
 
 
 def groups(entity: str, section: str) -> Iterator[tuple[int, str, str]]:
@@ -85,15 +81,15 @@ def changed(code: str, value: str) -> str:
 
 def test_good_drawings_pass() -> None:
     for entity in ("arcs", "spline"):
-        assert not faults(entity, list(drawing(entity)))
+        assert not faults(entity, drawing(entity))
 
 
 HARMLESS = {("changed", "5"), ("left out", "30"), ("left out", "31")}
-"""A handle that no other entity has; a height that is 0 when it is not stated."""
+"""Another handle that no entity has; heights, which are 0 when left out."""
 
 
 def test_each_group_of_each_kind_of_entity() -> None:
-    """Changed, and left out."""
+    """Each is changed, and each is left out."""
     lines = drawing("arcs")
     first: dict[tuple[str, str, str], int] = {}
     layer = ""
@@ -102,8 +98,7 @@ def test_each_group_of_each_kind_of_entity() -> None:
         first.setdefault((kind, code, layer if code in ("10", "42") else ""), k)
     unseen = set()
     for (_, code, _), k in first.items():
-        other = list(lines)
-        other[k] = changed(code, lines[k])
+        other = with_line(lines, k, changed(code, lines[k]))
         shorter = [*lines[: k - 1], *lines[k + 1 :]]
         for what, given in (("changed", other), ("left out", shorter)):
             if not faults("arcs", given):
@@ -113,11 +108,10 @@ def test_each_group_of_each_kind_of_entity() -> None:
 
 @pytest.mark.parametrize("code", ["8", "10", "20", "30", "40", "70", "71", "72", "73", "74", "100"])
 def test_each_group_of_a_spline(code: str) -> None:
-    lines = list(drawing("spline"))
+    lines = drawing("spline")
     at = groups("spline", "ENTITIES")
     place = next(k for k, kind, group in at if (kind, group) == ("SPLINE", code))
-    lines[place] = changed(code, lines[place])
-    assert faults("spline", lines)
+    assert faults("spline", with_line(lines, place, changed(code, lines[place])))
 
 
 @pytest.mark.parametrize("code", ADDED)
@@ -129,45 +123,42 @@ def test_groups_that_a_polyline_should_not_have(code: int) -> None:
     assert found
     flat = {38: "elevation", 39: "thickness", 40: "width", 41: "width", 43: "width"}
     if code in flat:
-        told = {check.name: check for check in found}
-        assert told[flat[code]].value == float(ADDED[code])
-        assert "LWPOLYLINE on layer CUT" in told[flat[code]].note
-        assert f"LWPOLYLINE has the group {code}" in told["contents"].note
+        failed = {check.name: check for check in found}
+        assert failed[flat[code]].value == float(ADDED[code])
+        assert "LWPOLYLINE on layer CUT" in failed[flat[code]].note
+        assert f"LWPOLYLINE has the group {code}" in failed["contents"].note
     else:
         assert any(f"group {code}" in check.note for check in found) or code == 67
 
 
 @pytest.mark.parametrize(("code", "name"), [(38, "elevation"), (39, "thickness"), (43, "width")])
 def test_foreign_drawings_lie_flat_too(code: int, name: str) -> None:
-    """By as much as the tolerance allows; nothing else of their groups matters."""
+    """Within the tolerance; their other groups do not matter."""
     lines = drawing("arcs")
     place = lines.index("AcDbPolyline") + 1
     for value, expected in (("0.5", {name}), ("0.005", set())):
         other = [*lines[:place], f"{code:>3}", value, " 62", "1", *lines[place:]]
-        data = "\n".join(other).encode()
-        reading = Reading("a.dxf", ours=False)
-        checks = VERIFIER.checks(product("arcs"), data, reading, TOLERANCE)
-        assert {check.name for check in checks if check.ok is False} == expected
+        foreign = Reading("a.dxf", ours=False)
+        checks = checked(VERIFIER, product("arcs"), "\n".join(other).encode(), foreign)
+        assert {name for (name, _), check in checks.items() if check.ok is False} == expected
 
 
 def test_the_header() -> None:
-    """Units, version and space are told; the rest is how a program shows the drawing."""
+    """Units, version and space are checked; the rest is how a program shows the drawing."""
     lines = drawing("arcs")
     seen, everything = set(), set()
     for k, kind, code in groups("arcs", "HEADER"):
         if code == "9":
             everything.add(kind)
-        elif kind in TOLD_HEADER or len(everything) % 20 == 0:  # a sample of the others
-            other = list(lines)
-            other[k] = changed(code, lines[k])
-            if faults("arcs", other):
-                seen.add(kind)
-    assert seen == TOLD_HEADER
-    assert everything > TOLD_HEADER
+        elif kind in CHECKED_HEADER or len(everything) % 20 == 0:  # a sample of the others
+            found = faults("arcs", with_line(lines, k, changed(code, lines[k])))
+            seen |= {kind} if found else set()
+    assert seen == CHECKED_HEADER
+    assert everything > CHECKED_HEADER
 
 
 def test_the_layers() -> None:
-    """On, thawed, unlocked, full lines, and there."""
+    """A layer is there, on, thawed, unlocked and plotted with full lines."""
     lines = drawing("arcs")
     place = next(
         k for k, kind, code in groups("arcs", "TABLES") if kind == "LAYER" and lines[k] == "CUT"
@@ -177,15 +168,14 @@ def test_the_layers() -> None:
         if kind == "LAYER" and place <= k and lines[k] != "LAYER":
             if lines[k] == "PITCH_CURVE":
                 break
-            other = list(lines)
-            other[k] = "-7" if code == "62" else changed(code, lines[k])
-            if faults("arcs", other):
+            other = "-7" if code == "62" else changed(code, lines[k])
+            if faults("arcs", with_line(lines, k, other)):
                 seen.add(int(code))
-    assert seen == TOLD_LAYER
+    assert seen == CHECKED_LAYER
 
 
 @pytest.mark.parametrize(
-    ("kind", "code", "value", "said"),
+    ("kind", "code", "value", "text"),
     [
         ("LWPOLYLINE", "70", "129", "LWPOLYLINE has 129 as its group 70"),
         ("CIRCLE", "30", "5.0", "elevation"),
@@ -196,13 +186,12 @@ def test_the_layers() -> None:
         ("CIRCLE", "330", "99", "have 2 owners"),
     ],
 )
-def test_what_is_told_of_an_entity(kind: str, code: str, value: str, said: str) -> None:
-    lines = list(drawing("arcs"))
+def test_what_is_reported_on_an_entity(kind: str, code: str, value: str, text: str) -> None:
+    lines = drawing("arcs")
     handles = [lines[k] for k, each, c in groups("arcs", "ENTITIES") if c == "5" and each == "LINE"]
     place = next(
         k for k, each, c in groups("arcs", "ENTITIES") if each == kind and c == code
         and (code != "100" or lines[k] != "AcDbEntity")
     )  # fmt: skip
-    lines[place] = handles[0] if code == "5" else value
-    found = faults("arcs", lines)
-    assert any(said in f"{check.name}: {check.note}" for check in found)
+    found = faults("arcs", with_line(lines, place, handles[0] if code == "5" else value))
+    assert any(text in f"{check.name}: {check.note}" for check in found)

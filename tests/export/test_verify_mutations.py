@@ -1,14 +1,12 @@
-"""Every field of our files changed in turn: verify tells, or the change is harmless.
+"""Every field of our files is changed in turn: verify reports it, or the change is harmless.
 
-A harmless change is one that leaves what the file means as it was: the same moves, or something
-that no program takes as part of the geometry. The tables below name those of the second kind.
+A harmless change leaves the meaning of the file as it was: the same moves, or something that no
+program takes as part of the geometry. The tables below list those of the second kind.
 """
 
 from __future__ import annotations
 
-import io
 import re
-import zipfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -16,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgeo.toolpath.spec import Tool
-from camgeo.verifying.verification import Check, Reading, Verifier
+from camgeo.verifying.verification import Reading
 from camgeo_export.gcode import reader
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.stl.writer import FACET, PREFIX
@@ -32,23 +30,10 @@ from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.stub_product import StubProduct
-
-TOLERANCE = 0.01
+from tests.export.verified import TOLERANCE, checked, faults
+from tests.packages import repacked
 
 PRODUCT = StubProduct(second_tool=Tool(2, 8.0, 2500.0, 250.0, 80.0))
-
-
-def faults(verifier: Verifier, data: bytes, product: StubProduct = PRODUCT) -> list[Check]:
-    """The checks that fail of a file that should be one of ours, those of its origin included."""
-    origin = verifier.origin(data)
-    if origin.damage:
-        return [Check("file", ok=False, note=origin.damage)]
-    checks = verifier.checks(product, data, Reading("file", ours=origin.ours), TOLERANCE)
-    named = Check(
-        "scene", value=origin.scene, ok=product.scene_hash.startswith(origin.scene or "-")
-    )
-    stated = Check("tolerance", value=origin.tolerance, ok=origin.tolerance in (None, TOLERANCE))
-    return [check for check in (named, stated, *checks) if check.ok is False]
 
 
 # Programs -----------------------------------------------------------------------------------------
@@ -58,19 +43,19 @@ PROGRAM = GCODE.write(PRODUCT, TOLERANCE).data.decode().splitlines()
 WORD = re.compile(r"([A-Z])(-?[\d.]+)")
 
 HARMLESS_WORDS = {
-    ("(camgeo 0.0.test, for LinuxCNC)", "0.0.test"),  # of another version: its words may differ
-    ("(camgeo 0.0.test, for LinuxCNC)", "camgeo"),  # then it is a foreign program
+    ("(camgeo 0.0.test, for LinuxCNC)", "0.0.test"),  # another version, whose words may differ
+    ("(camgeo 0.0.test, for LinuxCNC)", "camgeo"),  # a foreign program
     ("(camgeo 0.0.test, for LinuxCNC)", ""),
     ("G64 P0.0030 Q0", "P0"),  # a smaller path blending, down to none
-    ("G0 Z5.0000", ""),  # where the next one leads there again
+    ("G0 Z5.0000", ""),  # the next one goes there again
     ("G0 Z5.0000", "Z5.0000"),
     ("M5", "M6"),  # a change of tools at the end stops the spindle, too
 }
-"""Line and the word in it that may be changed, or the line that may be left out."""
+"""A line with the word in it that may be changed, or a line that may be left out."""
 
 
 def changed_lines() -> list[int]:
-    """The lines that are changed: of blocks with the same words after the same ones, the first."""
+    """The lines to change: of blocks with the same words after the same block, only the first."""
     words = [
         tuple(re.findall(r"G\d+|[A-Z]", line)) if line[0] != "(" else (line,) for line in PROGRAM
     ]
@@ -79,7 +64,7 @@ def changed_lines() -> list[int]:
 
 
 def changed_words(line: str) -> Iterator[tuple[str, str]]:
-    """Each word of a line, and the line with that word changed or left out; the line left out."""
+    """Each word of a line, and the line with it changed or left out; also no line at all."""
     yield "", ""
     if line.startswith("("):
         for found in re.finditer(r"[\w.]+", line):
@@ -101,20 +86,20 @@ def changed_words(line: str) -> Iterator[tuple[str, str]]:
 
 def test_a_program_that_is_changed() -> None:
     good = reader.read("\n".join(PROGRAM))
-    assert not faults(GCODE_VERIFIER, "\n".join(PROGRAM).encode())
+    assert not faults(GCODE_VERIFIER, PRODUCT, "\n".join(PROGRAM).encode())
     unseen = []
     for k in changed_lines():
         for word, line in changed_words(PROGRAM[k]):
             text = "\n".join([*PROGRAM[:k], line, *PROGRAM[k + 1 :]])
-            if faults(GCODE_VERIFIER, text.encode()):
+            if faults(GCODE_VERIFIER, PRODUCT, text.encode()):
                 continue
-            if repr(reader.read(text)) != repr(good):  # with NaN, which is equal to nothing
+            if repr(reader.read(text)) != repr(good):  # as text, since NaN equals nothing
                 unseen.append((PROGRAM[k], word))
     assert set(unseen) == HARMLESS_WORDS
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "check", "said"),
+    ("old", "new", "check", "note"),
     [
         ("F300", "F30000", "feed", "line 21"),
         ("F100", "F1000", "plunge feed", "line 20"),
@@ -132,12 +117,12 @@ def test_a_program_that_is_changed() -> None:
         ("S2500 M3", "", "safety", "with the spindle off"),
     ],
 )  # fmt: skip
-def test_what_is_told_of_a_program(old: str, new: str, check: str, said: str) -> None:
-    """The check with the place and the reason."""
+def test_what_is_reported_on_a_program(old: str, new: str, check: str, note: str) -> None:
+    """The check that fails, with place and reason."""
     text = "\n".join(PROGRAM)
     assert old in text
-    found = faults(GCODE_VERIFIER, text.replace(old, new, 1).encode())
-    assert said in {each.name: each.note for each in found}[check]
+    found = faults(GCODE_VERIFIER, PRODUCT, text.replace(old, new, 1).encode())
+    assert note in {each.name: each.note for each in found}[check]
 
 
 def test_programs_of_other_versions_are_read() -> None:
@@ -147,10 +132,10 @@ def test_programs_of_other_versions_are_read() -> None:
     assert "(tolerance 0.000393701 inch, 0.01 mm)" in text
     assert "(tool 1: end mill, diameter 0.2362 inch, 6 mm)" in text
     assert "(fit within 0.0002" in text
-    assert not faults(GCODE_VERIFIER, text.encode(), product)
+    assert not faults(GCODE_VERIFIER, product, text.encode())
     for old, new in (("0.000393701 inch, ", ""), ("0.2362 inch, ", ""), ("0.0.test", "0.0.1")):
         text = text.replace(old, new)
-    assert not faults(GCODE_VERIFIER, text.encode(), product)
+    assert not faults(GCODE_VERIFIER, product, text.encode())
 
 
 # Meshes -------------------------------------------------------------------------------------------
@@ -180,7 +165,7 @@ def scaled(name: str, factor: float) -> Callable[[Any], None]:
 
 
 def collinear(facets: Any) -> None:
-    """A corner of a facet of a wall in the middle of its upright side."""
+    """Move a corner of a facet of a wall to the middle of the facet's upright side."""
     for corners in facets["corners"]:
         for k in range(3):
             low, high = corners[k - 1], corners[k - 2]
@@ -190,7 +175,7 @@ def collinear(facets: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "check", "said"),
+    ("data", "check", "note"),
     [
         (stl_with(set_to("normal", 0.0)), "normals", "is 0; wrong at 1 facet"),
         (stl_with(set_to("normal", 0.0, slice(None))), "normals", "is 0"),
@@ -210,15 +195,15 @@ def collinear(facets: Any) -> None:
         (MESH[:-1], "file", "not a complete binary STL"),
     ],
 )
-def test_an_stl_that_is_changed(data: bytes, check: str, said: str) -> None:
+def test_an_stl_that_is_changed(data: bytes, check: str, note: str) -> None:
     """Each field of the format: header, count, normals, corners, attributes."""
-    assert not faults(STL_VERIFIER, MESH)
-    assert said in {each.name: each.note for each in faults(STL_VERIFIER, data)}[check]
+    assert not faults(STL_VERIFIER, PRODUCT, MESH)
+    assert note in {each.name: each.note for each in faults(STL_VERIFIER, PRODUCT, data)}[check]
 
 
 @pytest.mark.parametrize("version", [b"0.0.test", b"9.9.test"])
 def test_the_version_in_an_stl_is_harmless(version: bytes) -> None:
-    assert not faults(STL_VERIFIER, MESH.replace(b"0.0.test", version))
+    assert not faults(STL_VERIFIER, PRODUCT, MESH.replace(b"0.0.test", version))
 
 
 def test_normals_of_other_programs_may_be_zero_but_not_wrong() -> None:
@@ -231,7 +216,7 @@ def test_normals_of_other_programs_may_be_zero_but_not_wrong() -> None:
 
 def faults_of_foreign(data: bytes) -> set[str]:
     assert not STL_VERIFIER.origin(data).ours
-    checks = STL_VERIFIER.checks(PRODUCT, data, Reading("a.stl", ours=False), TOLERANCE)
+    checks = checked(STL_VERIFIER, PRODUCT, data, Reading("a.stl", ours=False)).values()
     return {check.name for check in checks if check.ok is False}
 
 
@@ -241,25 +226,9 @@ PACKAGE = THREEMF.write(PRODUCT, TOLERANCE).data
 
 RELATION = f'<Relationship Target="/{MODEL_PATH}" Id="second" Type="{MODEL_RELATION}" />'
 
-Change = Callable[[str, str], str | None]
-"""Path and content of a part -> the content after the change, or None to leave the part out."""
-
-
-def package_with(change: Change, added: dict[str, str] | None = None) -> bytes:
-    """The good package with its parts changed; those not changed are the same."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(PACKAGE)) as old, zipfile.ZipFile(stream, "w") as new:
-        for path in old.namelist():
-            content = change(path, old.read(path).decode())
-            if content is not None:
-                new.writestr(path, content)
-        for path, content in (added or {}).items():
-            new.writestr(path, content)
-    return stream.getvalue()
-
 
 def without(part: str) -> bytes:
-    return package_with(lambda path, content: None if path == part else content)
+    return repacked(PACKAGE, lambda path, content: None if path == part else content)
 
 
 def put(part: str, old: str, new: str) -> bytes:
@@ -271,7 +240,7 @@ def put(part: str, old: str, new: str) -> bytes:
         assert re.search(old, content)
         return re.sub(old, new, content, count=1)
 
-    return package_with(change)
+    return repacked(PACKAGE, change)
 
 
 TYPES, RELATIONS, MODEL = CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH
@@ -280,7 +249,7 @@ PACKAGES: dict[str, tuple[bytes, str]] = {
     "no content types": (without(TYPES), "package"),
     "no relationships": (without(RELATIONS), "package"),
     "no model": (without(MODEL), "file"),
-    "a further part": (package_with(lambda _, content: content, {"a.txt": ""}), "package"),
+    "a further part": (repacked(PACKAGE, lambda _, content: content, {"a.txt": ""}), "package"),
     "types: namespace": (put(TYPES, "content-types", "content-typez"), "package"),
     "types: root": (put(TYPES, r"<Types(.*)</Types>", r"<Kinds\1</Kinds>"), "package"),
     "types: no XML": (put(TYPES, "</Types>", ""), "package"),
@@ -337,8 +306,8 @@ PACKAGES: dict[str, tuple[bytes, str]] = {
     ),
     "cut short": (PACKAGE[: len(PACKAGE) // 2], "file"),
 }  # fmt: skip
-"""Changes to a package, and the check that reports each. lib3mf 2.5, which reads strictly, rejects
-all those that concern the package and the model, or reads another part."""
+"""Changes to a package, and the check that reports each. lib3mf 2.5, a strict reader, rejects all
+that concern the package and the model, or reads a different part."""
 
 HARMLESS_PACKAGES = {
     "the version": put(MODEL, "camgeo 0.0.test", "camgeo 9.9.test"),
@@ -348,20 +317,20 @@ HARMLESS_PACKAGES = {
     "a vertex that no triangle uses": put(
         MODEL, "</vertices>", '<vertex x="0" y="0" z="0" /></vertices>'
     ),
-    "another compression": package_with(lambda _, content: content),
+    "another compression": repacked(PACKAGE, lambda _, content: content),
 }  # fmt: skip
-"""The same body, whoever reads it."""
+"""Changes after which every reader finds the same body."""
 
 
 @pytest.mark.parametrize("kind", PACKAGES)
 def test_a_package_that_is_changed(kind: str) -> None:
     data, check = PACKAGES[kind]
-    found = {each.name: each.note for each in faults(THREEMF_VERIFIER, data)}
+    found = {each.name: each.note for each in faults(THREEMF_VERIFIER, PRODUCT, data)}
     assert check in found
     assert found[check] or check in ("scene", "tolerance", "closed")
 
 
 @pytest.mark.parametrize("kind", HARMLESS_PACKAGES)
 def test_a_package_that_is_as_good(kind: str) -> None:
-    assert not faults(THREEMF_VERIFIER, HARMLESS_PACKAGES[kind])
-    assert not faults(THREEMF_VERIFIER, PACKAGE)
+    assert not faults(THREEMF_VERIFIER, PRODUCT, HARMLESS_PACKAGES[kind])
+    assert not faults(THREEMF_VERIFIER, PRODUCT, PACKAGE)
