@@ -40,6 +40,21 @@ class Outline:
         centres = np.where(arc, 0.5 * (starts + ends) + 0.5j * (ends - starts) * cot, 0.0)
         return cls(starts, ends, sweeps, centres)
 
+    @classmethod
+    def around(
+        cls,
+        rng: np.random.Generator,
+        radii: tuple[float, float],
+        sweeps: tuple[float, float],
+        straight: float,
+    ) -> Self:
+        """Through 5 to 12 points about the origin, drawn within `radii` and `sweeps`; sweeps of
+        less than `straight` are lines."""
+        count = int(rng.integers(5, 13))
+        points = rng.uniform(*radii, count) * np.exp(2j * np.pi * np.arange(count) / count)
+        turned = rng.uniform(*sweeps, count)
+        return cls.through(points, np.where(np.abs(turned) < straight, 0.0, turned))
+
     @property
     def area(self) -> float:
         """Signed area by Green's theorem, x dy of chords and of circle segments."""

@@ -18,9 +18,6 @@ from camgeo.scene.load import load_scene
 from tests.effects.scenes import SCENES, design
 from tests.effects.test_laziness import TABLES
 
-WEAK: Final = SCENES.parent / "effects" / "pressure_off_the_cam.toml"
-ELASTIC: Final = SCENES.parent / "effects" / "lift_off_elastic.toml"
-
 LOST: Final = ((50.3518, 86.4716), (93.5284, 129.6482))
 """Where the rigid follower of both scenes leaves the cam [degrees]."""
 

@@ -130,10 +130,6 @@ def excess(found: tuple[float, ...], law: Pieces, z: float) -> float:
     )
 
 
-def jerk_limit(law: Law) -> float:
-    return max(region.jerk_bound for region in law.regions)
-
-
 # Against the values of the reference -----------------------------------------------------------
 
 

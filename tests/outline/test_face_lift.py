@@ -138,11 +138,8 @@ def test_a_notch_is_not_felt() -> None:
 
 
 def rounded(rng: np.random.Generator) -> Outline:
-    """Lines and arcs through points round the axis, some of which turn in."""
-    count = int(rng.integers(5, 13))
-    points = rng.uniform(22.0, 30.0, count) * np.exp(1j * TURN * np.arange(count) / count)
-    sweeps = rng.uniform(-1.0, 1.8, count)
-    return Outline.through(points, np.where(np.abs(sweeps) < 0.4, 0.0, sweeps))
+    """Nearly round, with some arcs that turn inwards."""
+    return Outline.around(rng, radii=(22.0, 30.0), sweeps=(-1.0, 1.8), straight=0.4)
 
 
 @settings(attack, max_examples=examples(16, long=60))

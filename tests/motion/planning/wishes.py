@@ -37,9 +37,6 @@ LAWS_TO_ASK = (
 )
 """Families of every kind: free, of one parameter, of two, for some tasks only."""
 
-SMOOTH_LAWS = ("auto", "polynomial-5", "polynomial-7", "polynomial")
-"""Laws that meet whatever there is."""
-
 
 def rest(span: float | str | Decimal) -> Dwell:
     """A rest."""
