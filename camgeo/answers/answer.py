@@ -9,16 +9,17 @@ document is read from the result (`camgeo.answers.render`).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from camgeo.check.finding import Finding
+if TYPE_CHECKING:  # the command line needs the exit codes before it imports anything else
+    from camgeo.check.finding import Finding
 
 FINE: Final = 0
 BROKEN: Final = 1
 WRONG: Final = 2
 CRASHED: Final = 70
 """Exit codes: all limits kept; a limit is broken; the scene or the call is wrong; an error in
-camgeo itself."""
+camgeo itself, EX_SOFTWARE of BSD's sysexits.h."""
 
 
 class Answer:

@@ -15,17 +15,12 @@ from types import FrameType
 from typing import Final, NoReturn
 
 from camgeo._version import __version__
+from camgeo.answers.answer import CRASHED, WRONG
 from camgeo.cli.progress import Progress
 from camgeo.cli.streams import StreamError, discard_output, mend, notify, printable, write
 from camgeo.errors import CamgeoError
 
 # What takes longer to import is imported in functions: a signal may come meanwhile.
-
-WRONG: Final = 2
-"""Exit code of a wrong call, as of a wrong scene."""
-
-CRASHED: Final = 70
-"""Exit code after an error in camgeo itself, EX_SOFTWARE of BSD's sysexits.h."""
 
 STOPPED: Final = 128
 """Exit code after a signal, less its number: 130 after Ctrl-C, as shells count it."""

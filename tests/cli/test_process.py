@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.answers.answer import CRASHED
 from camgeo.cli import check
-from camgeo.cli.main import CRASHED, STOPPED, TRACEBACK, Stopped, main
+from camgeo.cli.main import STOPPED, TRACEBACK, Stopped, main
 from camgeo.cli.streams import printable
 from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING
 

@@ -21,8 +21,9 @@ from typing import Any, Final
 import numpy as np
 from jsonschema_rs import Draft202012Validator
 
+from camgeo.answers.answer import CRASHED
 from camgeo.answers.render import schema_of
-from camgeo.cli.main import CRASHED, TRACEBACK, main
+from camgeo.cli.main import TRACEBACK, main
 from camgeo.design import Design
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.load import load_scene
