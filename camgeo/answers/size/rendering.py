@@ -31,7 +31,7 @@ def text(answer: CamSize) -> str:
         _row(answer, "present design", answer.present),
     ]
     if sizing.construction is not None:
-        own = answer.sides[0].sizing
+        own = answer.own.sizing
         lines += [
             _row(answer, "Flocke", own.flocke),
             _row(answer, "mu alone, exact", own.for_angle),
@@ -39,7 +39,7 @@ def text(answer: CamSize) -> str:
     lines.append(_row(answer, "smallest", best.written))
     for side in answer.sides:
         if side is not best:
-            own_side = side is answer.sides[0]
+            own_side = side is answer.own
             name = f"smallest on {'its present' if own_side else 'the other'} side"
             lines.append(_row(answer, name, side.written))
     return "\n".join(
@@ -49,7 +49,7 @@ def text(answer: CamSize) -> str:
             answer.infeasible or _decided(sizing),
             *_proved(answer),
             *(f"check of that scene finds: {each.sentence}" for each in answer.remarks),
-            *_of_flocke(answer.sides[0].sizing),
+            *_of_flocke(answer.own.sizing),
         ]
     )
 
@@ -106,7 +106,7 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
 
 def _changed(answer: CamSize) -> list[str]:
     """What is not as in the present design, besides the sizes of the rows."""
-    found, best, own = [], answer.best, answer.sides[0]
+    found, best, own = [], answer.best, answer.own
     unit = answer.scene.unit
     if best is not own and best.sizing.answer is not None:
         change = f'the smallest has follower.arm_side = "{best.arm_side}", not "{own.arm_side}"'
