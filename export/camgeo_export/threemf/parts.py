@@ -46,6 +46,12 @@ METHODS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 ENCRYPTED: Final = 0x1
 
+DAMAGED: Final = (
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError),
+    *(ValueError, OSError, OverflowError),  # places outside the file, names
+)
+"""Errors of zipfile at a package that cannot be unpacked."""
+
 SMALL: Final = 100_000
 """Bytes of a part that may be packed at any ratio."""
 
@@ -59,7 +65,10 @@ LONG: Final = re.compile(rb"<[^<>!?][^<>]{%d}" % TAG)
 
 UTF8: Final = (b"utf-8", b"utf8")
 
-PATH: Final = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
+PRODUCTION: Final = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+"""Namespace of the extension that spreads a model over several parts."""
+
+PATH: Final = f"{{{PRODUCTION}}}path"
 """Attribute that says in which part the object of a component or an item is."""
 
 Key = tuple[str, str]
@@ -77,11 +86,9 @@ def parts_of(data: bytes) -> dict[str, bytes]:
             entries = package.infolist()
             _check_entries(entries)
             parts = {entry.filename: _unpacked(package, entry) for entry in entries}
-    except (zipfile.BadZipFile, zlib.error, struct.error, EOFError) as error:
-        raise FileError(f"cannot be unpacked: {error}") from None
-    except (ValueError, OSError, OverflowError) as error:  # places outside the file, names
-        if isinstance(error, FileError):
-            raise
+    except FileError:
+        raise
+    except DAMAGED as error:
         raise FileError(f"cannot be unpacked: {error}") from None
     _check_xml({name: part for name, part in parts.items() if name.lower().endswith(XML)})
     return parts

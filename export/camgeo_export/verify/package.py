@@ -16,6 +16,7 @@ from xml.etree import ElementTree as ET
 
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.errors import FileError
+from camgeo_export.threemf.parts import PRODUCTION
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES,
     CONTENT_TYPES_PATH,
@@ -29,8 +30,6 @@ from camgeo_export.threemf.writer import (
 )
 
 LANGUAGE: Final = "{http://www.w3.org/XML/1998/namespace}lang"
-
-PRODUCTION: Final = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
 
 READ_EXTENSIONS: Final = (PRODUCTION,)
 """Namespaces of the extensions that a model may require: they only spread it over several files."""
@@ -136,21 +135,18 @@ def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) 
 
 def _check_types(parts: Mapping[str, bytes], path: str) -> None:
     """The content types of the model and of the relationships are stated."""
-    defaults: dict[str, str] = {}
-    overrides: dict[str, str] = {}
+    types: dict[tuple[str, str], str] = {}
     for each in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
         kind = each.tag.rpartition("}")[2]
-        table, key = {
-            "Default": (defaults, each.get("Extension", "").lower()),
-            "Override": (overrides, each.get("PartName", "").lower()),
-        }.get(kind, (defaults, ""))
-        if not key or key in table:
+        key = each.get({"Default": "Extension", "Override": "PartName"}.get(kind, ""), "").lower()
+        if not key or (kind, key) in types:
             raise FileError(f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or there twice")
-        table[key] = each.get("ContentType", "")
+        types[kind, key] = each.get("ContentType", "")
     for part, wanted in ((path, MODEL_TYPE), (RELATIONSHIPS_PATH, RELATIONSHIP_TYPE)):
         extension = posixpath.splitext(part.lower())[1].removeprefix(".")
         extension = extension or posixpath.basename(part).removeprefix(".")
-        found = overrides.get(f"/{part.lower()}", defaults.get(extension, ""))
+        by_extension = types.get(("Default", extension), "")
+        found = types.get(("Override", f"/{part.lower()}"), by_extension)
         if found != wanted:
             what = f"the type of {part} is {found or 'not stated'}"
             raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {wanted}")
@@ -228,13 +224,7 @@ def _objects(root: ET.Element) -> dict[str, ET.Element]:
         key = each.get("id", "")
         if not re.fullmatch(r"[1-9]\d{0,8}", key) or key in found:
             raise FileError(f"the object id {key!r} is none, or there twice")
-        if each.get("type", "model") not in (
-            "model",
-            "solidsupport",
-            "support",
-            "surface",
-            "other",
-        ):
+        if each.get("type", "model") not in TYPES:
             raise FileError(f"{each.get('type')!r} is not a type of object")
         found[key] = each
     return found
