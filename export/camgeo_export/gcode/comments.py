@@ -67,14 +67,15 @@ def about_operation(cut: Cut, grid: Grid) -> list[str]:
 
 def commented(texts: Iterable[str], style: CommentStyle) -> list[str]:
     """`texts` as comment lines, without characters that the controller cannot read in one."""
+    return [style.open + line + style.close for line in wrapped(texts, style)]
+
+
+def wrapped(texts: Iterable[str], style: CommentStyle) -> list[str]:
+    """`texts` in lines that fit into comments, as plain ASCII without round brackets."""
     width = style.line_length - len(style.open) - len(style.close)
-    return [style.open + line + style.close for text in texts for line in wrapped(text, width)]
-
-
-def wrapped(text: str, width: int) -> list[str]:
-    """`text` in lines of at most `width` characters, as plain ASCII without brackets."""
-    plain = text.encode("ascii", "replace").decode("ascii")
-    return textwrap.wrap(plain.translate(str.maketrans("()", "[]")), width)
+    plain = (text.encode("ascii", "replace").decode("ascii") for text in texts)
+    square = str.maketrans("()", "[]")
+    return [line for text in plain for line in textwrap.wrap(text.translate(square), width)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -195,14 +195,12 @@ def notes_of(text: str) -> list[str]:
 
 def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove | None:
     """Run one block; return its move, if any."""
-    letters = [letter for letter, _ in words if letter not in "GM"]
-    foreign = next((letter for letter, _ in words if letter not in LETTERS), "")
-    twice = next((letter for letter in letters if letters.count(letter) > 1), "")
-    if foreign or twice:
-        what = (
-            f"{foreign} is not expected in our programs" if foreign else f"{twice} is there twice"
-        )
-        raise FileError(f"line {line}: the word {what}")
+    letters = [letter for letter, _ in words]
+    for letter in letters:
+        if letter not in LETTERS:
+            raise FileError(f"line {line}: the word {letter} is not expected in our programs")
+        if letter not in "GM" and letters.count(letter) > 1:
+            raise FileError(f"line {line}: the word {letter} is there twice")
     codes = [float(value) for letter, value in words if letter == "G"]
     if sum(code in MOTIONS for code in codes) > 1:
         raise FileError(f"line {line}: two kinds of motion in one block")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 
-from camgeo.errors import CamgeoError
+from camgeo.errors import ToleranceError
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
@@ -112,18 +112,18 @@ def _comments(product: Product, program: Program, stated: Stated, machine: Machi
     if stated.version != product.version:
         note = "" if stated.version else "they do not name the version of camgeo"
         return Check("comments", "", f"of camgeo {stated.version}", ok=None, note=note)
-    expected: list[str] = []
+    unkept = failed("comments", "they state no tolerance that can be kept")
+    if stated.tolerance is None:
+        return unkept
     try:
-        assert stated.tolerance is not None
         shares = budget(machine, product.unit, stated.tolerance)
-        grid, style = Grid(shares.decimals, MM_PER[product.unit]), machine.comment
-        texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
-        for cut in product.milled.cuts:
-            texts += about_operation(cut, grid)
-        width = style.line_length - len(style.open) - len(style.close)
-        expected = [line.strip() for text in texts for line in wrapped(text, width)]
-    except (AssertionError, CamgeoError):
-        return failed("comments", "they state no tolerance that can be kept")
+    except ToleranceError:
+        return unkept
+    grid = Grid(shares.decimals, MM_PER[product.unit])
+    texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
+    for cut in product.milled.cuts:
+        texts += about_operation(cut, grid)
+    expected = [line.strip() for line in wrapped(texts, machine.comment)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
         if found != wanted:
             return failed("comments", f"'{found}' where '{wanted}' is expected")
