@@ -82,9 +82,8 @@ def upright(corners: FloatArray, within: float = 0.0) -> Check:
     if upright.all():
         return Check("walls", "", "upright", ok=True)
     first = corners[int(np.argmin(upright))].mean(axis=0)
-    place = ", ".join(f"{value:.6g}" for value in first)
     count = counted(int(np.count_nonzero(~upright)), "facet")
-    return failed("walls", f"{count} neither flat nor upright, one near ({place}) mm")
+    return failed("walls", f"{count} neither flat nor upright, one near {point_text(first)} mm")
 
 
 def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
@@ -124,8 +123,8 @@ def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
     bad = np.flatnonzero(same | (heights(vertices[triangles]) <= ROUNDING * np.abs(vertices).max()))
     note = ""
     if len(bad):
-        place = _point_text(vertices[triangles[bad[0], 0]])
-        note = f"{len(bad)} of them have no area, facet {bad[0] + 1} at {place} among them"
+        place = point_text(vertices[triangles[bad[0], 0]])
+        note = f"{len(bad)} of them have no area, facet {bad[0] + 1} at {place} mm among them"
     return Check("facets", "", float(len(triangles)), ok=not len(bad), note=note)
 
 
@@ -139,13 +138,14 @@ def _flipped_text(
     against = same[place].reshape(-1, 3).sum(axis=1)
     facet = int(np.argmax(against))
     middle = vertices[triangles[facet]].mean(axis=0)
-    return f"facet {facet + 1}, near {_point_text(middle)}, is turned against its neighbours"
+    return f"facet {facet + 1}, near {point_text(middle)} mm, is turned against its neighbours"
 
 
 def _edge_text(vertices: FloatArray, key: int, count: int) -> str:
     one, other = divmod(key, count)
-    return f"from {_point_text(vertices[one])} to {_point_text(vertices[other])}"
+    return f"from {point_text(vertices[one])} mm to {point_text(vertices[other])} mm"
 
 
-def _point_text(point: FloatArray) -> str:
-    return f"({', '.join(f'{value:.6g}' for value in point)}) mm"
+def point_text(point: FloatArray) -> str:
+    """A `point` (3,) in a message."""
+    return f"({', '.join(f'{value:.6g}' for value in point)})"

@@ -26,7 +26,7 @@ from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.stl.writer import FACET, HEADER_BYTES, PREFIX
 from camgeo_export.verify.body import body_checks
-from camgeo_export.verify.mesh import heights
+from camgeo_export.verify.mesh import heights, point_text
 
 OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
 
@@ -197,9 +197,9 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
     for what, which in faults:
         if np.any(which):
             first = int(np.argmax(which))
-            place = ", ".join(f"{value:.6g}" for value in corners[first].mean(axis=0))
+            place = point_text(corners[first].mean(axis=0))
             many = counted(int(np.count_nonzero(which)), "facet")
-            text = f"that of facet {first + 1}, near ({place}), {what}; wrong at {many}"
+            text = f"that of facet {first + 1}, near {place}, {what}; wrong at {many}"
             return failed("normals", text)
     zeros = counted(int(np.count_nonzero(empty)), "facet")
     note = f"0 at {zeros}, to be computed by the reader" if empty.any() else ""
