@@ -218,7 +218,7 @@ def dips(function: Function, grid: FloatArray) -> FloatArray:
         def upright(phi: FloatArray, _side: Side, sign: float = sign) -> FloatArray:
             return sign * function(phi)
 
-        lowest = piecewise_extremes(upright, grid[row, [column, column + 2]]).lowest
+        lowest = piecewise_lowest(upright, grid[row, [column, column + 2]])
         if lowest.value < 0.0:
             found.append(lowest.place)
     return np.array(found)
