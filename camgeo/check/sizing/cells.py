@@ -18,13 +18,12 @@ the best one found, by more than `GAP` of its distance, still matter.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgeo.check.sizing.conditions import Conditions
-from camgeo.check.sizing.task import Terms
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, taken
 
 DIRECTIONS = 32
 """Number of directions of the first cells, which are as long as they are wide."""
@@ -173,8 +172,7 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
             asked |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
     if not np.any(asked):
         asked[0] = True
-    kept = Terms(*(getattr(terms, each.name)[asked] for each in fields(Terms)))
-    return replace(now, terms=kept, covers=covers)
+    return replace(now, terms=taken(terms, asked), covers=covers)
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgeo.check.sizing.covering import Covers
 from camgeo.check.sizing.task import Task, Terms
 from camgeo.curve.pieces import smooth_pieces
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined
 
 SAMPLES = 17
 """Cam angles per piece to start with; the exchange adds those that matter."""
@@ -102,12 +102,7 @@ def samples_of(task: Task) -> FloatArray:
 def with_more(task: Task, now: Conditions, phi: FloatArray, covers: Covers) -> Conditions:
     """`now` and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`."""
     more = conditions(task, now.tangent, now.ratio, phi, covers).terms
-    terms = Terms(
-        *(
-            np.concatenate((getattr(now.terms, each.name), getattr(more, each.name)))
-            for each in fields(Terms)
-        )
-    )
+    terms = joined((now.terms, more))
     return replace(now, terms=terms, covers=covers if now.covers is None else now.covers + covers)
 
 
@@ -119,12 +114,6 @@ def conditions(
     """
     breaks = task.motion.breaks
     right = task.terms(np.concatenate((phi, breaks)))
-    left = task.terms(breaks, "left")
-    terms = Terms(
-        *(
-            np.concatenate((getattr(right, each.name), getattr(left, each.name)))
-            for each in fields(Terms)
-        )
-    )
+    terms = joined((right, task.terms(breaks, "left")))
     roller, half = task.follower.roller_radius, task.half
     return Conditions(terms, tangent, roller, ratio, task.signs, half, covers)

@@ -4,11 +4,12 @@ A flank is cut off where the roller, elsewhere on its way, covers it: where the 
 cam angle phi_2 is nearer than the flank's distance |d| to the point that the flank has at phi_1. In
 the axes of `camgeo.check.sizing.task`, turned with the cam at phi_1, the point less the centre is
 
-    B_1 - P - (B_2 - P) E + i sense d D_1 / |D_1|,
+    B_1 - P - (B_2 - P) E + d N_1 / |N_1|,
 
-E = exp(-i sense (phi_2 - phi_1)), D_1 = B_1' - i sense (B_1 - P). Every pair of cam angles at which
-it is shorter than |d| rules the place out, whatever else is known of it. Between places h apart it
-changes by at most h |1 - E| + |d| times the turn of D_1, whose sine is at most h / |D_1|.
+E = exp(-i sense (phi_2 - phi_1)), N_1 = B_1 + i sense B_1' - P, along the normal and as long as the
+velocity of the roller centre. Every pair of cam angles at which it is shorter than |d| rules the
+place out, whatever else is known of it. Between places h apart it changes by at most h |1 - E| +
+|d| times the turn of N_1, whose sine is at most h / |N_1|.
 
 There are too many pairs to look at all of them. Those that matter are found from what the outline
 of a place has lost.
@@ -17,14 +18,13 @@ of a place has lost.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Any, Final
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgeo.check.sizing.task import Task
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, joined, taken
 from camgeo.outline.crossings import find_crossings
 from camgeo.units import TURN
 
@@ -50,8 +50,7 @@ class Covers:
     ----------
     first, second : (k,) phi_1 and phi_2 [rad].
     distance : (k,) d [mm].
-    apart, turned, along : (k,) complex B_1 - B_2 E, 1 - E, and B_1' - i sense B_1 [mm].
-    sense : as of the task.
+    apart, turned, normal : (k,) complex B_1 - B_2 E, 1 - E, and N_1 + P [mm].
     """
 
     first: FloatArray
@@ -59,20 +58,19 @@ class Covers:
     distance: FloatArray
     apart: ComplexArray
     turned: ComplexArray
-    along: ComplexArray
-    sense: int
+    normal: ComplexArray
 
     def gap(self, places: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """(n, k) distance beyond |d| of point and centre [mm], and |D_1| [mm/rad], at places (n,).
+        """(n, k) distance beyond |d| of point and centre [mm], and |N_1| [mm/rad], at places (n,).
 
         Negative where the point is covered.
         """
         seen = places[:, np.newaxis]
-        way = self.along + (1j * self.sense) * seen
-        pace = np.abs(way)
+        normal = self.normal - seen
+        pace = np.abs(normal)
         with np.errstate(divide="ignore", invalid="ignore"):
-            normal = (1j * self.sense) * way / pace
-        reach = np.abs(self.apart - seen * self.turned + self.distance * normal)
+            offset = self.distance * (normal / pace)
+        reach = np.abs(self.apart - seen * self.turned + offset)
         return reach - np.abs(self.distance), pace
 
     def change(self, half: FloatArray, pace: FloatArray) -> FloatArray:
@@ -88,17 +86,10 @@ class Covers:
 
     def some(self, wanted: BoolArray | IntArray) -> Covers:
         """Those of the pairs that are `wanted`."""
-        kept = {name: getattr(self, name)[wanted] for name in ARRAYS}
-        return replace(self, **kept)
+        return taken(self, wanted)
 
     def __add__(self, other: Covers) -> Covers:
-        both: dict[str, Any] = {
-            name: np.concatenate((getattr(self, name), getattr(other, name))) for name in ARRAYS
-        }
-        return replace(self, **both)
-
-
-ARRAYS: Final = tuple(each.name for each in fields(Covers) if each.name != "sense")
+        return joined((self, other))
 
 
 def pairs_of(
@@ -109,10 +100,8 @@ def pairs_of(
     others, _ = _centres(task, second)
     turned = np.exp(-1j * task.sense * (second - first))
     distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), first.shape)
-    along = ways - 1j * task.sense * places
-    return Covers(
-        first, second, distances, places - others * turned, 1.0 - turned, along, task.sense
-    )
+    normals = places + 1j * task.sense * ways
+    return Covers(first, second, distances, places - others * turned, 1.0 - turned, normals)
 
 
 def no_pairs(task: Task) -> Covers:
@@ -202,9 +191,9 @@ def _gaps(
     task: Task, place: complex, distance: float, first: FloatArray, second: FloatArray
 ) -> FloatArray:
     """`Covers.gap` of one place at cam angles of shapes (k, n) and (n,), or both (k, n) [mm]."""
-    points, ways = _centres(task, first.ravel())
-    way = ways - 1j * task.sense * (points - place)
-    points = points - place + (1j * task.sense * distance) * way / np.abs(way)
+    starts, ways = _centres(task, first.ravel())
+    normals = starts + 1j * task.sense * ways - place
+    points = starts - place + distance * (normals / np.abs(normals))
     centres, _ = _centres(task, second.ravel())
     turned = (
         each * np.exp(-1j * task.sense * phi)
