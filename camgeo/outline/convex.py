@@ -78,15 +78,20 @@ def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
 def convexity(curve: PitchCurve) -> Convexity:
     """The contact curve of a flat follower."""
     size = curve.follower.base_radius
-    turn = extremes(
+    turn = smallest_turn(curve)
+    clearance = _distances(curve).smallest()
+    radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _proved_radius(curve)
+    jump, count = _jumps(curve, NO_JUMP * size)
+    return Convexity(turn, radius, clearance, jump, count, size)
+
+
+def smallest_turn(curve: PitchCurve) -> Extreme:
+    """The smallest tau."""
+    return extremes(
         curve,
         lambda phi, side: touch(curve, phi, side).turn[0],
         lambda phi, side: touch(curve, phi, side).turn[1],
     ).smallest()
-    clearance = _distances(curve).smallest()
-    radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _smallest_radius(curve)
-    jump, count = _jumps(curve, NO_JUMP * size)
-    return Convexity(turn, radius, clearance, jump, count, size)
 
 
 def contact_extremes(curve: PitchCurve) -> Extremes:
@@ -107,11 +112,10 @@ def _distances(curve: PitchCurve) -> Extremes:
     return extremes(curve, lambda phi, side: touch(curve, phi, side).distance, slopes)
 
 
-def _smallest_radius(curve: PitchCurve) -> Extreme:
-    """Smallest rho = p / tau, tau being positive.
+def smallest_radius(curve: PitchCurve) -> Extreme:
+    """The smallest rho = p / tau [mm] where its slope changes its sign; tau must be positive.
 
-    It lies where its slope changes its sign; because two changes between neighbouring samples would
-    be missed, cells are halved until p is bounded away from 0 over each. |Z''| bounds |p'|.
+    Two changes between neighbouring samples are missed.
     """
 
     def radius(phi: FloatArray, side: Side) -> FloatArray:
@@ -122,7 +126,15 @@ def _smallest_radius(curve: PitchCurve) -> Extreme:
         at = touch(curve, phi, side)
         return np.asarray(at.pace[1] * at.turn[0] - at.pace[0] * at.turn[1])
 
-    found = extremes(curve, radius, slope).smallest()
+    return extremes(curve, radius, slope).smallest()
+
+
+def _proved_radius(curve: PitchCurve) -> Extreme:
+    """`smallest_radius`, or a cam angle that it misses where rho <= 0.
+
+    Cells are halved until p is bounded away from 0 over each. |Z''| bounds |p'|.
+    """
+    found = smallest_radius(curve)
     if found[0] <= SMALLEST * curve.follower.base_radius:
         return found
     low, high = turn_cells(curve)

@@ -8,39 +8,28 @@ place is the smallest chi_0 that the arcs of all conditions have in common. So t
 from __future__ import annotations
 
 import math
-from typing import Final
 
 import numpy as np
 
 from camgeo.check.face import check_convexity
+from camgeo.check.sizing.exchange import CLOSE, MOST, SIDES
 from camgeo.check.sizing.face_task import CONVEX, OVER_AXIS, Asked, FaceTask, Rows
 from camgeo.check.sizing.smallest import Active, Rating, Sizing, require_angle
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import extremes
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.motion.extremes import lift_range
-from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme
-from camgeo.outline.convex import contact_extremes, convexity, touch
+from camgeo.outline.convex import contact_extremes, convexity, smallest_radius, smallest_turn
 from camgeo.units import TURN
 
 JUMP = "contact-jump"
 """Name of the finding that the velocity jumps."""
 
-CLOSE = 2e-14
-"""A condition broken by this fraction of the size of its terms is met up to rounding."""
-
 ACTIVE = 1e-9
-"""A condition this close to its limit, as the same fraction, is active."""
+"""A condition this close to its limit, as a fraction of the size of its terms, is active."""
 
 BESIDE = 1e-5
 """A cam is asked for what lies between samples where it is larger by this fraction."""
-
-MOST = 80
-"""Most rounds; a dozen is usual."""
-
-SIDES: Final[tuple[Side, ...]] = ("right", "left")
 
 
 def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
@@ -81,8 +70,8 @@ def _hopeless(task: FaceTask) -> str | None:
     if task.hopeless is not None:
         return task.hopeless
     curve = task.pitch_curve_at(task.present)
-    found, findings = convexity(curve), check_convexity(curve)
-    if found.turn[0] <= 0.0:
+    findings = check_convexity(curve)
+    if smallest_turn(curve)[0] <= 0.0:
         return findings[0].sentence
     return next((each.sentence for each in findings if each.name == JUMP), None)
 
@@ -93,7 +82,7 @@ def rate_face(task: FaceTask, place: complex) -> Rating | None:
     """
     try:
         curve = task.pitch_curve_at(place)
-        if smallest_turn(curve) <= 0.0:
+        if smallest_turn(curve)[0] <= 0.0:
             return None
         angle = transmission_angle_extremes(curve).smallest()
         contact = contact_extremes(curve)
@@ -151,35 +140,6 @@ def _missed(task: FaceTask, place: complex) -> float | None:
         return None
     found = convexity(cam.disc.pitch_curve)
     return None if found.is_convex else found.radius[1]
-
-
-def smallest_turn(curve: PitchCurve) -> float:
-    """Smallest rate at which the face turns in the cam, see `camgeo.mechanism.face`."""
-
-    def turn(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(touch(curve, phi, side).turn[0])
-
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(touch(curve, phi, side).turn[1])
-
-    return extremes(curve, turn, slope).smallest()[0]
-
-
-def smallest_radius(curve: PitchCurve) -> tuple[float, float]:
-    """Smallest radius of curvature [mm] of the outline under a flat face, and its cam angle [rad].
-
-    Of the roots of its slope; `camgeo.outline.convex` proves that there is none between.
-    """
-
-    def radius(phi: FloatArray, side: Side) -> FloatArray:
-        at = touch(curve, phi, side)
-        return np.asarray(at.pace[0] / at.turn[0])
-
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
-        at = touch(curve, phi, side)
-        return np.asarray(at.pace[1] * at.turn[0] - at.pace[0] * at.turn[1])
-
-    return extremes(curve, radius, slope).smallest()
 
 
 def _joined(one: Rows, other: Rows) -> Rows:
