@@ -29,7 +29,7 @@ from typing import ClassVar, Final
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.sizing.placing import Placing
+from camgeo.check.sizing.placing import Placing, Rocking
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.follower import Follower
@@ -171,28 +171,12 @@ class FaceOnGuide(FaceTask):
         return complex(0.0, -float(np.max(known[2])))
 
 
-class FaceOnRocker(FaceTask):
+class FaceOnRocker(Rocking, FaceTask):
     """On a rocker, whose pivot is kept: the base radius is to be found."""
 
     __slots__ = ()
 
-    second = "pivot at"
-    held = 0j
     names = (CONVEX, OVER_AXIS, LEVER)
-
-    @property
-    def present(self) -> complex:
-        """See `Placing`."""
-        return cmath.rect(self.follower.centre_distance, -self.follower.start_angle)
-
-    @property
-    def seen(self) -> tuple[int, int]:
-        """See `Placing`."""
-        return 1, self.follower.arm_side
-
-    def second_of(self, place: complex) -> float:
-        """See `Placing`: the distance of the pivot from the cam axis."""
-        return abs(place)
 
     def base_radius_at(self, place: complex) -> float:
         """See `Placing`."""

@@ -6,6 +6,7 @@ says in which.
 
 from __future__ import annotations
 
+import cmath
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -108,3 +109,28 @@ class Placing(ABC):
     def pitch_curve_at(self, place: complex) -> PitchCurve:
         """The pitch curve of `cam_at`."""
         return PitchCurve(self.motion, self.follower_at(place), self.cam.rotation)
+
+
+class Rocking(Placing):
+    """Beside a rocker: its pivot is the origin, the follower starts along the x axis, and the axes
+    are mirrored if it lies clockwise of the line pivot -> cam axis.
+    """
+
+    __slots__ = ()
+
+    second = "pivot at"
+    held = 0j
+
+    @property
+    def present(self) -> complex:
+        """See `Placing`."""
+        return cmath.rect(self.follower.centre_distance, -self.follower.start_angle)
+
+    @property
+    def seen(self) -> tuple[int, int]:
+        """See `Placing`."""
+        return 1, self.follower.arm_side
+
+    def second_of(self, place: complex) -> float:
+        """See `Placing`: the distance of the pivot from the cam axis."""
+        return abs(place)

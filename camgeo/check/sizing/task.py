@@ -16,7 +16,6 @@ Turned with the cam, the roller centre is (B - P) exp(-i sense phi), B its place
 
 from __future__ import annotations
 
-import cmath
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.sizing.placing import Placing
+from camgeo.check.sizing.placing import Placing, Rocking
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
@@ -193,13 +192,10 @@ class OnGuide(Task):
         return Terms(height, q, one, bend, q, rate, bend_of_q, none, 1j * height)
 
 
-class OnRocker(Task):
+class OnRocker(Rocking, Task):
     """On a rocker: the axis lies anywhere about its pivot, whose direction from it is kept."""
 
     __slots__ = ()
-
-    second = "pivot at"
-    held = 0j
 
     @property
     def start(self) -> complex:
@@ -207,24 +203,10 @@ class OnRocker(Task):
         return complex(self.follower.arm)
 
     @property
-    def present(self) -> complex:
-        """See `Task`."""
-        return cmath.rect(self.follower.centre_distance, -self.follower.start_angle)
-
-    @property
-    def seen(self) -> tuple[int, int]:
-        """See `Task`."""
-        return 1, self.follower.arm_side
-
-    @property
     def sense(self) -> int:
         """See `Task`."""
         turning: int = self.cam.rotation * self.follower.arm_side
         return turning
-
-    def second_of(self, place: complex) -> float:
-        """See `Task`: the distance of the pivot from the cam axis."""
-        return abs(place)
 
     def moved(self, place: complex) -> dict[str, float | complex]:
         """See `Task`."""
