@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import tomllib
 from decimal import Decimal
@@ -19,6 +18,7 @@ from camgeo.check.judge import CONVEXITY, RETURN, TRIM, UNDERCUT
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.motion.laws import FAMILIES
+from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene
 from tests.long_form import examples
 from tests.strategies import SMOOTH, attack
@@ -53,28 +53,31 @@ def undercut(design: Design) -> list[str]:
     ]
 
 
-def edited(values: Tables, cure: Cure) -> Tables:
-    """The scene's tables with what a cure names, and nothing else, changed."""
+def applied(scene: Scene, cure: Cure) -> Scene:
+    """The scene with what a cure names, and nothing else, changed; it starts at what is there."""
     assert cure.value_to is not None
-    changed = copy.deepcopy(values)
+    edits: dict[str, Any] = {}
     for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
-        *path, last = change.key.replace("[", ".").replace("]", "").split(".")
-        table: Any = changed
-        for step in path:
-            table = table[int(step) - 1] if step.isdigit() else table.setdefault(step, {})
+        path = path_of(change.key)
+        assert path is not None
+        *above, last = path
+        table: Any = scene.values
+        for step in above:
+            table = table[step] if isinstance(step, int) else table.get(step, {})
         present = table.get(last)
-        if isinstance(present, Decimal | float):
+        if isinstance(present, Decimal):
             assert not isinstance(change.value_from, str)
             assert float(present) == pytest.approx(float(change.value_from), rel=1e-15), change.key
+        edits[change.key] = change.value_to
         if last == "law":
-            for shape in SHAPES & {*table}:
-                del table[shape]
-        table[last] = change.value_to
-    return changed
+            stem = change.key.removesuffix("law")
+            edits |= {f"{stem}{shape}": None for shape in SHAPES & {*table}}
+    return scene.with_values(edits)
 
 
 def check_cures(values: Tables) -> tuple[Cure, ...]:
-    found = Design(Scene(values)).judgement.cures
+    scene = Scene(values)
+    found = Design(scene).judgement.cures
     for cure in found:
         if not cure.works:
             assert not cure.also
@@ -87,7 +90,7 @@ def check_cures(values: Tables) -> tuple[Cure, ...]:
         elif isinstance(value, Decimal):
             assert f"{cure.key} {value.normalize():f} deg" in cure.sentence
         try:
-            other = Design(Scene(edited(values, cure)))
+            other = Design(applied(scene, cure))
         except SceneError as error:
             pytest.fail(f"{cure.sentence}: {error}")
         assert not undercut(other), cure.sentence

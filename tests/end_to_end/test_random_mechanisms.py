@@ -7,33 +7,28 @@ verdict contradicts what is laid out there; a verdict too near to its limit for 
 
 from __future__ import annotations
 
-import contextlib
-import copy
-import io
-import json
+import argparse
 import math
 import os
-import signal
-import tomllib
-from collections.abc import Generator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
-import tomlkit
 
-from camgeo.cli.main import main
+from camgeo.errors import SceneError
+from camgeo.scene.load import load_scene
+from camgeo.scene.scene import Scene
 from tests.end_to_end.independent import ACCURACY, Model
 from tests.end_to_end.random_mechanisms import Drawn, Values, drawn
+from tests.fuzz.case import toml
+from tests.fuzz.invariants import LONG, Broken, Hang, parsed, sound_call
 
 COUNT: Final = int(os.environ.get("CAMGEO_RANDOM_SCENES", "10"))
 
 STRIDE: Final = 13
 """From scene to scene: ten of them have every mechanism, and six are near something critical."""
-
-PATIENCE: Final = 10.0
-"""CPU that a command may take on up to 50 segments [s]."""
 
 CURED: Final = ("cusp-", "undercut-", "global-undercut-", "lobe-", "lost-stroke-", "convexity")
 
@@ -43,66 +38,31 @@ SIZED: Final = (*CURED, "transmission-angle", "radius-ratio-", "outline-", "face
 """Beginnings of the names of findings that `camgeo size` answers for."""
 
 
-class TooLongError(Exception):
-    """A command took more than `PATIENCE`."""
-
-
-@contextlib.contextmanager
-def _in_time() -> Generator[None]:
-    def stop(*_: object) -> None:
-        raise TooLongError
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, PATIENCE)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
-
-
 @dataclass(frozen=True)
 class Run:
-    """What a command answered."""
+    """What a command answered; `document` in JSON, if it was asked for."""
 
     code: int
-    out: str
-    err: str
-
-    @property
-    def document(self) -> Any:
-        return json.loads(self.out)
+    document: Any = None
 
 
-def run(*words: str | Path) -> Run:
-    """A command in this process; its time is limited."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), _in_time():
-        try:
-            code = main([str(word) for word in words])
-        except SystemExit as exit_:
-            code = exit_.code if isinstance(exit_.code, int) else 1
-    return Run(code, out.getvalue(), err.getvalue())
-
-
-def edited(values: Values, changes: dict[str, Any]) -> Values:
-    """The scene with values at paths such as "motion[2].span"."""
-    found = copy.deepcopy(values)
-    for path, value in changes.items():
-        *tables, last = path.replace("]", "").replace("[", ".").split(".")
-        node: Any = found
-        for name in tables:
-            node = node[int(name) - 1] if name.isdigit() else node.setdefault(name, {})
-        if last.isdigit():
-            node[int(last) - 1] = value
-        else:
-            node[last] = value
-    return found
+def run(wrong: list[str], *words: str | Path) -> Run | None:
+    """A command in this process; None, and a complaint, if it does not end as commands must."""
+    step = tuple(map(str, words))
+    name = " ".join(word for word in step if word in (step[0], "--json"))
+    try:
+        code, out, _ = sound_call(step)
+        return Run(code, parsed(out) if "--json" in step else None)
+    except Hang:
+        wrong.append(f"{name}: takes too long")
+    except Broken as broken:
+        kind, detail = broken.args
+        wrong.append(f"{name}: {kind}: {detail}")
+    return None
 
 
 def written(values: Values, path: Path) -> Path:
-    path.write_text(tomlkit.dumps(values), encoding="utf-8")
-    assert tomllib.loads(path.read_text(encoding="utf-8"))["name"] == values["name"]
+    path.write_text(toml(values), encoding="utf-8")
     return path
 
 
@@ -185,80 +145,64 @@ def complaints(number: int, folder: Path) -> list[str]:
     scene = drawn(number)
     path = written(scene.values, folder / f"random-{number}.toml")
     wrong: list[str] = []
-    runs = {}
-    for command in (
-        ("check", path),
-        ("check", path, "--json"),
-        ("size", path, "--json", "--force", "--scene", folder / "sized.toml"),
-        ("plot", path, "cam", "--force", "-o", folder / "cam.svg"),
-    ):
-        name = " ".join(command[:1] + tuple(word for word in command if word == "--json"))
-        try:
-            runs[name] = run(*command)
-        except TooLongError:
-            wrong.append(f"{name}: takes more than {PATIENCE:g} s")
-        except Exception as error:
-            wrong.append(f"{name}: {type(error).__name__}: {error}")
-    text, document = runs.get("check"), runs.get("check --json")
+    text = run(wrong, "check", path)
+    document = run(wrong, "check", path, "--json")
+    sized = run(wrong, "size", path, "--json", "--force", "--scene", folder / "sized.toml")
+    run(wrong, "plot", path, "cam", "--force", "-o", folder / "cam.svg")
     if text is None or document is None:
         return wrong
     if text.code != document.code:
         wrong.append(f"check exits with {text.code}, --json with {document.code}")
     answer = document.document
     if "findings" not in answer:
-        refused = Model(scene.values).spare > 1e-3 and "does not close" in document.out
-        return [*wrong, f"refused: {document.out}"] if refused else wrong
-    if "nan" in document.out.lower().replace("dominan", "") or "Infinity" in document.out:
-        wrong.append("a number that is none in the document")
+        said = str(answer)
+        refused = Model(scene.values).spare > 1e-3 and "does not close" in said
+        return [*wrong, f"refused: {said}"] if refused else wrong
     wrong += contradicted(answer["findings"], scene)
-    sized = runs.get("size --json")
     if sized is not None and sized.code == 0:
         wrong += _unsized(folder)
-    wrong += _uncured(answer, scene.values, folder)
-    return wrong
+    return wrong + _uncured(answer, load_scene(path), folder)
 
 
 def _unsized(folder: Path) -> list[str]:
     """What `check` finds wrong with the size of the scene that `size` has written."""
-    try:
-        found = run("check", folder / "sized.toml", "--json").document
-    except TooLongError:
-        return ["check of the smallest cam takes too long"]
-    if "findings" not in found:
-        return [f"the smallest cam is a wrong scene: {found}"]
+    wrong: list[str] = []
+    found = run(wrong, "check", folder / "sized.toml", "--json")
+    if found is None:
+        return wrong
+    if "findings" not in found.document:
+        return [f"the smallest cam is a wrong scene: {found.document}"]
     return [
         f"the smallest cam: {each['sentence']}"
-        for each in found["findings"]
+        for each in found.document["findings"]
         if each["name"].startswith(SIZED) and each["severity"] in (*NONE, "broken")
     ]
 
 
-def _uncured(answer: Any, values: Values, folder: Path) -> list[str]:
-    """Cures that do not cure, applied as they are stated."""
+def _uncured(answer: Any, scene: Scene, folder: Path) -> list[str]:
+    """Cures that do not cure, applied exactly as they are printed."""
     before = {
         each["name"].removeprefix("return: ")
         for each in answer["findings"]
         if each["severity"] in NONE and each["name"].removeprefix("return: ").startswith(CURED)
     }
-    wrong = []
+    wrong: list[str] = []
     for cure in answer["cures"]:
         if cure["to"] is None:
             continue
-        changes = {cure["key"]: _beyond(cure)}
-        changes |= {each["key"]: each["to"] for each in cure["also"]}
-        path = written(edited(values, changes), folder / "cured.toml")
         try:
-            after = run("check", path, "--json")
-        except TooLongError:
-            wrong.append(f"check of the cure {cure['sentence']!r} takes too long")
+            cured = scene.with_values({each["key"]: each["to"] for each in (cure, *cure["also"])})
+        except SceneError as error:
+            wrong.append(f"the cure {cure['sentence']!r} makes a wrong scene: {error}")
             continue
-        found = after.document
-        if "findings" not in found:
-            wrong.append(f"the cure {cure['sentence']!r} makes a wrong scene: {after.out[:300]}")
+        path = folder / "cured.toml"
+        path.write_text(cured.to_toml(), encoding="utf-8")
+        after = run(wrong, "check", path, "--json")
+        if after is None:
             continue
         left = [
             each["sentence"]
-            for each in found["findings"]
+            for each in after.document["findings"]
             if each["severity"] in NONE and each["name"].startswith(tuple(before))
         ]
         if left:
@@ -266,38 +210,65 @@ def _uncured(answer: Any, values: Values, folder: Path) -> list[str]:
     return wrong
 
 
-def _beyond(cure: Any) -> Any:
-    """The value of a cure, and for a length, which is the limit itself, a little beyond it."""
-    to, present = cure["to"], cure["from"]
-    if cure["unit"] != "mm":
-        return to
-    return to + math.copysign(1e-6 * max(abs(to), 1.0), to - present)
-
-
 @pytest.mark.parametrize("number", range(0, STRIDE * COUNT, STRIDE))
 def test_no_verdict_is_contradicted(number: int, tmp_path: Path) -> None:
     assert not complaints(number, tmp_path)
 
 
-# The model contradicts what is wrong --------------------------------------------------------------
+# What is wrong is found ---------------------------------------------------------------------------
+
+
+def found_by_check(values: Values, folder: Path) -> list[dict[str, Any]]:
+    """The findings of a scene."""
+    wrong: list[str] = []
+    answer = run(wrong, "check", written(values, folder / "scene.toml"), "--json")
+    assert answer is not None, wrong
+    found: list[dict[str, Any]] = answer.document["findings"]
+    return found
+
+
+def crash(_: argparse.Namespace) -> int:
+    return 1 // 0
+
+
+def busy(_: argparse.Namespace) -> int:
+    while True:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("broken", "complaint"),
+    [(crash, "plot: ZeroDivisionError"), (busy, "plot: takes too long")],
+)
+def test_a_crash_and_a_hang_of_any_command_are_complaints(
+    broken: Callable[[argparse.Namespace], int],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("camgeo.cli.plot.run", broken)
+    monkeypatch.setitem(LONG, "plot", 0.2)
+    (found,) = complaints(2 * STRIDE, tmp_path)
+    assert found.startswith(complaint)
 
 
 def test_a_wrong_angle_and_an_undercut_that_is_not_seen_are_contradicted(tmp_path: Path) -> None:
     scene = drawn(122)
-    found = run("check", written(scene.values, tmp_path / "scene.toml"), "--json").document
-    assert not contradicted(found["findings"], scene)
+    found = found_by_check(scene.values, tmp_path)
+    assert not contradicted(found, scene)
     for key, complaint in (("arm", "transmission angle"), ("roller_radius", "roller reaches")):
         factor = {"arm": 0.95, "roller_radius": 4.5}[key]
-        other = edited(scene.values, {f"follower.{key}": factor * scene.values["follower"][key]})
-        wrong = contradicted(found["findings"], Drawn(other, None))
+        follower = scene.values["follower"]
+        other = {**scene.values, "follower": {**follower, key: factor * follower[key]}}
+        wrong = contradicted(found, Drawn(other, None))
         assert any(complaint in each for each in wrong)
 
 
 def test_a_passed_dead_centre_that_is_not_seen_is_contradicted(tmp_path: Path) -> None:
     scene = drawn(1)
     assert Model(scene.values).leverage < 0.0
-    found = run("check", written(scene.values, tmp_path / "scene.toml"), "--json").document
-    seen = [each for each in found["findings"] if each["name"] != "linkage-transmission-angle"]
-    assert len(seen) < len(found["findings"])
-    assert not contradicted(found["findings"], scene)
+    found = found_by_check(scene.values, tmp_path)
+    seen = [each for each in found if each["name"] != "linkage-transmission-angle"]
+    assert len(seen) < len(found)
+    assert not contradicted(found, scene)
     assert any("dead centre" in each for each in contradicted(seen, scene))

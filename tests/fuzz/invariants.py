@@ -42,8 +42,12 @@ MOST_CPU: Final = 10.0
 LONG: Final = {"accuracy": 60.0, "stability": 60.0}
 """Seconds of those that compute many designs."""
 
-MOST_WALL: Final = 200.0
-"""Seconds of a step on a busy machine, also of one that sleeps."""
+PATIENCE: Final = 5.0
+"""Times that CPU, in which the step must have used `AWAKE` of it; else it sleeps.
+
+A busy machine may leave it little, so that time itself is not limited."""
+
+AWAKE: Final = 1e-3
 
 NOT_FINITE: Final = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity)(?![\w.]*\w)", re.IGNORECASE)
 
@@ -139,15 +143,25 @@ def _place(trace: str) -> str:
 
 @contextlib.contextmanager
 def limited(name: str) -> Iterator[None]:
-    """Raise `Hang` inside after the CPU that the command `name` may take, or MOST_WALL of time."""
+    """Raise `Hang` inside after the CPU that the command `name` may take, or if it sleeps."""
+    most = LONG.get(name, MOST_CPU)
+    spent = time.process_time()
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Hang
 
-    most = LONG.get(name, MOST_CPU)
-    handlers = [(each, signal.signal(each, stop)) for each in (signal.SIGPROF, signal.SIGALRM)]
+    def stop_asleep(number: int, frame: FrameType | None) -> None:
+        nonlocal spent
+        before, spent = spent, time.process_time()
+        if spent - before < AWAKE * most:
+            raise Hang
+
+    handlers = [
+        (signal.SIGPROF, signal.signal(signal.SIGPROF, stop)),
+        (signal.SIGALRM, signal.signal(signal.SIGALRM, stop_asleep)),
+    ]
     signal.setitimer(signal.ITIMER_PROF, most)
-    signal.setitimer(signal.ITIMER_REAL, MOST_WALL)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE * most, PATIENCE * most)
     try:
         yield
     finally:
@@ -166,15 +180,7 @@ def _check(step: Step, case: Case, outcome: Outcome) -> None:
         with limited(PYTHON):
             _check_python(step[1], outcome)
         return
-    code, out, err = call(step)
-    if code == CRASHED:
-        error = re.findall(r"internal error \((\w+)", err)
-        raise Broken(f"{error[-1]} at {_place(err)}", err)
-    if code not in DOCUMENTED:
-        raise Broken(f"exit code {code}", err)
-    if "Traceback (most" in err or "Warning:" in err:
-        raise Broken("traceback", err)
-    _require_finite(case, f"text of {step[0]}", out + err)
+    code, out, err = sound_call(step, case.text)
     if HELP & set(step):
         return
     parser = commands().get(step[0]) if step else None
@@ -183,7 +189,7 @@ def _check(step: Step, case: Case, outcome: Outcome) -> None:
         again = ["--force"] * overwrites  # what it has just written
         _check_json((step[0], "--json", *again, *step[1:]), case, code)
     elif "--json" in step and out:
-        _parsed(out)
+        parsed(out)
     if step[0] == "build" and code < 2 and Path("out/certificate.json").exists():
         outcome.built = True
     if step == ("verify", "out") and outcome.built:
@@ -212,14 +218,13 @@ def _check_python(name: str, outcome: Outcome) -> None:
 
 
 def _check_json(step: Step, case: Case, code: int) -> None:
-    json_code, out, err = call(step)
+    json_code, out, err = sound_call(step, case.text)
     if json_code != code:
         raise Broken(f"exit code {code}, with --json {json_code}", out + err)
-    _require_finite(case, f"JSON of {step[0]}", out + err)
     if not out and code < 2:
         raise Broken("no JSON", err)
     if out and "--table" not in step:
-        document = _parsed(out)
+        document = parsed(out)
         name = document["schema"].removeprefix("camgeo/")
         fault = next(iter(_validator(name).iter_errors(document)), None)
         if fault:
@@ -231,7 +236,25 @@ def _validator(name: str) -> Draft202012Validator:
     return Draft202012Validator(schema_of(f"camgeo.answers.{name.replace('-', '_')}"))
 
 
-def call(words: Step) -> tuple[int, str, str]:
+def sound_call(words: Step, given: str = "") -> tuple[int, str, str]:
+    """Exit code, output and messages of a command line that keeps what every command must.
+
+    `given` is all that it is given, in lower case: what it may repeat. Raises Broken or Hang.
+    """
+    code, out, err = _call(words)
+    if code == CRASHED:
+        error = re.findall(r"internal error \((\w+)", err)
+        raise Broken(f"{error[-1]} at {_place(err)}", err)
+    if code not in DOCUMENTED:
+        raise Broken(f"exit code {code}", err)
+    if "Traceback (most" in err or "Warning:" in err:
+        raise Broken("traceback", err)
+    form = "JSON" if "--json" in words else "text"
+    _require_finite(given, f"{form} of {words[0] if words else ''}", out + err)
+    return code, out, err
+
+
+def _call(words: Step) -> tuple[int, str, str]:
     """Exit code, output and messages of a command line; exceptions that it lets through."""
     out, err = (
         io.TextIOWrapper(io.BytesIO(), "utf-8", errors) for errors in ("strict", "backslashreplace")
@@ -252,11 +275,11 @@ def call(words: Step) -> tuple[int, str, str]:
 # What is not finite -------------------------------------------------------------------------------
 
 
-def _require_finite(case: Case, what: str, text: str) -> None:
-    """That no number is infinite or none, but for words that the case itself brings in."""
-    given = {each.group().lstrip("+-") for each in NOT_FINITE.finditer(case.text)}
+def _require_finite(given: str, what: str, text: str) -> None:
+    """That no number is infinite or none, but for words that are given."""
+    repeated = {each.group().lstrip("+-") for each in NOT_FINITE.finditer(given)}
     for found in NOT_FINITE.finditer(text):
-        if found.group().lower().lstrip("+-") not in given:
+        if found.group().lower().lstrip("+-") not in repeated:
             near = text[max(found.start() - 300, 0) : found.end() + 100]
             raise Broken(f"not finite: {what}", near)
 
@@ -265,7 +288,8 @@ def _refuse(constant: str) -> float:
     raise Broken("not finite: JSON", constant)
 
 
-def _parsed(text: str) -> Any:
+def parsed(text: str) -> Any:
+    """A JSON document; Broken if it has a number that JSON has not."""
     return json.loads(text, parse_constant=_refuse)
 
 
@@ -288,8 +312,8 @@ def _check_file(case: Case, path: Path, data: bytes) -> None:
     if path.suffix == ".3mf":
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             for name in archive.namelist():
-                _require_finite(case, path.suffix, archive.read(name).decode())
+                _require_finite(case.text, path.suffix, archive.read(name).decode())
     if path.suffix in TEXTS:
-        _require_finite(case, path.suffix, data.decode())
+        _require_finite(case.text, path.suffix, data.decode())
     if path.suffix == ".json":
-        _parsed(data.decode())
+        parsed(data.decode())

@@ -117,9 +117,24 @@ def test_a_broken_command_is_found(
     if broken is busy:
         monkeypatch.setattr(invariants, "MOST_CPU", 0.2)
     if broken is asleep:
-        monkeypatch.setattr(invariants, "MOST_WALL", 0.2)
+        monkeypatch.setattr(invariants, "PATIENCE", 0.03)
     (found,) = signatures(CHECK)
     assert found.startswith(expected)
+
+
+def busy_for_a_while(arguments: argparse.Namespace) -> int:
+    end = time.process_time() + 0.3
+    while time.process_time() < end:
+        pass
+    return 0
+
+
+def test_a_step_that_a_busy_machine_keeps_waiting_does_not_hang(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("camgeo.cli.check.run", busy_for_a_while)
+    monkeypatch.setattr(invariants, "PATIENCE", 0.01)  # so that time runs out before CPU
+    invariants.sound_call(("check", SCENE))
 
 
 def test_a_number_that_is_none_in_a_finding_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
