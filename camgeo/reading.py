@@ -195,19 +195,19 @@ def check_toml(text: str) -> None:
     marks = sum(map(plain.count, "=,[{."))
     if marks > MARKS:
         raise FileError(
-            f"has {marks:,} signs = , [ {{ and points, of values and of parts of keys; allowed are"
-            f" at most {MARKS:,}"
+            f"has {marks:,} characters = , [ {{ and points, which begin values and parts of keys;"
+            f" allowed: at most {MARKS:,}"
         )
     deep = DEEP.search(plain)
     if deep is not None:
         line = 1 + plain.count("\n", 0, deep.start())
         raise FileError(
-            f"is nested too deeply: the key in line {line} has more than {KEY_PARTS} parts, as many"
-            " as are allowed"
+            f"is nested too deeply: the key in line {line} has more than {KEY_PARTS} parts, the"
+            " limit"
         )
     tables = plain.count("{") + sum(1 for each in (DOTTED, HEADER) for _ in each.finditer(plain))
     if tables > TABLES:
-        raise FileError(f"has {tables:,} tables and dotted keys; allowed are at most {TABLES:,}")
+        raise FileError(f"has {tables:,} tables and dotted keys; allowed: at most {TABLES:,}")
 
 
 def _blank(quoted: re.Match[str]) -> str:

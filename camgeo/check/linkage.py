@@ -22,16 +22,16 @@ PARALLEL = math.radians(0.1)
 
 
 LINES: Final = {
-    "slider": ("crank and coupler come to be in line", "the rocker's acceleration"),
-    "lever": ("crank and coupler come to be in line", "the rocker's acceleration"),
-    "crank": ("the coupler comes to be square to the guide", "the slider's velocity"),
+    "slider": ("crank and coupler come into line", "the rocker's acceleration"),
+    "lever": ("crank and coupler come into line", "the rocker's acceleration"),
+    "crank": ("the coupler becomes square to the guide", "the slider's velocity"),
 }
 """What a dead centre is and what becomes infinite there, by the member whose motion is demanded."""
 
 LOCKED: Final = {
-    "slider": ("the coupler comes to be square to the guide", "the rocker cannot move the slider"),
-    "lever": ("coupler and lever come to be in line", "the rocker cannot move the lever"),
-    "crank": ("crank and coupler come to be in line", "the slider cannot turn the crank"),
+    "slider": ("the coupler becomes square to the guide", "the rocker cannot move the slider"),
+    "lever": ("coupler and lever come into line", "the rocker cannot move the lever"),
+    "crank": ("crank and coupler come into line", "the slider cannot turn the crank"),
 }
 """What a dead centre of the far member is, and what cannot be done there."""
 

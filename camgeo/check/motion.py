@@ -194,7 +194,7 @@ def _swing(
     there = position + float(move.spline.values(np.array([extreme.place]), 0)[0, 0])
     side = "below" if extreme.value < 0.0 else "above"
     statement = (
-        f"the motion by data goes {scale * beyond:.6g} {unit} {side} both its"
+        f"the motion from data goes {scale * beyond:.6g} {unit} {side} both its"
         f" {'points' if move.report is None else 'rows'} at {first:.6g} and {last:.6g} deg, to"
         f" {scale * there:.6g} {unit} at cam angle {math.degrees(angle):.6g} deg"
     )

@@ -29,7 +29,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--tolerances",
         metavar="MM",
         type=_tolerances,
-        help="comma-separated, in mm; default 1e-1 to 1e-6, one a decade; finer ones take long",
+        help="comma-separated, in mm; default 1e-1 to 1e-6, one per decade; finer ones take long",
     )
     parser.add_argument(
         "--ripple",

@@ -208,6 +208,6 @@ def _crash(error: Exception) -> str:
     place = f"{Path(ours[-1].filename).name}, line {ours[-1].lineno}"
     what = " ".join(f"{type(error).__name__}: {error}".split())
     return (
-        f"internal error ({what}; {place}): please report it with the scene to the authors of"
-        f" camgeo, and with what the same call prints with {TRACEBACK}"
+        f"internal error ({what}; {place}): please report it to the authors of camgeo, with the"
+        f" scene and with what the same call prints with {TRACEBACK}"
     )

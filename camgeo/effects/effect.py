@@ -296,9 +296,9 @@ class Effect:
         other effects that need it.
     numerical : whether it takes a tolerance and estimates its error.
     of_drive : whether it needs no follower, only the drive.
-    premise : what its figures stand on.
+    premise : what its figures rely on.
     regardless : names of its findings that hold even where the premise does not.
-    refined_by : effects that know better, if the scene names them too.
+    refined_by : effects that have a better model, if the scene names them too.
     """
 
     name: str

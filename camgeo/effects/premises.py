@@ -1,9 +1,9 @@
-"""What the figures of an effect stand on, and what a design takes from under them.
+"""What the figures of an effect rely on, and where a design does not provide it.
 
 Three things are checked for every effect, whatever it computes: that the follower touches the cam
 (`camgeo.effects.touching.lost_contact`); that the disc makes the demanded motion, which a trimmed
-one does not; and that no other effect of the scene knows better (`Effect.refined_by`). Each that
-fails gives one finding. While one of the first two fails, no figure of the effect is "ok".
+one does not; and that no other effect of the scene has a better model (`Effect.refined_by`). Each
+that fails gives one finding. While one of the first two fails, no figure of the effect is "ok".
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def qualified(
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
-    """A figure that stands on a premise which is not true; it is not "ok"."""
+    """A figure that relies on a premise which is not true; it is not "ok"."""
     if finding.severity != "ok" or finding.value is None or finding.name in effect.regardless:
         return finding
     return replace(finding, severity="warning")
@@ -144,14 +144,14 @@ def not_made(effect: Effect, subject: Subject) -> Iterator[Finding]:
 
 
 def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
-    """The discs, each with the words that tell it from the other one."""
+    """The discs, each with the words that distinguish it from the other one."""
     yield "", subject.cam.disc
     if subject.returning is not None:
         yield "return disc's ", subject.returning.cam.disc
 
 
 def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
-    """What a flank has lost; None if nothing, or if there is no disc at all, as the checks tell."""
+    """What a flank has lost; None if nothing, or if there is no disc, which the checks report."""
     try:
         outline = disc.outline(flank)
         return _Trimmed(outline.dropped, disc.replay(flank)) if outline.is_trimmed else None
@@ -160,15 +160,15 @@ def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
 
 
 def _simplified(effect: Effect, named: Sequence[str]) -> Iterator[Finding]:
-    """A warning if other effects that the scene names know better."""
+    """A warning if other effects that the scene names have a better model."""
     found = [each for each in effect.refined_by if each.by in named]
     if not found:
         return
     others = listed([each.by for each in found])
-    knows, them = ("knows", "it is") if len(found) == 1 else ("know", "they are")
+    model = "has a better model, which is" if len(found) == 1 else "have better models, which are"
     sentence = (
-        f"these figures hold for {listed([each.taken for each in found])}; {others} of the same"
-        f" scene {knows} better, and {them} not taken into account here"
+        f"these figures hold for {listed([each.taken for each in found])}; {others} in the same"
+        f" scene {model} not taken into account here"
     )
     cautions = [each.caution for each in found if each.caution]
     yield Finding("simplified", "warning", "; ".join((sentence, *cautions)))

@@ -56,12 +56,12 @@ def read_lift_table(
     check_from_zero(table, angles, "angle")
     beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
     if len(beyond):
-        message = f"beyond the span; allowed is up to {span:.17g} degrees"
+        message = f"beyond the span; allowed: up to {span:.17g} degrees"
         raise table.fault(int(beyond[0]), angles, message)
     if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
         return replace(table, first=np.append(angles[:-1], span))
     if not periodic:
-        message = f"the last angle; allowed is the end of the span, {span:.17g} degrees"
+        message = f"the last angle; allowed: the end of the span, {span:.17g} degrees"
         raise table.fault(-1, angles, message)
     return table
 

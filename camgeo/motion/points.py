@@ -253,7 +253,7 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     x, y = checked.array("x", x), checked.array("y", y, largest=HIGHEST)
     if x.shape != y.shape:
         raise GeometryError(
-            f"has {counted(len(y), 'number')} for the {len(x)} of x; allowed are as many", "y"
+            f"has {counted(len(y), 'number')}, x has {len(x)}; allowed: as many as x", "y"
         )
     if len(x) < 2:
         raise GeometryError(f"{_few(x)}; at least 2 are allowed", "x")
@@ -265,7 +265,7 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         raise GeometryError(
             f"the x of points {place + 1} and {place + 2} are {fault} ({float(x[place])!r},"
             f" {float(x[place + 1])!r});"
-            " allowed is only ascending",
+            " allowed: only ascending",
             key="x",
             value=repr(float(x[place + 1])),
         )
@@ -280,7 +280,7 @@ def _check_spacing(step: FloatArray) -> None:
         place = int(np.argmin(step))
         raise GeometryError(
             f"the points are spaced too unequally: the longest distance is {found:.3g} times the"
-            f" shortest, which follows point {place + 1}; allowed is up to {MOST_UNEQUAL:g}",
+            f" shortest, which follows point {place + 1}; allowed: up to {MOST_UNEQUAL:g}",
             key="x",
             value=repr(found),
         )
@@ -297,7 +297,7 @@ def _ring(
     rounding = 4.0 * np.spacing(max(abs(float(x[0])), abs(float(x[-1])), period))
     if rest < -rounding:
         raise GeometryError(
-            f"the points span {float(x[-1] - x[0])!r}, allowed is up to the period {period!r}",
+            f"the points span {float(x[-1] - x[0])!r}; allowed: up to the period {period!r}",
             key="period",
             value=repr(float(x[-1] - x[0])),
         )
@@ -305,7 +305,7 @@ def _ring(
         seam = float(y[-1]) - (float(y[0]) + rise)
         if not abs(seam) <= gap:
             raise GeometryError(
-                f"the last point lies {seam:g} off where it would close with the first; allowed is"
+                f"the last point lies {seam:g} off where it would close with the first; allowed:"
                 f" up to {gap:g}",
                 key="y",
                 value=repr(seam),

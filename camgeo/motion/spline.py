@@ -213,7 +213,7 @@ class Spline(Pickled):
             if np.any(outside):
                 wrong = float(x[np.argmax(outside)])
                 raise GeometryError(
-                    f"{wrong!r} is outside the spline; allowed is {first!r} to {last!r}",
+                    f"{wrong!r} is outside the spline; allowed: {first!r} to {last!r}",
                     value=repr(wrong),
                 )
             return np.zeros(len(x)), x

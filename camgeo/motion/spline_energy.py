@@ -231,7 +231,7 @@ class Smoothing:
             if length < SHORTEST * float(np.min(self.step)):
                 raise GeometryError(
                     f"no spline was found within {allowed:g} of all points; the nearest one has a"
-                    f" deviation of {above:g}, from rounding; allowed is more",
+                    f" deviation of {above:g}, from rounding; allowed: more",
                     key="largest_deviation",
                     value=repr(allowed),
                 )

@@ -121,14 +121,14 @@ class SpeedCurve(Pickled):
         checked.hold(self, t=t, phi=phi)
         if len(t) != len(phi):
             rows = f"{counted(len(t), 'time')} and {counted(len(phi), 'angle')}"
-            raise GeometryError(f"{rows}; allowed are as many angles as times", key="phi")
+            raise GeometryError(f"{rows}; allowed: as many angles as times", key="phi")
         if len(t) < FEWEST_ROWS:
-            message = f"{counted(len(t), 'row')}; allowed are {FEWEST_ROWS} rows or more"
+            message = f"{counted(len(t), 'row')}; allowed: {FEWEST_ROWS} rows or more"
             raise GeometryError(message, key="t")
         span = float(phi[-1] - phi[0])
         if not abs(span - TURN) <= CLOSING:
             raise GeometryError(
-                f"the cam angle goes on by {span!r} rad from the first to the last row; allowed is"
+                f"the cam angle advances by {span!r} rad from the first to the last row; allowed:"
                 f" one turn, {TURN!r}",
                 key="phi",
                 value=repr(span),
@@ -142,7 +142,7 @@ class SpeedCurve(Pickled):
             raise GeometryError(
                 "the cam would stand still or run backwards between the rows:"
                 f" {slowest.value / RPM:.6g} rev/min {at_cam_angles(angle)}, {slowest.place:.6g} s;"
-                " allowed is above 0",
+                " allowed: above 0",
                 key="phi",
                 value=repr(slowest.value),
             )

@@ -124,7 +124,7 @@ def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not rows:
-        raise fault(file, len(lines), "", "no rows; allowed are 2 or more")
+        raise fault(file, len(lines), "", "no rows; allowed: 2 or more")
     layout = _layout(rows[0][1], file, rows[0][0], columns)
     if layout.has_heading:
         rows = rows[1:]
@@ -134,7 +134,7 @@ def read_two_columns(data: bytes | str, file: str, columns: tuple[Column, Column
             file,
             place,
             "",
-            f"{counted(len(rows), 'row')} of numbers; allowed are 2 to {MOST_ROWS:,}",
+            f"{counted(len(rows), 'row')} of numbers; allowed: 2 to {MOST_ROWS:,}",
         )
     first, second = _columns(rows, layout, file)
     return TwoColumns(file, first, second, layout.unit, tuple(number for number, _ in rows))
@@ -147,7 +147,7 @@ def turn_of(table: TwoColumns, angles: FloatArray) -> FloatArray:
     """
     check_from_zero(table, angles, "angle")
     if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
-        raise table.fault(-1, angles, "the last angle; allowed is 360 degrees")
+        raise table.fault(-1, angles, "the last angle; allowed: 360 degrees")
     radians = np.radians(angles)
     radians[-1] = TURN
     return radians
@@ -156,7 +156,7 @@ def turn_of(table: TwoColumns, angles: FloatArray) -> FloatArray:
 def check_from_zero(table: TwoColumns, values: FloatArray, what: str) -> None:
     """Raise GeometryError with the line of the first row whose `values` do not ascend from 0."""
     if values[0] != 0.0:
-        raise table.fault(0, values, f"the first {what}; allowed is 0")
+        raise table.fault(0, values, f"the first {what}; allowed: 0")
     check_ascending(table, values, what)
 
 
@@ -166,7 +166,7 @@ def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
     if len(falls):
         place = int(falls[0]) + 1
         before = float(values[place - 1])
-        message = f"the {what} before is {before!r}; allowed is only ascending"
+        message = f"the {what} before is {before!r}; allowed: only ascending"
         raise table.fault(place, values, message)
 
 
@@ -183,22 +183,22 @@ def _columns(
                 file,
                 number,
                 line,
-                f"{counted(count, 'column')}; allowed are {layout.cells} in this file",
+                f"{counted(count, 'column')}; allowed: {layout.cells} in this file",
             )
         cells = line.split(layout.separator)
         for column, cell in enumerate((layout.first, layout.second)):
             text = cells[cell].strip()
             if len(text) > DIGITS or not NUMBER.fullmatch(text):
-                raise fault(file, number, text, "not a number; allowed are numbers like 12.5")
+                raise fault(file, number, text, "not a number; allowed: numbers like 12.5")
             mark = "," if "," in text else "." if "." in text else ""
             if mark and decimal and mark != decimal:
                 raise fault(
-                    file, number, text, f"the decimals above have {decimal!r}; allowed is one kind"
+                    file, number, text, f"the decimals above have {decimal!r}; allowed: one kind"
                 )
             decimal = mark or decimal
             value = float(text.replace(",", "."))
             if not abs(value) <= checked.LARGEST:
-                message = f"too large; allowed are numbers up to {checked.LARGEST:g}"
+                message = f"too large; allowed: numbers up to {checked.LARGEST:g}"
                 raise fault(file, number, text, message)
             out[column, row] = value
     return out[0], out[1]
@@ -208,7 +208,7 @@ def _lines(data: bytes | str, file: str) -> list[str]:
     size = len(checked.instance("data", data, (bytes, str), "bytes or text"))
     if size > TABLE.size:
         raise GeometryError(
-            f"{file}, line 1: the file has {counted(size, 'byte')}; allowed are {TABLE.size:,}",
+            f"{file}, line 1: the file has {counted(size, 'byte')}; allowed: {TABLE.size:,}",
             value=str(size),
         )
     if isinstance(data, str):
@@ -218,10 +218,10 @@ def _lines(data: bytes | str, file: str) -> list[str]:
             text = data.decode("utf-8")
         except UnicodeDecodeError as error:
             line = data[: error.start].count(b"\n") + 1
-            raise fault(file, line, "", "no UTF-8 text; allowed is UTF-8") from error
+            raise fault(file, line, "", "not UTF-8 text") from error
     count = text.count("\n") + text.count("\r") - text.count("\r\n")
     if TABLE.lines is not None and count > TABLE.lines:
-        message = f"the file has {counted(count, 'line')}; allowed are {TABLE.lines:,}"
+        message = f"the file has {counted(count, 'line')}; allowed: {TABLE.lines:,}"
         raise GeometryError(f"{file}: {message}", value=str(count))
     return LINE_END.split(text.removeprefix("\N{BYTE ORDER MARK}"))
 
@@ -233,7 +233,7 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
         raise fault(file, number, line, "one column; allowed separators are ; and tab and comma")
     columns_found = 1 + line.count(separator)
     if columns_found > MOST_COLUMNS:
-        message = f"{counted(columns_found, 'column')}; allowed are at most {MOST_COLUMNS:,}"
+        message = f"{counted(columns_found, 'column')}; allowed: at most {MOST_COLUMNS:,}"
         raise fault(file, number, line, message)
     cells = [cell.strip().strip('"').strip() for cell in line.split(separator)]
     if NUMBER.fullmatch(cells[0]):
@@ -256,7 +256,7 @@ def _layout(line: str, file: str, number: int, columns: tuple[Column, Column]) -
                 file,
                 number,
                 cells[place],
-                f"the unit of the {column.what}; allowed is {column.shown}",
+                f"the unit of the {column.what}; allowed: {column.shown}",
             )
     unit = headings[found[1]][1]
     return _Layout(separator, len(cells), found[0], found[1], unit, has_heading=True)
@@ -278,7 +278,7 @@ def _column(headings: list[tuple[str, str]], column: Column, file: str, number: 
             file,
             number,
             given,
-            f"{counted(len(found), 'column')} of {column.what}; allowed is one, called"
+            f"{counted(len(found), 'column')} of {column.what}; allowed: one, called"
             f" {' or '.join(column.names)}",
         )
     return found[0]

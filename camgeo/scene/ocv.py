@@ -36,7 +36,7 @@ RANGES: Final[dict[Kind, tuple[float, float, str]]] = {
     "free": (-1e9, 1e9, "a number, -1e9 to 1e9"),
     "step": (1e-4, 90.0, "a number from 0.0001 to 90 (degrees)"),
     "choice": (1.0, 2.0, "1 for the first or 2 for the second answer"),
-    "unused": (0.0, 0.0, "0: opticurv 1.0.3 leaves it empty, so that another program wrote this"),
+    "unused": (0.0, 0.0, "0: opticurv 1.0.3 leaves it empty, so another program wrote this"),
 }
 """Lowest and highest value of each kind of number, both allowed, and how messages describe it."""
 
@@ -148,7 +148,7 @@ def _plan_faults(spans: tuple[float, ...]) -> list[Fault]:
     if total == TURN:
         return []
     rest = TURN - total + Decimal(repr(spans[-1]))
-    hint = f"opticurv heeds no phi_H45 and rests for {rest.normalize():f} degrees there"
+    hint = f"opticurv ignores phi_H45 and rests for {rest.normalize():f} degrees there"
     message = f"the spans add up to {total.normalize():f} degrees; they must add up to 360"
     return [Fault("phi_H01 to phi_H45", "", message, hint if rest >= 0 else "")]
 

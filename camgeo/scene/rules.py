@@ -133,7 +133,7 @@ def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
                 continue
             own = [each for each in SHAPES if each in taken]
             known = f"its parameters: {', '.join(own)}" if own else "it has no parameters"
-            yield (*place, key), f'is no parameter of "{name}"; {known}'
+            yield (*place, key), f'is not a parameter of "{name}"; {known}'
 
 
 def one_speed(values: ValidValues) -> Iterator[Broken]:

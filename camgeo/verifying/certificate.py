@@ -64,10 +64,10 @@ def certificate_in(folder: Path) -> Certificate | None:
             {_name(file["file"]): _hash(file["sha256"]) for file in files},
         )
     except RecursionError:
-        return Certificate(damage="is no certificate of camgeo: it is nested too deeply")
+        return Certificate(damage="is not a certificate of camgeo: it is nested too deeply")
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         what = f"{type(error).__name__}: {error}"[:LONGEST]
-        return Certificate(damage=f"is no certificate of camgeo: {what}")
+        return Certificate(damage=f"is not a certificate of camgeo: {what}")
 
 
 def _name(value: object) -> str:
@@ -87,5 +87,5 @@ def _hash(value: object) -> str:
 def _tolerance(value: object) -> float:
     """A tolerance [mm]; ValueError if no file can have it."""
     if not isinstance(value, float | int) or not 0.0 < value <= LARGEST_TOLERANCE:  # or NaN
-        raise ValueError(f"{value!r:.60} is no tolerance in mm")
+        raise ValueError(f"{value!r:.60} is not a tolerance in mm")
     return float(value)

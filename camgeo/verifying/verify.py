@@ -157,7 +157,7 @@ def _verdict(
     certified = certificate is not None and path.name in certificate.hashes
     if verifier is None and not certified:
         allowed = ", ".join(endings())
-        message = f"the name must end in one of {allowed}, or {CERTIFICATE} here name the file"
+        message = f"the name must end in one of {allowed}, unless {CERTIFICATE} here names the file"
         message = message if os.path.lexists(path) else "there is no such file or folder"
         raise SceneError([Fault("FILE", str(path), message)])
     kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
@@ -336,5 +336,5 @@ def scene_file(
         places = "its folder, the folder above it and the current one"
         message = f"no scene with SHA-256 {sha256[:SHORT]}... in {places}; name it with --scene"
     else:
-        message = "the file names no scene; name the one to compare it with by --scene"
+        message = "the file names no scene; give the scene to compare it with (--scene)"
     raise SceneError([Fault("", "", message)])

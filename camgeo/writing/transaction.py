@@ -266,7 +266,9 @@ def _restore(folder: Path) -> str:
     staging = folder / STAGING
     if not staging.is_dir() or staging.is_symlink():
         return ""
-    said = "a run was interrupted here while it replaced nothing; its remains have been removed"
+    said = (
+        "a run was interrupted here before it had replaced anything; its remains have been removed"
+    )
     if interrupted(folder):
         names = _names(staging / JOURNAL)
         for name in reversed(names):  # the last one vouches for the others

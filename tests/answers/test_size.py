@@ -172,7 +172,7 @@ def test_faults_of_a_return_disc_are_reported() -> None:
     assert reported == set(left)
     assert all(name.startswith("return: ") for name in reported)
     assert reported
-    assert "check of that scene finds: return disc:" in text(found)
+    assert "camgeo check finds in that scene: return disc:" in text(found)
 
 
 def test_a_yoke_of_rollers_keeps_its_offset_of_0() -> None:
@@ -197,7 +197,7 @@ def test_a_linkage_that_locks_is_infeasible_at_any_size() -> None:
     found = size(Design(load_scene(FIXTURES / "found" / "dead_centre.toml")))
     assert found.exit_code == 1
     assert found.infeasible is not None
-    assert "infeasible at any size: crank and coupler come to be in line" in found.infeasible
+    assert "infeasible at any size: crank and coupler come into line" in found.infeasible
     assert found.infeasible in text(found).splitlines()
     assert document(found)["written"] is None
     json.dumps(figure(found).to_data(), allow_nan=False)

@@ -217,7 +217,7 @@ def test_a_crank_cannot_be_driven_through_the_line_of_its_coupler() -> None:
     assert (spare.severity, fatal.severity, back.severity) == ("ok", "no-disc", "ok")
     assert (fatal.value, fatal.unit) == (0.0, "deg")
     assert fatal.limit == pytest.approx(40.0)
-    assert "crank and coupler come to be in line" in fatal.sentence
+    assert "crank and coupler come into line" in fatal.sentence
     assert "the slider cannot turn the crank" in fatal.sentence
     (kept,) = re.findall(r"kept between \S+ and (\S+) degrees it is driven", fatal.sentence)
     linkage = linked()[3].linkage

@@ -53,7 +53,7 @@ def test_a_crash_has_a_code_of_its_own(
     (line,) = captured.err.splitlines()
     assert line.startswith(f"camgeo: internal error ({type(error).__name__}")
     assert "check.py, line " in line
-    assert "please report it with the scene to the authors" in line
+    assert "please report it to the authors of camgeo, with the scene" in line
     assert TRACEBACK in line
     for words in ([TRACEBACK, "check", SETZHUB], ["check", SETZHUB, TRACEBACK]):
         assert main(words) == CRASHED

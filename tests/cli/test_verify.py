@@ -174,7 +174,7 @@ def test_certificate_that_is_none(
 ) -> None:
     (folder / "certificate.json").write_text(text)
     assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1
-    assert "certificate.json is no certificate of camgeo" in capsys.readouterr().out
+    assert "certificate.json is not a certificate of camgeo" in capsys.readouterr().out
 
 
 def test_changed_data_file_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

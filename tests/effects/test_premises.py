@@ -1,4 +1,4 @@
-"""What figures of effects stand on: contact, the demanded motion, and what other effects know."""
+"""What figures of effects rely on: contact, the demanded motion, no better model in the scene."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def test_figures_of_a_trimmed_disc_are_of_the_demanded_motion(name: str) -> None
 
 
 def test_a_roller_turns_about_a_corner_without_a_jump_of_its_velocity() -> None:
-    """By the replay: the acceleration alone jumps where the roller reaches and leaves a corner."""
+    """In the replay only the acceleration jumps where the roller reaches and leaves a corner."""
     disc = design("swallow_tail", "").cam.disc
     replay = disc.replay("inner")
     assert not len(replay.shocks)
@@ -169,22 +169,23 @@ def test_the_outer_flank_of_a_ring() -> None:
     assert "trimmed outer flank" in told.sentence
 
 
-# What other effects know --------------------------------------------------------------------------
+# Better models of other effects ------------------------------------------------------------------
 
 
-def test_the_limit_speed_of_a_rigid_follower_is_not_told_as_that_of_the_elastic_one() -> None:
+def test_the_limit_speed_of_a_rigid_follower_is_not_reported_as_that_of_the_elastic_one() -> None:
     elastic = loaded("lift_off_elastic")
     told = found(elastic, "lift-off", "simplified")
     assert told.severity == "warning"
     assert told.sentence == (
-        "these figures hold for a rigid follower; vibration of the same scene knows better, and it"
-        " is not taken into account here; an elastic one may leave the cam at a lower speed"
+        "these figures hold for a rigid follower; vibration in the same scene has a better"
+        " model, which is not taken into account here; an elastic one may leave the cam at a lower"
+        " speed"
     )
     assert found(elastic, "lift-off", "lift-off-speed").value == pytest.approx(355.245, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_what_knows_better_is_told_if_it_is_in_the_scene(name: str) -> None:
+def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
     whole = loaded("press")
     refined = [each.by for each in find_effect(name).refined_by]
     told = [each for each in whole.effects.findings(name) if each.name == "simplified"]
@@ -195,13 +196,13 @@ def test_what_knows_better_is_told_if_it_is_in_the_scene(name: str) -> None:
     assert set(refined) <= set(EFFECTS)
 
 
-def test_alone_nothing_knows_better() -> None:
+def test_alone_no_model_is_better() -> None:
     alone = loaded("pressure_off_the_cam")
     assert "simplified" not in names(alone, "contact-pressure")
 
 
 def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() -> None:
-    """All effects that compute with the time course, but speed-fluctuation itself and balance."""
+    """All effects with the time course, except speed-fluctuation itself and balance."""
     dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
     dependent |= {"contact-pressure", "vibration", "shock-spectrum"}
     told = {

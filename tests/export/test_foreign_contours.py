@@ -186,7 +186,7 @@ def test_the_reported_line_is_that_of_the_entity() -> None:
     ("data", "message"),
     [
         (b"", "no EOF at its end"),
-        (b"hello\nworld\n", "line 1: 'hello' is no group code"),
+        (b"hello\nworld\n", "line 1: 'hello' is not a group code"),
         (b"AutoCAD Binary DXF\r\n\x1a\x00", "is a binary DXF"),
     ],
 )
@@ -222,7 +222,7 @@ def test_csv_of_points_run_clockwise_and_closed_twice_over() -> None:
     [
         ("", "a.csv: holds no points"),
         ("x,y\n", "a.csv: holds no points"),
-        ("1,2,3,4\n", r"a.csv, line 1: 4 columns; allowed are x, y and x, y, bulge"),
+        ("1,2,3,4\n", r"a.csv, line 1: 4 columns; allowed: x, y and x, y, bulge"),
         ("0,0\n1,0\n1\n", r"a.csv, line 3: 1 value where 2 are expected"),
         ("0,0\n1,zero\n", r"a.csv, line 2: 'zero' is not a finite number"),
         ("# c\n0,0\n1,inf\n", r"a.csv, line 3: 'inf' is not a finite number"),

@@ -332,7 +332,7 @@ def test_the_controllers_own_arcs_count(tmp_path: Path) -> None:
     assert WRITER.measure(exact, written.data) == pytest.approx(
         WRITER.measure(product, written.data) - 0.002
     )
-    with pytest.raises(ToleranceError, match="no share is left"):
+    with pytest.raises(ToleranceError, match="nothing of the tolerance is left"):
         WRITER.write(product, 0.002)
 
 

@@ -188,7 +188,7 @@ def collinear(facets: Any) -> None:
         (stl_with(set_to("corners", 0.0)), "facets", "1 of them have no area"),
         (stl_with(collinear), "facets", "1 of them have no area"),
         (stl_with(scaled("corners", 1.001)), "deviation", "mm off near"),
-        (MESH.replace(b"unit mm", b"unit in"), "unit", "our STL files are in mm"),
+        (MESH.replace(b"unit mm", b"unit in"), "unit", "camgeo's STL files are in mm"),
         (MESH.replace(b"eccentric", b"excentric"), "part", "another part"),
         (MESH.replace(b"scene 0123", b"scene 0124"), "scene", ""),
         (MESH[: PREFIX - 4] + bytes(4) + MESH[PREFIX:], "file", "not a complete binary STL"),

@@ -70,14 +70,14 @@ def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], sp
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        ("", 1, "no rows; allowed are 2 or more"),
+        ("", 1, "no rows; allowed: 2 or more"),
         ("# nothing\n", 2, "no rows"),
-        ("0,0\n", 1, "1 row of numbers; allowed are 2"),
+        ("0,0\n", 1, "1 row of numbers; allowed: 2"),
         ("phi,s\n", 2, "0 rows of numbers"),
         ("0 0\n360 0\n", 1, "allowed separators are ; and tab and comma"),
         ("0,0,1\n360,0,1\n", 1, "3 columns; without a heading 2 are allowed"),
         ("0,5,1,5\n360,0,1,0\n", 1, "4 columns; without a heading 2"),
-        ("0,0\n1\n360,0\n", 2, "1 column; allowed are 2"),
+        ("0,0\n1\n360,0\n", 2, "1 column; allowed: 2"),
         ("0,0\n1,2,3\n360,0\n", 2, "'1,2,3': 3 columns"),
         ("0,0\n1,x\n360,0\n", 2, "'x': not a number"),
         ("0,0\n1,nan\n360,0\n", 2, "'nan': not a number"),
@@ -86,16 +86,16 @@ def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], sp
         ("0,0\n1,\n360,0\n", 2, "not a number"),
         ("0,0\n1,1_0\n360,0\n", 2, "'1_0': not a number"),
         ("0;0\n1;1.234,5\n360;0\n", 2, "'1.234,5': not a number"),
-        ("0;0\n1;1,5\n360;0.5\n", 3, "'0.5': the decimals above have ','; allowed is one kind"),
-        ("1,0\n360,0\n", 1, "'1.0': the first angle; allowed is 0"),
-        ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle before is 5.0; allowed is only asc"),
+        ("0;0\n1;1,5\n360;0.5\n", 3, "'0.5': the decimals above have ','; allowed: one kind"),
+        ("1,0\n360,0\n", 1, "'1.0': the first angle; allowed: 0"),
+        ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle before is 5.0; allowed: only asc"),
         ("0,0\n5,1\n4,2\n360,0\n", 3, "'4.0': the angle before is 5.0"),
-        ("0,0\n5,1\n361,2\n", 3, "'361.0': beyond the span; allowed is up to 360 degrees"),
-        ("0,0\n5,1\n359,2\n", 3, "'359.0': the last angle; allowed is the end of the span, 360"),
-        ("phi,lift,s\n0,0,0\n360,0,0\n", 1, "2 columns of lift; allowed is one, called s or lift"),
+        ("0,0\n5,1\n361,2\n", 3, "'361.0': beyond the span; allowed: up to 360 degrees"),
+        ("0,0\n5,1\n359,2\n", 3, "'359.0': the last angle; allowed: the end of the span, 360"),
+        ("phi,lift,s\n0,0,0\n360,0,0\n", 1, "2 columns of lift; allowed: one, called s or lift"),
         ("phi,v\n0,0\n360,0\n", 1, "'phi, v': 0 columns of lift"),
-        ("a,s\n0,0\n360,0\n", 1, "0 columns of angle; allowed is one, called phi or angle or"),
-        ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed is deg"),
+        ("a,s\n0,0\n360,0\n", 1, "0 columns of angle; allowed: one, called phi or angle or"),
+        ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed: deg"),
     ],
 )
 def test_faults_are_reported_with_file_and_line(text: str, line: int, message: str) -> None:
@@ -107,12 +107,12 @@ def test_faults_are_reported_with_file_and_line(text: str, line: int, message: s
 
 
 def test_bytes_that_are_no_text_are_reported_with_their_line() -> None:
-    with pytest.raises(GeometryError, match=r"lift\.csv, line 2: no UTF-8 text; allowed is UTF-8"):
+    with pytest.raises(GeometryError, match=r"lift\.csv, line 2: not UTF-8 text"):
         read_lift_table(b"0,0\n1,\xff\n", "lift.csv")
 
 
 def test_too_much_is_refused() -> None:
-    with pytest.raises(GeometryError, match="16,000,001 bytes; allowed are 16,000,000"):
+    with pytest.raises(GeometryError, match="16,000,001 bytes; allowed: 16,000,000"):
         read_lift_table(b"#" * (TABLE.size + 1), "lift.csv")
     rows = "\n".join(f"{k},0" for k in range(MOST_ROWS + 1))
     with pytest.raises(GeometryError, match=r"line 200001: 200,001 rows of numbers; .* to 200,000"):

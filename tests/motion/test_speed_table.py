@@ -44,13 +44,13 @@ def test_even_rows_are_constant_speed() -> None:
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([(0.1, 0.0), *ROWS[1:]], "line 1: '0.1': the first time; allowed is 0"),
-        ([(0.0, 1.0), *ROWS[1:]], "line 1: '1.0': the first angle; allowed is 0"),
+        ([(0.1, 0.0), *ROWS[1:]], "line 1: '0.1': the first time; allowed: 0"),
+        ([(0.0, 1.0), *ROWS[1:]], "line 1: '1.0': the first angle; allowed: 0"),
         ([*ROWS[:2], (0.05, 95.0), *ROWS[2:]], "line 3: '0.05': the time before is 0.1"),
         ([*ROWS[:3], (0.3, 80.0), *ROWS[3:]], "line 4: '80.0': the angle before is 90.0"),
-        (ROWS[:-1], "line 5: '300.0': the last angle; allowed is 360 degrees"),
+        (ROWS[:-1], "line 5: '300.0': the last angle; allowed: 360 degrees"),
         ([(0.0, 0.0), (0.5, 1.0), (0.6, 359.0), (1.0, 360.0)], "stand still or run backwards"),
-        ([(0.0, 0.0), (1.0, 360.0)], "allowed are 4 rows or more"),
+        ([(0.0, 0.0), (1.0, 360.0)], "allowed: 4 rows or more"),
     ],
 )
 def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> None:
@@ -59,5 +59,5 @@ def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> N
 
 
 def test_the_unit_of_the_time_is_seconds() -> None:
-    with pytest.raises(GeometryError, match="the unit of the time; allowed is s"):
+    with pytest.raises(GeometryError, match="the unit of the time; allowed: s"):
         read_speed_table(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")

@@ -617,10 +617,10 @@ GOOD = np.array([0.0, 1.0, 2.0, 3.0])
         ([0.0, 2.0, 1.0], [1.0, 2.0, 3.0], "points 2 and 3 are descending"),
         ([0.0, 1.0, np.inf], [1.0, 2.0, 3.0], "finite numbers, .* number 3 of them is not"),
         ([0.0, 1.0, 2.0], [1.0, np.nan, 3.0], "finite numbers, .* number 2 of them is not"),
-        ([0.0, 1.0, 2.0], [1.0, 2.0], "has 2 numbers for the 3 of x"),
+        ([0.0, 1.0, 2.0], [1.0, 2.0], "has 2 numbers, x has 3"),
         ([0.0, 1e-31, 2e-31], [1.0, 2.0, 3.0], "at least 1e-30"),
         ([0.0, 1.0, 2.0], [1.0, 2.0, 1e101], r"at most 1e\+100 in magnitude; number 3"),
-        ([0.0, 1e-7, 1.0], [1.0, 2.0, 3.0], r"too unequally.*allowed is up to 1e\+06"),
+        ([0.0, 1e-7, 1.0], [1.0, 2.0, 3.0], r"too unequally.*allowed: up to 1e\+06"),
     ],
 )
 def test_poor_points_are_refused(x: list[float], y: list[float], message: str) -> None:
@@ -631,8 +631,8 @@ def test_poor_points_are_refused(x: list[float], y: list[float], message: str) -
 @pytest.mark.parametrize(
     ("period", "last", "message"),
     [
-        (3.0, 5.0, "lies 5 off where it would close.*allowed is up to 0"),
-        (2.9, 0.0, "span 3.0, allowed is up to the period 2.9"),
+        (3.0, 5.0, "lies 5 off where it would close.*allowed: up to 0"),
+        (2.9, 0.0, "span 3.0; allowed: up to the period 2.9"),
         (0.0, 0.0, "must be a number above 0"),
         (np.nan, 0.0, "must be a number above 0"),
         (3.0 + 1e-7, 0.0, "too unequally"),

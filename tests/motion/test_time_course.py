@@ -246,7 +246,7 @@ def test_the_place_where_the_cam_would_turn_back_is_reported() -> None:
     with pytest.raises(GeometryError) as caught:
         SpeedCurve(t, phi)
     # phi' = TURN / 8 (1 + 1.1 cos) is least at t = 4, where phi = pi.
-    assert "-0.749556 rev/min at cam angle 180 deg, 4 s; allowed is above" in caught.value.message
+    assert "-0.749556 rev/min at cam angle 180 deg, 4 s; allowed: above" in caught.value.message
 
 
 # Energy ---------------------------------------------------------------------------------------

@@ -85,8 +85,8 @@ def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
         ('"toy-septic"', '"toy-sceptic"', 'did you mean "toy-septic"?'),
         ("smooth =", "smoth =", "did you mean smooth?"),
         ("0.25", "1.5", "must be a number from 0 to 1"),
-        ('"toy-septic"', '"polynomial-345"', 'is no parameter of "polynomial-345"'),
-        ("smooth =", "curved =", 'is no parameter of "toy-septic"; its parameters: smooth'),
+        ('"toy-septic"', '"polynomial-345"', 'is not a parameter of "polynomial-345"'),
+        ("smooth =", "curved =", 'is not a parameter of "toy-septic"; its parameters: smooth'),
     ],
 )
 def test_faults_are_reported_as_of_any_law(tree: Path, old: str, new: str, reported: str) -> None:

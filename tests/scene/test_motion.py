@@ -232,12 +232,15 @@ BACK = '[[motion]]\ndwell = 60\n[[motion]]\nlaw = "auto"\nspan = 120\nto = 0\n'
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ('law = "modified-sine"\ncurved = 0.5', 'curved = 0.5: is no parameter of "modified-sine"'),
+        (
+            'law = "modified-sine"\ncurved = 0.5',
+            'curved = 0.5: is not a parameter of "modified-sine"',
+        ),
         ('law = "polynomial-5"\ninflection = 0.4', "it has no parameters"),
         ('law = "modified-sine"\noptimise = "jerk"', 'belongs to law "auto"'),
         ('law = "auto"\noptimise = "speed"', "must be one of"),
         ('law = "auto"\noptimise = { jerk = 0 }', "optimise"),
-        ('law = "auto"\njerk = 3', 'jerk = 3: is no parameter of "auto"'),
+        ('law = "auto"\njerk = 3', 'jerk = 3: is not a parameter of "auto"'),
         ('law = "modified-sine"\ninflection = "middle"', 'be one of "equal-acceleration"'),
         ('law = "scca"\nsine = 0.6\ncosine = 0.6', "add up to more than 1"),
         ('law = "polynomial-5"\nvelocity = 3', "must be 0 at the end of a move that meets a rest"),
@@ -288,11 +291,11 @@ def test_a_speed_curve(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ("0,0\n0.1,180\n0.5,360\n", "t.csv: 3 rows; allowed are 4 rows or more"),
+        ("0,0\n0.1,180\n0.5,360\n", "t.csv: 3 rows; allowed: 4 rows or more"),
         ("0,0\n0.2,100\n0.21,300\n0.8,310\n1,360\n",
          "t.csv: the cam would stand still or run backwards between the rows: -2513.67 rev/min"),
         ("0,0\n1e300,90\n2e300,180\n3e300,360\n",
-         "t.csv, line 2: '1e300': too large; allowed are numbers up to 1e+30"),
+         "t.csv, line 2: '1e300': too large; allowed: numbers up to 1e+30"),
     ],
 )  # fmt: skip
 def test_a_speed_curve_s_faults_are_of_its_file(tmp_path: Path, rows: str, message: str) -> None:

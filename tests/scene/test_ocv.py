@@ -136,7 +136,7 @@ def test_no_digit_is_lost(
         pair[0 if answer == 1.0 else 1] for pair, answer in zip(choices, answers, strict=False)
     )
     assert linkage["mirrored"] == (answers[3] == 2.0)
-    # The program heeds the answer to question 25 only with "ja" to question 21.
+    # The program uses the answer to question 25 only after "ja" to question 21.
     right = answers[4] == 2.0 and answers[0] == 1.0
     assert linkage["slider_side"] == ("right" if right else "left")
 
@@ -186,7 +186,7 @@ def test_all_faults_are_reported_at_once() -> None:
 
 
 def test_what_the_program_makes_of_a_plan_that_does_not_add_up_is_reported() -> None:
-    with pytest.raises(SceneError, match="heeds no phi_H45 and rests for 60 degrees"):
+    with pytest.raises(SceneError, match="ignores phi_H45 and rests for 60 degrees"):
         project_numbers(changed(5, 61.0))
     with pytest.raises(SceneError) as refused:
         project_numbers(changed(1, 350.0))

@@ -228,7 +228,7 @@ def test_settle_restores_and_says_so(tmp_path: Path) -> None:
     assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
     assert settle(tmp_path) == ""
     (tmp_path / STAGING).mkdir()
-    assert "interrupted here while it replaced nothing" in settle(tmp_path)
+    assert "interrupted here before it had replaced anything" in settle(tmp_path)
     assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
 
 

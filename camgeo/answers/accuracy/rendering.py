@@ -23,9 +23,9 @@ error: bound on the error of the lift if it is interpolated linearly between two
 
 EFFECT_COLUMNS: Final = """\
 effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
-    computed: seconds, without the effects that it needs; estimate: its own, of its error, and off:
-    the difference from a result to a hundredth of the tightest tolerance, both the largest of all
-    values and columns, off with the name of its figure"""
+    computed: seconds, without the effects that it needs; estimate: what it states of its error;
+    off: the difference from a result to a hundredth of the tightest tolerance, with the figure
+    that it is in; estimate and off are the largest of all values and columns"""
 """The same for the table of effects."""
 
 CONTOURS: Final = (

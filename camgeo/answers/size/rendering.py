@@ -48,7 +48,7 @@ def text(answer: CamSize) -> str:
             *_changed(answer),
             answer.infeasible or _decided(sizing),
             *_proved(answer),
-            *(f"check of that scene finds: {each.sentence}" for each in answer.remarks),
+            *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
             *_of_flocke(answer.own.sizing),
         ]
     )
@@ -138,9 +138,9 @@ def _active(active: Active, sizing: Sizing) -> str:
         "transmission-angle": f"the transmission angle of {math.degrees(sizing.angle):g} deg",
         "radius-ratio": f"r_R/r_K of {sizing.ratio:g}",
         "global-undercut": "two sides of a flank that touch each other (global undercut)",
-        "roller-over-axis": "the roller, which comes to the cam axis",
+        "roller-over-axis": "the roller, which reaches the cam axis",
         "convexity": "the radius of curvature",
-        "face-over-axis": "the face, which comes to the cam axis",
+        "face-over-axis": "the face, which reaches the cam axis",
     }
     return f"{what[active.name]} {at}"
 

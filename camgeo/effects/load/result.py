@@ -93,7 +93,7 @@ def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
     if len(data.segments) != len(starts):
         raise GeometryError(
             f"number of values {len(data.segments)}, number of segments of the motion of non-zero"
-            f" length {len(starts)}; allowed is one value for each segment",
+            f" length {len(starts)}; allowed: one value for each segment",
             key="effects.load.segments",
         )
     return steps(frozen(starts, np.float64), frozen(data.segments, np.float64))

@@ -84,7 +84,7 @@ def parse_motor(table: Mapping[str, Any]) -> Motor:
             )
     if not table["stall_torque"] > 0.0:
         raise GeometryError(
-            "the torque of the motor must fall to 0 at no_load_speed; allowed is above 0 N m",
+            "the torque of the motor must fall to 0 at no_load_speed; allowed: above 0 N m",
             key="stall_torque",
             value="0",
         )
@@ -148,7 +148,7 @@ def parse(table: Mapping[str, Any]) -> MotorDrive:
         )
     if not inertia > 0.0:
         raise GeometryError(
-            "without inertia there is no equation of motion for the speed; allowed is above 0",
+            "without inertia there is no equation of motion for the speed; allowed: above 0",
             key="moment_of_inertia",
             value=f"{inertia:g}",
         )

@@ -211,7 +211,7 @@ def _out_of_reach(
     message = (
         f"over {math.degrees(link.length):.6g} degrees and {text(link.stroke)},"
         f" {family.name} for {task} {place} with an acceleration {side}"
-        f" {text(bound * physical, 2)}, here it meets {text(ends[key] * physical, 2)};"
+        f" {text(bound * physical, 2)}, but {text(ends[key] * physical, 2)} is needed here;"
         " polynomial-5 and auto meet any"
     )
     stated = "acceleration" in joint.stated

@@ -120,7 +120,7 @@ def _move(chain: Chain, number: int, request: MoveRequest) -> Move:
 
 
 def _check_resolved(link: Link, law: Law) -> None:
-    """GeometryError if a part of a law ends before a cam angle can tell.
+    """GeometryError if a part of a law is too short for cam angles to distinguish its ends.
 
     The least allowed is a millionth of the shortest span.
     """
@@ -131,9 +131,9 @@ def _check_resolved(link: Link, law: Law) -> None:
     if shorter < RESOLVED:
         raise GeometryError(
             f"would speed up or slow down within {math.degrees(shorter):.2g} degrees of its"
-            f" {math.degrees(link.length):.6g}, which cam angles cannot tell from a jump; allowed"
-            f" is from {math.degrees(RESOLVED):.2g}. A longer span beside a sharp turn, a dwell"
-            " there, even dwell = 0, or a larger inflection or curved part makes it possible",
+            f" {math.degrees(link.length):.6g}, too few for cam angles to distinguish from a jump;"
+            f" allowed: {math.degrees(RESOLVED):.2g} or more. A longer span beside a sharp turn, a"
+            " dwell there, even dwell = 0, or a larger inflection or curved part makes it possible",
             key=f"{link.key}.law",
             value=law.name,
         )

@@ -83,7 +83,7 @@ def _closed(shares: FloatArray, lifts: FloatArray) -> tuple[FloatArray, FloatArr
     gap = CLOSED * float(np.max(np.abs(lifts)))
     if abs(lifts[-1]) > gap:
         raise GeometryError(
-            f"the last row lies {lifts[-1]:g} off the first one; allowed is up to {gap:g}",
+            f"the last row lies {lifts[-1]:g} off the first one; allowed: up to {gap:g}",
             value=f"{lifts[-1]:g}",
         )
     return shares, np.append(lifts[:-1], 0.0)

@@ -187,8 +187,8 @@ def _gentlest(chain: Chain, number: int) -> float | None:
     ]
     if len(found) == 2 and found[0] * found[1] < 0.0:
         raise GeometryError(
-            "would stand still for a moment at its end and then go on the same way: this law slows"
-            " down to there, the next one speeds up from there, and their accelerations have"
+            "would stop for a moment at its end and then go on in the same direction: this law"
+            " slows down to there, the next one speeds up from there, and their accelerations have"
             " opposite signs; polynomial-5 and auto pass with a velocity",
             key=f"{chain.around(number)[0].key}.law",
         )

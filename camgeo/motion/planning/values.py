@@ -144,7 +144,7 @@ class _Nodes:
         raise GeometryError(
             f"{'has points too near to each other' if inside else 'is too short'} beside the moves"
             f" that it joins without a rest: the longest way from one joint or point to the next is"
-            f" {ratio:.3g} times the shortest; allowed is up to {MOST_UNEQUAL:g}",
+            f" {ratio:.3g} times the shortest; allowed: up to {MOST_UNEQUAL:g}",
             key=f"{link.key}.{'points' if inside else 'span'}",
             value="" if inside else f"{link.request.span}",
         )

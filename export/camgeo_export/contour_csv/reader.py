@@ -71,7 +71,7 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
             )
         if count not in (2, 3):
             raise FileError(
-                f"{name}, line {line}: {counted(count, 'column')}; allowed are x, y and x, y, bulge"
+                f"{name}, line {line}: {counted(count, 'column')}; allowed: x, y and x, y, bulge"
             )
         cells = [cell.strip() for cell in written.split(",")]
         if not width:
@@ -80,7 +80,7 @@ def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
                 continue
         rows.append((line, [finite(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
     if not rows:
-        raise FileError(f"{name}: holds no points; allowed are rows x, y and x, y, bulge")
+        raise FileError(f"{name}: holds no points; allowed: rows x, y and x, y, bulge")
     return rows
 
 

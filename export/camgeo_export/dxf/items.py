@@ -83,7 +83,7 @@ def tags_of(data: bytes, name: str) -> Iterator[Tag]:
     for line, (first, second) in enumerate(zip(lines, lines, strict=False)):
         code = first.strip()
         if not CODE.fullmatch(code):
-            what = f"{first[:40]!r} is no group code; not a DXF file"
+            what = f"{first[:40]!r} is not a group code: not a DXF file"
             raise FileError(f"{name}, line {2 * line + 1}: {what}")
         yield Tag(int(code), second.strip(), 2 * line + 2)
 

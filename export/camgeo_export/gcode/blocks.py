@@ -241,7 +241,7 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     decimals = max(machine.least_decimals(unit), math.ceil(-math.log10(finest)))
     if decimals > MOST_DECIMALS:
         least = ROUNDING_UNITS * MM_PER[unit] / 10.0**MOST_DECIMALS / ROUNDING_SHARE
-        message = f"a program of {MOST_DECIMALS} decimals is too coarse"
+        message = f"{MOST_DECIMALS} decimals in a program are too coarse"
         raise ToleranceError(message, tolerance, least)
     step = 10.0**-decimals
     rounding = ROUNDING_UNITS * step * MM_PER[unit]
@@ -254,5 +254,7 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     interpolation = machine.arcs.interpolation
     fit = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - blending - interpolation
     if fit <= 0.0:
-        raise ToleranceError("no share is left for the fit", tolerance, tolerance - fit)
+        raise ToleranceError(
+            "nothing of the tolerance is left for the fit", tolerance, tolerance - fit
+        )
     return Budget(tolerance, decimals, rounding, chord, blending, fit, interpolation)

@@ -121,7 +121,7 @@ def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntA
         if left < 0:
             raise FileError(
                 f"more than {NEAR:,} pairs of moves lie within the tolerance {gap:g} mm of each"
-                " other: no closed path can be told in them"
+                " other: closed paths cannot be distinguished"
             )
         found.append(pairs + np.array([[first], [0]]))
     last, earlier = np.concatenate(found, axis=1)

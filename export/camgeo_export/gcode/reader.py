@@ -198,9 +198,9 @@ def _run(state: _State, words: list[tuple[str, str]], line: int) -> CutterMove |
     letters = [letter for letter, _ in words]
     for letter in letters:
         if letter not in LETTERS:
-            raise FileError(f"line {line}: the word {letter} is not expected in our programs")
+            raise FileError(f"line {line}: the word {letter} is not expected in camgeo's programs")
         if letter not in "GM" and letters.count(letter) > 1:
-            raise FileError(f"line {line}: the word {letter} is there twice")
+            raise FileError(f"line {line}: the word {letter} appears twice")
     codes = [float(value) for letter, value in words if letter == "G"]
     if sum(code in MOTIONS for code in codes) > 1:
         raise FileError(f"line {line}: two kinds of motion in one block")
@@ -238,7 +238,7 @@ def _g(state: _State, code: float, values: dict[str, float], line: int) -> None:
         if code == TOOL_LENGTH:  # without H that of the tool in the spindle
             state.offset = int(values.get("H", state.tool))
     else:
-        raise FileError(f"line {line}: G{code:g} is not expected in our programs")
+        raise FileError(f"line {line}: G{code:g} is not expected in camgeo's programs")
 
 
 def _m(state: _State, code: float, line: int) -> None:
@@ -252,7 +252,7 @@ def _m(state: _State, code: float, line: int) -> None:
     elif code == 6:  # controllers stop the spindle for it
         state.tool, state.spindle = state.chosen, False
     else:
-        raise FileError(f"line {line}: M{code:g} is not expected in our programs")
+        raise FileError(f"line {line}: M{code:g} is not expected in camgeo's programs")
     state.stops.append(Stop(int(code), state.z, line))
 
 

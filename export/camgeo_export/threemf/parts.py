@@ -113,7 +113,7 @@ def _check_entries(entries: Collection[zipfile.ZipInfo]) -> None:
             ratio = (
                 f"unpacks to {entry.file_size / max(entry.compress_size, 1):,.0f} times its size"
             )
-            raise FileError(f"the part {name[:60]} {ratio}; allowed are {RATIO} times")
+            raise FileError(f"the part {name[:60]} {ratio}; allowed: {RATIO} times")
     total = sum(entry.file_size for entry in entries)
     if total > UNPACKED:
         raise beyond(NAME, counted(total, "byte") + " unpacked", UNPACKED, PACKAGE)
@@ -180,7 +180,7 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
             inside.setdefault(own, []).extend(inner)
     absent = next((key for key in (*built, *chain(*inside.values())) if key not in facets), None)
     if absent is not None:
-        raise FileError(f"it builds the object {absent[1]!r:.40}, which is not there")
+        raise FileError(f"it builds the object {absent[1]!r:.40}, which does not exist")
     try:
         order = list(graphlib.TopologicalSorter(inside).static_order())
     except graphlib.CycleError as error:
@@ -223,4 +223,4 @@ def _check_numbers(texts: Collection[str | None], what: str) -> None:
     for text in texts:
         if text != "" and (text is None or number_of(text) is None):
             found = "nothing" if text is None else repr(text[:40])
-            raise FileError(f"{what} has {found}, which is no number of at most {COORDINATE:g}")
+            raise FileError(f"{what} has {found}, which is not a number of at most {COORDINATE:g}")

@@ -110,9 +110,9 @@ def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
 def _comments(product: Product, program: Program, stated: Stated, machine: Machine) -> Check:
     """Those of our own version are the ones that it writes; the scene is checked elsewhere."""
     if stated.version != product.version:
-        note = "" if stated.version else "they do not name the version of camgeo"
+        note = "" if stated.version else "they do not name a version of camgeo"
         return Check("comments", "", f"of camgeo {stated.version}", ok=None, note=note)
-    unkept = failed("comments", "they state no tolerance that can be kept")
+    unkept = failed("comments", "they state no tolerance that a program can meet")
     if stated.tolerance is None:
         return unkept
     try:

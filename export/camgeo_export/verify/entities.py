@@ -118,7 +118,7 @@ def _check_layers(drawing: Drawing, layers: Sequence[str]) -> None:
     for name in layers:
         records = [each for each in drawing.layers if each.text(2) == name]
         if len(records) != 1:
-            raise FileError(f"the layer {name} is there {len(records)} times, not once")
+            raise FileError(f"the layer {name} appears {len(records)} times, not once")
         (record,) = records
         if record.number(70, 0.0) != 0.0 or record.number(62, 7.0) < 0.0:
             raise FileError(f"line {record.line}: the layer {name} is off, frozen or locked")

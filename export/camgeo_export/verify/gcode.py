@@ -56,7 +56,9 @@ class GcodeVerifier:
         try:
             program = read(data.decode("ascii", "replace"))
         except FileError as error:
-            hint = "" if reading.ours else "; only the words that our programs use are supported"
+            hint = (
+                "" if reading.ours else "; only the words that camgeo's programs use are supported"
+            )
             return (failed("program", f"{error}{hint}"),)
         unit = NAMES.get(program.mm_per_unit, "unknown")
         checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]

@@ -110,7 +110,7 @@ def _model_path(parts: Mapping[str, bytes]) -> str:
     for relation in relations:
         key = relation.get("Id", "")
         if not IDENTIFIER.fullmatch(key) or key in seen:
-            raise FileError(f"{RELATIONSHIPS_PATH}: the Id {key!r} is none, or there twice")
+            raise FileError(f"{RELATIONSHIPS_PATH}: the Id {key!r} is missing, or appears twice")
         seen.add(key)
     targets = [each.get("Target", "") for each in relations if each.get("Type") == MODEL_RELATION]
     if len(targets) != 1:
@@ -140,7 +140,9 @@ def _check_types(parts: Mapping[str, bytes], path: str) -> None:
         kind = each.tag.rpartition("}")[2]
         key = each.get({"Default": "Extension", "Override": "PartName"}.get(kind, ""), "").lower()
         if not key or (kind, key) in types:
-            raise FileError(f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or there twice")
+            raise FileError(
+                f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or appears twice"
+            )
         types[kind, key] = each.get("ContentType", "")
     for part, wanted in ((path, MODEL_TYPE), (RELATIONSHIPS_PATH, RELATIONSHIP_TYPE)):
         extension = posixpath.splitext(part.lower())[1].removeprefix(".")
@@ -156,7 +158,7 @@ def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
     own = (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH)
     foreign = [name for name in parts if name not in own]
     if foreign or path != MODEL_PATH:
-        raise FileError(f"{foreign[0] if foreign else path} is not a part of our packages")
+        raise FileError(f"{foreign[0] if foreign else path} is not a part of camgeo's packages")
 
 
 def _check_model(content: bytes, ours: bool, name: str) -> None:
@@ -178,10 +180,10 @@ def _check_model(content: bytes, ours: bool, name: str) -> None:
     objects = _objects(root)
     items = root.findall(f"{{{CORE}}}build/{{{CORE}}}item")
     if len(root.findall(f"{{{CORE}}}build")) != 1 or not items:
-        raise FileError("it builds nothing: there is no item in its build")
+        raise FileError("it builds nothing: its build has no item")
     for each in items:
         if each.get("objectid", "") not in objects:
-            raise FileError(f"it builds the object {each.get('objectid')!r}, which is not there")
+            raise FileError(f"it builds the object {each.get('objectid')!r}, which does not exist")
         found = objects[each.get("objectid", "")]
         if found.get("type", "model") != "model":
             raise FileError(f"the object that it builds is of type {found.get('type')!r}, no model")
@@ -195,7 +197,7 @@ def _check_elements(root: ET.Element, allowed: Mapping[str, Collection[str]], ou
     for each in root.iter():
         if not each.tag.startswith(core):
             if ours:
-                raise FileError(f"the element {each.tag} is not one of ours")
+                raise FileError(f"the element {each.tag} is not one of camgeo's")
             continue
         tag = each.tag.removeprefix(core)
         if tag not in allowed:
@@ -212,7 +214,7 @@ def _metadata(root: ET.Element, prefixes: Mapping[str, str]) -> dict[str, str]:
         name = each.get("name", "")
         prefix, colon, _ = name.partition(":")
         if name in found or (prefix not in prefixes if colon else name not in METADATA):
-            raise FileError(f"the metadata {name!r} is not expected, or there twice")
+            raise FileError(f"the metadata {name!r} is not expected, or appears twice")
         found[name] = each.text or ""
     return found
 
@@ -223,7 +225,7 @@ def _objects(root: ET.Element) -> dict[str, ET.Element]:
     for each in root.findall(f"{{{CORE}}}resources/{{{CORE}}}object"):
         key = each.get("id", "")
         if not re.fullmatch(r"[1-9]\d{0,8}", key) or key in found:
-            raise FileError(f"the object id {key!r} is none, or there twice")
+            raise FileError(f"the object id {key!r} is missing, or appears twice")
         if each.get("type", "model") not in TYPES:
             raise FileError(f"{each.get('type')!r} is not a type of object")
         found[key] = each

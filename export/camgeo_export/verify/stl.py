@@ -106,7 +106,7 @@ def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
     if reading.ours:
         found = OURS.match(data[:PREFIX])
         stated = found.group(1).decode() if found else ""
-        return "mm", equal("unit", stated, "mm", note="our STL files are in mm")
+        return "mm", equal("unit", stated, "mm", note="camgeo's STL files are in mm")
     if reading.unit is not None:
         return reading.unit, reported("unit", reading.unit, note="by --unit")
     return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")

@@ -55,7 +55,7 @@ class ThreeMfVerifier:
         valid = package_checks(parts, reading.ours, product.name)
         unit, _ = _head(parts)
         name = SHORT.get(unit, unit)
-        check = unit_check(name, reading, "mm", "our 3MF files are in millimetres")
+        check = unit_check(name, reading, "mm", "camgeo's 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))

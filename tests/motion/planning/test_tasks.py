@@ -232,7 +232,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "motion[2].acceleration",
         "-4 mm/rad^2",
         (r"over 120 degrees and 20 mm, harmonic-combination for R-U ends with an acceleration below"
-        r" -11.25 mm/rad\^2, here it meets -4 mm/rad\^2; polynomial-5 and auto meet any"),
+        r" -11.25 mm/rad\^2, but -4 mm/rad\^2 is needed here; polynomial-5 and auto meet any"),
     ),
     (
         [
@@ -244,13 +244,13 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "motion[2].acceleration",
         "4 mm/rad^2",
         (r"over 120 degrees and 20 mm, modified-trapezoid for U-R starts with an acceleration above"
-        r" 9.22816 mm/rad\^2, here it meets 4"),
+        r" 9.22816 mm/rad\^2, but 4 mm/rad\^2 is needed here"),
     ),
     (
         [move(180, 20.0, "sine-straight", acceleration=3.0), move(180, 0.0)],
         "motion[1].acceleration",
         "3 mm/rad^2",
-        r"sine-straight for U-U ends with an acceleration below -5 mm/rad\^2, here it meets 3",
+        r"sine-straight for U-U ends with an acceleration below -5 mm/rad\^2, but 3 mm/rad",
     ),
     (
         [rest(60), move(100, 10.0, "harmonic-combination"), move(200, 30.0, "simple-sine"), rest(0),
@@ -267,7 +267,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         ],
         "motion[1].law",
         "",
-        "would stand still for a moment at its end and then go on the same way",
+        "would stop for a moment at its end and then go on in the same direction",
     ),
     # stated, but the law has no freedom left
     (
@@ -313,7 +313,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [move("359.999999", 5.0, "modified-trapezoid"), move("0.000001", 0.0)],
         "motion[1].law",
         "modified-trapezoid",
-        r"speed up or slow down within .*e-1\d degrees of its 360, .* allowed is from 8.1e-13\.",
+        r"speed up or slow down within .*e-1\d degrees of its 360, .* allowed: 8.1e-13 or more\.",
     ),
     ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 off"),
     # parameters
