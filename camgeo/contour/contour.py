@@ -14,10 +14,7 @@ from typing import Literal, Self
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, grouped
-from camgeo.outline.moments import Moments, piece_moments
-
-FLAT = 1e-4
-"""Sweep [rad] below which an arc and its chord enclose c^2 sweep/12 to nine digits."""
+from camgeo.outline.moments import Moments, piece_moments, segment_areas
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,11 +72,8 @@ class Contour:
         """Enclosed area [mm^2], positive if the contour runs counter-clockwise."""
         start, end = self.vertices, self.ends
         chord = 0.5 * (start.real * end.imag - start.imag * end.real)
-        # The circle of a flat arc is so large that rounding of its sine would count.
-        flat = np.abs(self.ends - self.vertices) ** 2 * self.sweeps / 12.0
-        segment = 0.5 * self.radii**2 * (self.sweeps - np.sin(self.sweeps))
-        segment = np.where(np.abs(self.sweeps) < FLAT, flat, segment)
-        return math.fsum(np.concatenate((chord, segment)))
+        segments = segment_areas(np.abs(end - start), self.radii, self.sweeps)
+        return math.fsum(np.concatenate((chord, segments)))
 
     @property
     def moments(self) -> Moments:

@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 
 from camgeo.contour.bezier import CUBIC, area, beziers_of_spline, length
-from camgeo.contour.contour import FLAT
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+from camgeo.outline.moments import segment_areas
 
 DEGREE = CUBIC
 
@@ -127,9 +127,8 @@ class Arc:
     def moment(self) -> float:
         """Half the integral of x dy - y dx along it [mm^2]: its share in the area."""
         chord = 0.5 * (self.start.conjugate() * self.end).imag
-        if abs(self.sweep) < FLAT:
-            return chord + abs(self.end - self.start) ** 2 * self.sweep / 12.0
-        return chord + 0.5 * self.radius**2 * (self.sweep - math.sin(self.sweep))
+        of_one = np.array([[abs(self.end - self.start)], [self.radius], [self.sweep]])
+        return chord + float(segment_areas(*of_one)[0])
 
     def reversed(self) -> Self:
         """The same strand in the opposite direction."""

@@ -34,6 +34,9 @@ not reduce. Their error then enters the estimate."""
 HALVINGS: Final = 60
 """Most rounds of halving: a part is then as short as doubles resolve."""
 
+FLAT: Final = 0.1
+"""Sweep [rad] below which the series of `segment_areas` is exact to rounding."""
+
 LONGEST: Final = math.pi / 16.0
 """Longest part of a stretch [rad] for one quadrature of an area alone."""
 
@@ -139,6 +142,19 @@ def _of_arcs(pivots: list[Pivot]) -> Moments:
     )
 
 
+def segment_areas(chord: FloatArray, radius: FloatArray, sweep: FloatArray) -> FloatArray:
+    """(n,) [mm^2] areas between arcs and their chords, with the signs of the sweeps (n,) [rad].
+
+    r^2 (a - sin a) / 2, see `piece_moments`; of a flat arc, where this cancels and the circle is
+    huge, the same over the square of its chord (n,) [mm], as a series.
+    """
+    square = sweep * sweep
+    series = 1.0 + square * (1.0 / 30.0 + square * (1.0 / 840.0 + square / 25200.0))
+    flat = chord * chord * sweep / 12.0 * series
+    curved = 0.5 * radius**2 * (sweep - np.sin(sweep))
+    return np.where(np.abs(sweep) < FLAT, flat, curved)
+
+
 def piece_moments(
     start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
 ) -> Moments:
@@ -161,7 +177,7 @@ def piece_moments(
     arc = sweep != 0.0
     arm = np.where(arc, start - centre, 0.0)
     radius = np.abs(arm)
-    segment = 0.5 * radius**2 * (sweep - np.sin(sweep))
+    segment = segment_areas(np.abs(end - start), radius, sweep)
     towards = arm * radius * radius * np.exp(0.5j * sweep) * np.sin(0.5 * sweep) ** 3
     of_segment = np.where(arc, segment * centre, 0.0) + towards * (2.0 / 3.0)
     areas = np.concatenate((triangle, segment))

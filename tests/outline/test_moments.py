@@ -6,6 +6,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,7 +17,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Dwell, Jet
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.outline.moments import ROUNDING, Moments, area, path_moments, total
 from camgeo.outline.path import Path, Pivot, whole
 from tests.effects.scenes import design
@@ -184,6 +185,23 @@ def test_a_circle_in_any_arcs_is_a_circle(
     room = 1e-14 * (radius + abs(centre)) ** 2
     assert abs(found.area - size) <= 10.0 * room
     assert abs(found.first - size * centre) <= 10.0 * room * (radius + abs(centre))
+
+
+@pytest.mark.parametrize("sweep", [1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.09, 0.11, 1.0])
+def test_moments_of_flat_arcs_are_within_their_errors(sweep: float) -> None:
+    """A square with bent sides: its centroid stays, and the circles may be huge."""
+    middle = 50.5 + 0.5j
+    corners = [-1.0 - 1.0j, 1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j]
+    vertices: ComplexArray = middle + 0.5 * np.array(corners, dtype=np.complex128)
+    sides = np.roll(vertices, -1) - vertices
+    centres = vertices + 0.5 * sides * (1.0 + 1.0j / math.tan(0.5 * sweep))
+    found = Contour(vertices, np.full(4, sweep), centres)
+    with mpmath.workdps(60):
+        a = mpmath.mpf(sweep)
+        area = float(1 + (a - mpmath.sin(a)) / (1 - mpmath.cos(a)))
+    assert abs(found.moments.area - area) <= found.moments.area_error
+    assert abs(found.moments.first - area * middle) <= found.moments.first_error
+    assert found.area == pytest.approx(area, rel=1e-15)
 
 
 def test_run_the_other_way_everything_changes_its_sign() -> None:
