@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any, Literal, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -17,6 +17,8 @@ BoolArray = NDArray[np.bool_]
 
 Side = Literal["right", "left"]
 """Which one-sided value a function of an array has at a break: "right" is the limit from above."""
+
+SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 Rows = TypeVar("Rows")
 """A dataclass of arrays whose rows belong together."""

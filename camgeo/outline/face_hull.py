@@ -20,15 +20,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, ascending, grouped
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, ascending
+from camgeo.outline.layers import (
+    MOST_PAIRS,
+    NONE,
+    Cells,
+    Pairs,
+    changes,
+    covered,
+    outermost,
+    seen,
+    together,
+    too_rough,
+)
 from camgeo.outline.roller_path import LinesAndArcs
 from camgeo.units import TURN
 
 WIDEST = math.pi / 4.0
 """Widest range of normals [rad] of the cells in which distances are compared."""
 
-MOST_PAIRS = 2_000_000
-"""Most pairs of a cell and a circle, or of two circles in a cell."""
+LAYERS = "vertices and arcs lie"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,75 +139,44 @@ def _envelope(circles: Circles, lows: FloatArray, spans: FloatArray) -> Hull:
     """The upper envelope of the distances of `circles` (n,), each over its range of normals."""
     whole = np.arange(0.0, TURN, WIDEST)
     nodes = ascending(np.concatenate((whole, lows % TURN, (lows + spans) % TURN)))
-    count = len(nodes)
+    cells = Cells.between(nodes)
     first = np.searchsorted(nodes, lows % TURN)
-    cells = np.remainder(np.searchsorted(nodes, (lows + spans) % TURN) - first, count)
-    cells[(cells == 0) & (spans > math.pi)] = count
-    if np.sum(cells) > MOST_PAIRS:
-        raise GeometryError(_too_rough(np.sum(cells) / count))
-    which, rank = grouped(cells)
-    cell = np.remainder(first[which] + rank, count)
-    order = np.argsort(cell, kind="stable")
-    cell, which = cell[order], which[order]
-    low, high = nodes, np.append(nodes[1:], nodes[0] + TURN)
-    cell, which = _without_hidden(circles, low, high, cell, which)
-    grid = ascending(np.concatenate((nodes, _crossings(circles, low, high, cell, which))))
-    parent = np.remainder(np.searchsorted(nodes, grid, "right") - 1, count)
-    begin = np.searchsorted(cell, parent, "left")
-    many = np.searchsorted(cell, parent, "right") - begin
-    fine, step = grouped(many)
-    candidate = which[begin[fine] + step]
-    middle = 0.5 * (grid + np.append(grid[1:], grid[0] + TURN))
-    height = circles.distance(candidate, middle[fine])
-    best = np.lexsort((candidate, height, fine))
-    last = best[np.append(fine[1:] != fine[:-1], True)]  # `best` keeps the order of the cells
-    held = candidate[last]
-    changed = held != np.roll(held, 1)
-    changed[0] |= not np.any(changed)
-    return Hull(circles, grid[fine[last]][changed], held[changed])
+    number = np.remainder(np.searchsorted(nodes, (lows + spans) % TURN) - first, len(cells))
+    number[(number == 0) & (spans > math.pi)] = len(cells)
+    pairs = covered(cells, first, number, LAYERS)
+    pairs = _without_hidden(circles, cells, *pairs)
+    grid, _, held = outermost(cells, pairs, _crossings(circles, cells, *pairs), circles.distance)
+    return Hull(circles, *changes(grid[held != NONE], held[held != NONE]))
 
 
-def _without_hidden(
-    circles: Circles, low: FloatArray, high: FloatArray, cell: IntArray, which: IntArray
-) -> tuple[IntArray, IntArray]:
+def _without_hidden(circles: Circles, cells: Cells, cell: IntArray, which: IntArray) -> Pairs:
     """The pairs of a cell and a circle without those that lie behind another one throughout."""
-    middle, half = 0.5 * (low + high)[cell], 0.5 * (high - low)[cell]
+    low, high = cells.low[cell], cells.high[cell]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
     turned = circles.centres[which] * np.exp(-1j * middle)
     size = np.abs(turned)
     here = turned.real + circles.radii[which]
     change = half * np.abs(turned.imag) + 0.5 * half * half * size
-    least = np.full(len(low), -np.inf)
-    np.maximum.at(least, cell, here - change)
-    seen = here + change >= least[cell]
-    return cell[seen], which[seen]
+    kept = seen(cell, here - change, here + change)
+    return cell[kept], which[kept]
 
 
-def _crossings(
-    circles: Circles, low: FloatArray, high: FloatArray, cell: IntArray, which: IntArray
-) -> FloatArray:
+def _crossings(circles: Circles, cells: Cells, cell: IntArray, which: IntArray) -> FloatArray:
     """(k,) theta in [0, 2 pi) inside cells at which two of their circles are equally far."""
     found = [np.empty(0)]
-    step, examined = 1, 0
-    while np.any(pairs := cell[step:] == cell[:-step]):
-        index = np.flatnonzero(pairs)
+    examined = 0
+    for index, with_index in together(cell):
         examined += len(index)
         if examined > MOST_PAIRS:
-            raise GeometryError(_too_rough(len(cell) / len(low)))
-        one, other, inside = which[index], which[index + step], cell[index]
+            raise too_rough(LAYERS, len(cell) / len(cells))
+        one, other = which[index], which[with_index]
+        low, high = cells.low[cell[index]], cells.high[cell[index]]
         way = circles.centres[other] - circles.centres[one]
         size, rise = np.abs(way), circles.radii[one] - circles.radii[other]
         with np.errstate(divide="ignore", invalid="ignore"):
             away = np.arccos(rise / size)
         for theta in (np.angle(way) + away, np.angle(way) - away):
-            offset = (theta - low[inside]) % TURN
-            crossed = (offset > 0.0) & (offset < (high - low)[inside])
-            found.append((low[inside] + offset)[crossed] % TURN)
-        step += 1
+            offset = (theta - low) % TURN
+            crossed = (offset > 0.0) & (offset < high - low)
+            found.append((low + offset)[crossed] % TURN)
     return np.concatenate(found)
-
-
-def _too_rough(layers: float) -> str:
-    return (
-        "the contour is too rough to be replayed: its vertices and arcs lie in"
-        f" {layers:.0f} layers; smooth it first"
-    )

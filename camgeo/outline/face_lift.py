@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -19,14 +19,13 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.face_path import FacePath, face_path_of
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, Side
+from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, IntArray, Side
 from camgeo.outline.convex import contact_extremes, touch
 from camgeo.outline.face_hull import Circles, Hull
+from camgeo.outline.layers import piece_at
 from camgeo.outline.path import Path
 from camgeo.outline.replay_lift import AS_DEMANDED
 from camgeo.units import TURN
-
-SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 SIDE = 1e-6
 """Difference of a lift from itself, by rounding, close to where the contact loses its lever."""
@@ -73,10 +72,7 @@ class FaceLift:
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the circle at `phi` (n,) [rad]."""
-        turned = np.remainder(phi, TURN)
-        place = np.searchsorted(self.borders, turned, "right" if side == "right" else "left")
-        found: IntArray = self.numbers[place - 1]
-        return found
+        return piece_at(self.borders, self.numbers, phi, side)
 
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
         """See `camgeo.outline.replay_result.DiscLift`."""

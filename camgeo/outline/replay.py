@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.follower_path import path_of
 from camgeo.motion.motion import Motion
 from camgeo.motion.piece import SNAP
-from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending
+from camgeo.numeric.arrays import SIDES, FloatArray, IntArray, Side, ascending
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.face_hull import hull_of
 from camgeo.outline.face_lift import face_between, face_on
@@ -29,8 +28,6 @@ from camgeo.outline.replay_lift import AS_DEMANDED, ActualLift, PlayedLift, pres
 from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, DiscLift, Jumps, Replay
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
-
-SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 STEP = math.radians(0.1)
 """Step of the cam angle between the samples; the ends of all pieces are sampled as well."""

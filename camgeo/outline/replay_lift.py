@@ -2,8 +2,7 @@
 
 The roller is pressed along the follower's path until it touches: of all branches that the path
 meets, the outermost holds a roller that is pressed inward, the innermost one that is pressed
-outward. Which one that is changes only at the ends of branches and where two of them cross; so it
-is known for all cam angles, not just for samples.
+outward, see `camgeo.outline.layers`.
 
 A roller with play touches one flank of its groove, which lies half the groove's width from the
 pitch curve, so that its centre runs on the pitch curve's parallel at half the clearance. At the cam
@@ -31,7 +30,17 @@ from camgeo.numeric.arrays import (
     IntArray,
     Side,
     ascending,
-    grouped,
+)
+from camgeo.outline.layers import (
+    NONE,
+    Cells,
+    Pairs,
+    changes,
+    covered,
+    outermost,
+    piece_at,
+    seen,
+    together,
 )
 from camgeo.outline.roller_path import Branches
 from camgeo.units import TURN
@@ -122,16 +131,12 @@ class PlayedLift:
         return np.where(turned >= TURN, turned - TURN, turned)
 
 
-AS_DEMANDED = -1
+AS_DEMANDED = NONE
 """Number of the branch that is the demanded motion itself, or that with the roller's play."""
 
 SEAM = 1e-9
 """Width [rad] up to which a range without any branch is a seam: two branches meet there, and their
 ends differ by rounding."""
-
-MOST_PAIRS = 2_000_000
-"""Most pairs of a branch and a cell between the ends of branches: 25 layers of a contour of 20,000
-pieces. A contour that is smooth except for a few corners has one layer."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
@@ -190,10 +195,7 @@ class ActualLift:
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the branch at `phi` (n,) [rad]."""
-        turned = np.remainder(phi, TURN)
-        place = np.searchsorted(self.borders, turned, "right" if side == "right" else "left")
-        found: IntArray = self.numbers[place - 1]
-        return found
+        return piece_at(self.borders, self.numbers, phi, side)
 
     def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
@@ -247,47 +249,24 @@ def pressed(
     starts, ends = ranges
     nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
     wanted = _wanted(nodes, starts, ends)
-    cells = _Cells(nodes, np.append(nodes[1:], nodes[0] + TURN))
-    cell, branch = _cover(branches, nodes)
+    cells = Cells.between(nodes)
+    first = np.searchsorted(nodes, branches.lows)
+    count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
+    cell, branch = covered(cells, first, count, "parallel at the roller radius lies")
     used = wanted[cell]
     cell, branch = cell[used], branch[used]
     _require_cover(cells, wanted, cell)
     cell, branch = _without_hidden(cells, cell, branch, branches, path, press)
     inner = _crossings(cells, cell, branch, branches, path)
-    grid = ascending(np.concatenate((nodes, inner)))
-    # Before the first node it is still the last cell, which reaches across cam angle 0.
-    parent = np.remainder(np.searchsorted(nodes, grid, "right") - 1, len(nodes))
-    # Each cell of the finer grid inherits the branches of its parent.
-    first = np.searchsorted(cell, parent, "left")
-    count = np.searchsorted(cell, parent, "right") - first
-    fine, rank = grouped(count)
-    candidate = branch[first[fine] + rank]
-    several = count[fine] > 1
-    middle = 0.5 * (grid + np.append(grid[1:], grid[0] + TURN))
-    height = np.zeros(len(fine))
-    chosen = candidate[several]
-    height[several] = -press * path.meet(
-        middle[fine[several]], branches.bows.take(chosen), branches.facing[chosen]
-    )
-    order = np.lexsort((height, fine))
-    fine, candidate = fine[order], candidate[order]
-    top = np.flatnonzero(np.append(fine[1:] != fine[:-1], True)) if len(fine) else fine
-    held = np.full(len(grid), AS_DEMANDED)
-    held[fine[top]] = candidate[top]
+
+    def height(chosen: IntArray, phi: FloatArray) -> FloatArray:
+        return -press * path.meet(phi, branches.bows.take(chosen), branches.facing[chosen])
+
+    borders, parent, held = outermost(cells, (cell, branch), inner, height)
     seam = np.flatnonzero(wanted[parent] & (held == AS_DEMANDED))
     for number in seam:
         held[number] = held[number - 1]
-    changed = held != np.roll(held, 1)
-    changed[0] |= not np.any(changed)
-    return grid[changed], held[changed]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Cells:
-    """Ranges of cam angle [rad] between neighbouring ends of branches; the last crosses 0."""
-
-    low: FloatArray
-    high: FloatArray
+    return changes(borders, held)
 
 
 def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
@@ -301,31 +280,16 @@ def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArra
     return wanted
 
 
-def _cover(branches: Branches, nodes: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs (p,), (p,) of a cell and a branch that covers it, by ascending cell."""
-    first = np.searchsorted(nodes, branches.lows)
-    count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
-    if np.sum(count) > MOST_PAIRS:
-        raise GeometryError(
-            "the contour is too rough to be replayed: its parallel at the roller radius lies in"
-            f" {np.sum(count) / len(nodes):.0f} layers; smooth it first"
-        )
-    branch, rank = grouped(count)
-    cell = np.remainder(first[branch] + rank, len(nodes))
-    order = np.argsort(cell, kind="stable")
-    return cell[order], branch[order]
-
-
 def _without_hidden(
-    cells: _Cells,
+    cells: Cells,
     cell: IntArray,
     branch: IntArray,
     branches: Branches,
     path: FollowerPath,
     press: int,
-) -> tuple[IntArray, IntArray]:
+) -> Pairs:
     """The pairs without those whose branch lies behind another one throughout their cell."""
-    several = np.bincount(cell, minlength=len(cells.low))[cell] > 1
+    several = np.bincount(cell, minlength=len(cells))[cell] > 1
     inner, held = cell[several], branch[several]
     if not len(inner):
         return cell, branch
@@ -337,14 +301,12 @@ def _without_hidden(
     half = HALF_ARC * np.abs(ends[1] - ends[0])
     near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
     low, high = (near, far) if press < 0 else (-far, -near)
-    least = np.full(len(cells.low), -np.inf)
-    np.maximum.at(least, inner, low)
-    seen = np.ones(len(cell), dtype=np.bool_)
-    seen[several] = high >= least[inner]
-    return cell[seen], branch[seen]
+    kept = np.ones(len(cell), dtype=np.bool_)
+    kept[several] = seen(inner, low, high)
+    return cell[kept], branch[kept]
 
 
-def _require_cover(cells: _Cells, wanted: BoolArray, cell: IntArray) -> None:
+def _require_cover(cells: Cells, wanted: BoolArray, cell: IntArray) -> None:
     bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
     bare &= cells.high - cells.low > SEAM
     if np.any(bare):
@@ -356,15 +318,13 @@ def _require_cover(cells: _Cells, wanted: BoolArray, cell: IntArray) -> None:
 
 
 def _crossings(
-    cells: _Cells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
+    cells: Cells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
 ) -> FloatArray:
     """Cam angles (k,) [rad] inside cells at which two branches that cover them cross."""
     low, high = path.reach
     found = [np.empty(0)]
-    step = 1
-    while np.any(pairs := cell[step:] == cell[:-step]):
-        index = np.flatnonzero(pairs)
-        one, other = branches.bows.take(branch[index]), branches.bows.take(branch[index + step])
+    for index, with_index in together(cell):
+        one, other = (branches.bows.take(branch[each]) for each in (index, with_index))
         for places in one.crossings(other):
             real = np.flatnonzero(np.isfinite(places))
             points = one.take(real).at(places[real])
@@ -374,5 +334,4 @@ def _crossings(
             wide = cells.high[inside] - cells.low[inside]
             offset = np.remainder(phi - cells.low[inside], TURN)
             found.append(phi[(offset > 0.0) & (offset < wide)])
-        step += 1
     return np.concatenate(found)
