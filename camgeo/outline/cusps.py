@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.curve.extremes import Extremes, curvature_extremes
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, FloatArray, frozen
 from camgeo.numeric.roots import bracketed_roots, roots_on_grid
@@ -75,18 +76,10 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     its limit, to rounding, makes no range. The whole turn is (0, total).
     """
     flank = envelope.curve
-    bends = curvature_extremes(flank.pitch) if bends is None else bends
-    margins = 1.0 + flank.distance * bends.values
-    found: list[tuple[float, float]] = []
-    if np.min(margins) < -CUSP:
-        ranges = undercut_ranges(flank, bends)
-        if ranges == [(0.0, TURN)]:
-            return [(0.0, envelope.total)]
-        for (start, end), least in zip(
-            ranges, least_within(bends.phi, margins, ranges), strict=True
-        ):
-            if least < -CUSP:
-                found.append((envelope.place_of(start), envelope.place_of(end, "left")))
+    ranges = deep_ranges(flank, curvature_extremes(flank.pitch) if bends is None else bends)
+    if ranges == [(0.0, TURN)]:
+        return [(0.0, envelope.total)]
+    found = [(envelope.place_of(start), envelope.place_of(end, "left")) for start, end in ranges]
     rotation = flank.pitch.rotation
     for start, each in zip(envelope.starts, envelope.elements, strict=True):
         if isinstance(each, Pivot) and rotation * each.distance * each.sweep > 0.0:
@@ -94,7 +87,21 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     return _joined(found, envelope.total)
 
 
-def least_within(
+def deep_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
+    """As `undercut_ranges`, without those in which the curvature only touches its limit, to
+    rounding.
+    """
+    margins = 1.0 + flank.distance * bends.values
+    if np.min(margins) >= -CUSP:
+        return []
+    ranges = undercut_ranges(flank, bends)
+    if ranges == [(0.0, TURN)]:
+        return ranges
+    least = _least_within(bends.phi, margins, ranges)
+    return [each for each, value in zip(ranges, least, strict=True) if value < -CUSP]
+
+
+def _least_within(
     phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float]]
 ) -> FloatArray:
     """(k,) smallest of the `margins` (n,) at `phi` (n,) [rad] in each range of cam angle."""
@@ -148,7 +155,7 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
         for k in np.flatnonzero(wrong):
             missed.append(_extremes_near(envelope, cells, int(k)))
         cells = halved(envelope, cells.some(~wrong))
-    return _with(flank, bends, np.concatenate(missed)) if missed else bends
+    return with_places(flank.pitch, bends, np.concatenate(missed)) if missed else bends
 
 
 def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
@@ -179,11 +186,11 @@ def _extremes_near(envelope: Envelope, cells: Cells, k: int) -> FloatArray:
     return np.concatenate((found, middle))
 
 
-def _with(flank: WorkingCurve, bends: Extremes, angles: FloatArray) -> Extremes:
-    """`bends` and the curvature at `angles`, in their order."""
+def with_places(pitch: PitchCurve, bends: Extremes, angles: FloatArray) -> Extremes:
+    """`bends` and the curvature of `pitch` at `angles` (k,) [rad], in their order."""
     first = float(bends.phi[0])
     added = first + np.mod(angles - first, TURN)
     phi = np.concatenate((bends.phi, added))
-    values = np.concatenate((bends.values, flank.pitch.curvature(added)))
+    values = np.concatenate((bends.values, pitch.curvature(added)))
     order = np.argsort(phi, kind="stable")
     return Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64))

@@ -27,16 +27,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.curve.extremes import Extremes, curvature_extremes
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.face import flat_follower
-from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.quadrature import gauss
 from camgeo.outline.convex import SMALLEST, Convexity, touch
-from camgeo.outline.cusps import CUSP, least_within, undercut_ranges
+from camgeo.outline.cusps import CUSP, deep_ranges, with_places
 from camgeo.outline.path import Element, Path, Pivot, Stretch
 from camgeo.units import TURN
 
@@ -126,27 +126,11 @@ def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, floa
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)
     bends = curvature_extremes(parallel.pitch)
-    ranges = _ranges(parallel, bends)
+    ranges = deep_ranges(parallel, bends)
     missed = _missed(pitch, ranges)
     if len(missed):
-        phi = np.concatenate((bends.phi, bends.phi[0] + (missed - bends.phi[0]) % TURN))
-        values = np.concatenate((bends.values, parallel.pitch.curvature(missed)))
-        order = np.argsort(phi, kind="stable")
-        bends = Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64))
-        ranges = _ranges(parallel, bends)
-    return ranges
-
-
-def _ranges(parallel: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
-    """Ranges of undercut but those that are cusps to rounding."""
-    margins = 1.0 + parallel.distance * bends.values
-    if np.min(margins) >= -CUSP:
-        return []
-    ranges = undercut_ranges(parallel, bends)
-    if ranges == [(0.0, TURN)]:
-        return ranges
-    least = least_within(bends.phi, margins, ranges)
-    return sorted(each for each, value in zip(ranges, least, strict=True) if value < -CUSP)
+        ranges = deep_ranges(parallel, with_places(parallel.pitch, bends, missed))
+    return sorted(ranges)
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
