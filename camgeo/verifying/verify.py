@@ -113,6 +113,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
     refused: list[SceneError] = []
     judged = False
     for path in paths:
+        verifier: Verifier | None = None
         try:
             verifier = _verifier(path)
             verdict = _verdict(path, verifier, certificates[path.parent], scenes, wanted)
@@ -120,11 +121,11 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
         except SceneError as error:
             refused.append(error)
             message = "; ".join(map(str, error.faults))
-            verdict = _unread(path, failed("scene", message))
+            verdict = _unread(path, verifier, failed("scene", message))
         except Exception as error:  # the net: a fault of ours in one file must not hide the others
             what = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST_NOTE]
             note = f"cannot be read: internal error ({what}); please report it with the file"
-            verdict = replace(_unread(path, failed("file", note)), crashed=True)
+            verdict = replace(_unread(path, verifier, failed("file", note)), crashed=True)
             judged = True
         verdicts.append(verdict)
     if refused and not judged:
@@ -132,10 +133,14 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
     return tuple(verdicts)
 
 
-def _unread(path: Path, check: Check, size: int = 0) -> Verdict:
+def _unread(path: Path, verifier: Verifier | None, check: Check) -> Verdict:
     """The verdict on a file of which nothing is known but why."""
-    kind = path.suffix.removeprefix(".").lower()
-    return Verdict(path.name, kind, "", size, ("", ""), None, (check,))
+    return Verdict(path.name, _format(path, verifier), "", 0, ("", ""), None, (check,))
+
+
+def _format(path: Path, verifier: Verifier | None) -> str:
+    """The name of its format; its ending if it has no verifier."""
+    return path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
 
 
 def _verifier(path: Path) -> Verifier | None:
@@ -160,18 +165,18 @@ def _verdict(
         message = f"the name must end in one of {allowed}, unless {CERTIFICATE} here names the file"
         message = message if os.path.lexists(path) else "there is no such file or folder"
         raise SceneError([Fault("FILE", str(path), message)])
-    kind = path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
     try:
         data, size, sha256 = _contents(path, verifier)
     except FileError as error:
-        return _unread(path, failed("file", str(error)))
+        return _unread(path, verifier, failed("file", str(error)))
     except (OSError, ValueError) as error:
         reason = unreadable(error)
         if not (certified and isinstance(error, FileNotFoundError)):
             fault = Fault("FILE", str(path), f"cannot be read: {reason}")
             raise SceneError([fault]) from error
-        missing = failed("file", f"{CERTIFICATE} names it, but it is not there")
-        return Verdict(path.name, kind, "", 0, ("", ""), None, (missing,))
+        missing = f"{CERTIFICATE} names it, but it is not there"
+        return _unread(path, verifier, failed("file", missing))
+    kind = _format(path, verifier)
     checks = [_bytes(path.name, sha256, certificate)]
 
     def without_scene() -> Verdict:

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.answers.verify import verify
 from camgeo.cli.main import main
+from camgeo.reading import VERIFIED
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -264,3 +266,12 @@ def test_files_of_several_folders(
     target = tmp_path / "all.json"
     assert main([*words, "-o", str(target)]) == 0
     assert len(json.loads(target.read_text())["files"]) == 3
+
+
+def test_format_of_a_file_too_large_to_be_read(tmp_path: Path) -> None:
+    program = tmp_path / "long.ngc"
+    with program.open("wb") as stream:
+        stream.truncate(VERIFIED.size + 1)
+    (verdict,) = verify((program,), scene=SCENE).verdicts
+    assert verdict.format == "gcode"
+    assert not verdict.passed
