@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger, lazy
-from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage import linked
 from camgeo.mechanism.linkage_protocol import Member
 from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan
@@ -73,7 +73,7 @@ class Drive(Pickled):
 
         Raises GeometryError with key "linkage" if the linkage does not close.
         """
-        return self.plan if self.linkage is None else LinkedMotion(self.plan, self.linkage)
+        return self.plan if self.linkage is None else linked(self.plan, self.linkage)
 
     @lazy
     def time_course(self) -> TimeCourse | None:

@@ -11,6 +11,7 @@ from camgeo.check.finding import Finding, held
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage
 from camgeo.mechanism.positions import MonotoneRuns, monotone_runs, position_text
+from camgeo.motion.kept import kept_with_owner
 from camgeo.units import TURN
 
 DEAD_CENTRE = 1e-9
@@ -45,6 +46,7 @@ BETWEEN: Final = {
 """What makes the transmission angles with the coupler, `OUT` and `BACK`."""
 
 
+@kept_with_owner
 def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Finding, ...]:
     """A dead centre within the motion (no disc), else the distance from one and the smallest
     transmission angles; a coupler not parallel to the guide (warning).

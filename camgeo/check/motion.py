@@ -13,8 +13,9 @@ import numpy as np
 
 from camgeo.check.finding import STATED, Finding, Severity
 from camgeo.motion.joints import Joint, breaks, joints
+from camgeo.motion.kept import kept_with_owner
 from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove, kept_with_plan
+from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, plan_extremes
 from camgeo.numeric.extremes import Extremes
 from camgeo.units import LiftUnit
@@ -38,7 +39,7 @@ OVER_ANGLE = ConstantSpeed(1.0)
 """At 1 rad/s derivatives over time are those over the cam angle."""
 
 
-@kept_with_plan
+@kept_with_owner
 def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     """Shocks (jumps of s'), jerks (jumps of s''), overshoots, and deviations from lift tables.
 
@@ -214,7 +215,7 @@ def _stroke(move: SplineMove) -> float:
     return float(np.ptp(move.spline.values(move.spline.knots, 0)[0]))
 
 
-@kept_with_plan
+@kept_with_owner
 def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
     """Smallest and largest velocity, acceleration and jerk, and the torque to move a unit of mass.
 

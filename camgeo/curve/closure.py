@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.kept import kept_with_owner
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
 
 
@@ -26,6 +27,7 @@ class Joints:
     turns: FloatArray
 
 
+@kept_with_owner
 def joints(curve: PitchCurve) -> Joints:
     """Compare the one-sided values at each break of `curve` and at cam angle 0."""
     phi = ascending(np.append(curve.breaks, 0.0))

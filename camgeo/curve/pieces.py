@@ -9,8 +9,9 @@ import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.motion.kept import kept_with_owner
 from camgeo.motion.motion import Dwell
-from camgeo.numeric.arrays import BoolArray, FloatArray, ascending
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, ascending, read_only
 from camgeo.units import TURN
 
 
@@ -57,11 +58,19 @@ MOST = 1_000_000
 """Most cells halved at once; a curve needs some hundred, plus one per segment of its motion."""
 
 
-def turn_cells(pitch: PitchCurve, *marks: float) -> tuple[FloatArray, FloatArray]:
-    """Ends (n,), (n,) [rad] of cells that fill [0, 2 pi], none across a border or a mark."""
+@kept_with_owner
+def turn_cells(pitch: PitchCurve) -> tuple[FloatArray, FloatArray]:
+    """Ends (n,), (n,) [rad] of cells that fill [0, 2 pi], none across a border."""
     grid = np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)
-    ends = ascending(np.concatenate((grid, pitch.borders, np.mod(marks, TURN))))
+    ends = read_only(ascending(np.concatenate((grid, pitch.borders))))
     return ends[:-1], ends[1:]
+
+
+@kept_with_owner
+def turn_enclosed(pitch: PitchCurve) -> tuple[ComplexArray, FloatArray]:
+    """`PitchCurve.jet_and_bounds` of the cells of the turn."""
+    jet, bounds = pitch.jet_and_bounds(*turn_cells(pitch))
+    return read_only(jet), read_only(bounds)
 
 
 def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:
@@ -83,5 +92,5 @@ def slowest(pitch: PitchCurve) -> float:
     """
     low, high = turn_cells(pitch)
     half = 0.5 * (high - low)
-    jet, (_, _, third) = pitch.jet_and_bounds(low, high)
+    jet, (_, _, third) = turn_enclosed(pitch)
     return float(np.min(np.abs(jet[1]) - half * (np.abs(jet[2]) + 0.5 * half * third)))

@@ -5,7 +5,7 @@ For a flat face it is the path of the contact: the outline of the cam itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,16 +13,18 @@ from camgeo.curve.blocks import in_blocks
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower, RelativeJet, TangentJet
 from camgeo.mechanism.values import able, sense
+from camgeo.motion.kept import Kept
 from camgeo.motion.motion import FULL_ORDER, Dwell, Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.checked import hold
+from camgeo.pickled import Pickled
 
 STANDSTILL = 1e-13
 """|Z'| below this fraction of the base radius, per rad, is zero: its digits are rounding."""
 
 
 @dataclass(frozen=True, slots=True)
-class PitchCurve:
+class PitchCurve(Pickled):
     """Pitch curve in cam coordinates: origin in the cam axis, axes fixed in the cam that coincide
     with the frame's axes at cam angle 0 (Wirsig eqs. 2.44 to 2.52).
 
@@ -32,6 +34,7 @@ class PitchCurve:
     follower : from lift to roller centre.
     rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise. The curve itself is
         traversed in the opposite sense, clockwise for sigma = +1.
+    kept : the last result of each function of the curve, see `kept_with_owner`.
 
     Raises
     ------
@@ -42,6 +45,7 @@ class PitchCurve:
     motion: Motion
     follower: Follower
     rotation: int
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         able("motion", self.motion, "jet_and_bounds", "a motion over the cam angle")

@@ -7,7 +7,7 @@ one by +r_R; the path of a cutter is another offset.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,13 +15,15 @@ from camgeo.curve.blocks import in_blocks
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.follower import RelativeJet, bend_of_path
 from camgeo.mechanism.values import Coordinate
+from camgeo.motion.kept import Kept
 from camgeo.motion.motion import Dwell
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.checked import check_fields
+from camgeo.pickled import Pickled
 
 
 @dataclass(frozen=True, slots=True)
-class WorkingCurve:
+class WorkingCurve(Pickled):
     """The parallel of a pitch curve at a signed distance (Wirsig eqs. 2.53, 2.54, sign corrected).
 
     With t = Z'/|Z'| the outward normal is n = i sigma t, and the curve is Z + d n: outward means
@@ -31,6 +33,7 @@ class WorkingCurve:
     ----------
     pitch : the pitch curve.
     distance : d [mm], positive outward; -r_R gives the inner, +r_R the outer working curve.
+    kept : the last result of each function of the curve, see `kept_with_owner`.
 
     Raises
     ------
@@ -40,6 +43,7 @@ class WorkingCurve:
 
     pitch: PitchCurve
     distance: Coordinate
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -20,7 +21,7 @@ from camgeo.numeric.checked import check_fields
 from camgeo.numeric.doubled import hypot_rest
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OscillatingRoller(Rocking, WithRoller):
     """Oscillating roller follower (Wirsig eqs. 2.43 to 2.52).
 
@@ -68,12 +69,12 @@ class OscillatingRoller(Rocking, WithRoller):
                 value=f"{self.base_radius:g}",
             )
 
-    @property
+    @cached_property
     def excess(self) -> float:
         """l_3 - l_1 [mm], by which the arm is longer than the distance of its pivot."""
         return excess_of(self.pivot, self.arm)
 
-    @property
+    @cached_property
     def start_angle(self) -> float:
         """psi_G, angle between arm and the line pivot -> cam axis at cam angle 0 [rad], (0, pi)."""
         excess, total, base = self.excess, self.centre_distance + self.arm, self.base_radius

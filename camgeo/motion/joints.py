@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.motion.boundary import End, end_of
-from camgeo.motion.plan import MotionPlan, kept_with_plan
+from camgeo.motion.kept import kept_with_owner
+from camgeo.motion.plan import MotionPlan
 from camgeo.motion.spans import FULL_TURN
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
@@ -51,13 +52,13 @@ class Joint(Pickled):
         checked.hold(self, left=frozen(self.left, np.float64), right=frozen(self.right, np.float64))
 
 
-@kept_with_plan
+@kept_with_owner
 def joints(plan: MotionPlan) -> tuple[Joint, ...]:
     """The joints of `plan`, by ascending cam angle; a segment of zero length adds no joint."""
     return _joints_at(plan, _angles(plan))
 
 
-@kept_with_plan
+@kept_with_owner
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
     """As `joints`, including the places inside the laws at which a derivative may jump."""
     return _joints_at(plan, ascending(np.append(_angles(plan), plan.breaks)))

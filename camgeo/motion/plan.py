@@ -7,35 +7,30 @@ is accumulated in floating point (VDI 2143-1, eqs. 5 to 18).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import cached_property, wraps
+from functools import cached_property
 from itertools import groupby
 from operator import attrgetter
-from threading import Lock
-from typing import TYPE_CHECKING, Any, Concatenate, Final, ParamSpec, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.motion.kept import Answers, Kept
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.piece import SNAP, Piece, Pieces, places_of, spline_piece
 from camgeo.motion.spans import SHORTEST_SPAN, MovingSpan, Span, joints_of, span_of
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, Side, ascending, frozen
+from camgeo.numeric.arrays import FloatArray, Side, ascending, frozen, read_only
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 if TYPE_CHECKING:  # only a motion by data needs splines
     from camgeo.motion.points import FitReport
     from camgeo.motion.spline import Spline
-
-
-P = ParamSpec("P")
-Out = TypeVar("Out")
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,36 +92,6 @@ class SplineMove:
 Segment = Dwell | Move | SplineMove
 
 
-MOST_KEPT: Final = 65_536
-"""Total number of cam angles whose lift is kept, of the latest requests [3 MB]."""
-
-
-class Answers:
-    """A cache of the lift at the latest cam angles, by request; safe for concurrent threads."""
-
-    def __init__(self) -> None:
-        self._kept: dict[tuple[Side, bytes], Jet] = {}
-        self._angles = 0
-        self._lock = Lock()
-
-    def find(self, question: tuple[Side, bytes]) -> Jet | None:
-        """The answer if it is still kept, else None."""
-        with self._lock:
-            found = self._kept.pop(question, None)
-            if found is not None:
-                self._kept[question] = found  # behind those that were asked for before
-            return found
-
-    def keep(self, question: tuple[Side, bytes], answer: Jet) -> None:
-        """Keep an answer, and drop the least recently used ones beyond the limit."""
-        with self._lock:
-            if question not in self._kept:
-                self._kept[question] = answer
-                self._angles += answer.shape[1]
-            while self._angles > MOST_KEPT:
-                self._angles -= self._kept.pop(next(iter(self._kept))).shape[1]
-
-
 @dataclass(frozen=True)
 class MotionPlan(Pickled):
     """Segments that fill one turn; the lift is counted from the position at cam angle 0.
@@ -134,7 +99,7 @@ class MotionPlan(Pickled):
     Attributes
     ----------
     segments : in the order of the cam angle.
-    kept : the last answer of each function of the plan, with its arguments; see `kept_with_plan`.
+    kept : the last result of each function of the plan, see `kept_with_owner`.
 
     Raises
     ------
@@ -145,10 +110,8 @@ class MotionPlan(Pickled):
 
     segments: tuple[Segment, ...]
     joints_deg: tuple[Decimal, ...] = field(init=False, repr=False)
-    _answers: Answers = field(default_factory=Answers, init=False, repr=False, compare=False)
-    kept: dict[Callable[..., Any], tuple[Any, Any]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    _answers: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         segments = checked.instances("motion", self.segments, (Dwell, Move, SplineMove), "segments")
@@ -260,14 +223,11 @@ class MotionPlan(Pickled):
         lift at the same cam angles, and so does another follower of the same motion.
         """
         phi = np.array(phi, dtype=np.float64, ndmin=1)  # a copy of our own
-        question = (side, phi.tobytes()) if len(phi) <= MOST_KEPT else None
-        found = None if question is None else self._answers.find(question)
-        if found is None:
-            found = self._columns.jet(in_turn(phi, side), side)
-            found.flags.writeable = False
-            if question is not None:
-                self._answers.keep(question, found)
-        return found
+
+        def made() -> Jet:
+            return read_only(self._columns.jet(in_turn(phi, side), side))
+
+        return self._answers.recall(made, side, phi)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """The lift (4, n) in the middle of the cells [low, high] [rad], and bounds over them.
@@ -295,26 +255,6 @@ class MotionPlan(Pickled):
     @cached_property
     def _by_data(self) -> bool:
         return any(piece.spline is not None for piece in self._pieces)
-
-
-def kept_with_plan(
-    make: Callable[Concatenate[MotionPlan, P], Out],
-) -> Callable[Concatenate[MotionPlan, P], Out]:
-    """Keep the result of `make` with its plan until `make` is called with other arguments.
-
-    Editing the follower does not change the plan, nor anything that depends on the plan alone.
-    """
-
-    @wraps(make)
-    def once(plan: MotionPlan, /, *rest: P.args, **named: P.kwargs) -> Out:
-        question = rest, named
-        kept = plan.kept.get(make)  # read once: another thread may replace it
-        if kept is None or kept[0] != question:
-            kept = plan.kept[make] = question, make(plan, *rest, **named)
-        found: Out = kept[1]
-        return found
-
-    return once
 
 
 def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:

@@ -23,6 +23,8 @@ SIDES: Final[tuple[Side, Side]] = ("left", "right")
 Rows = TypeVar("Rows")
 """A dataclass of arrays whose rows belong together."""
 
+Number = TypeVar("Number", bound=np.generic)
+
 
 def phase(value: complex) -> float:
     """The angle of a complex number [rad], -pi to pi.
@@ -35,7 +37,11 @@ def phase(value: complex) -> float:
 
 def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
     """Return `values` as a read-only array of `dtype`; a view of ours is reused as is."""
-    array = np.array(values, dtype=dtype)
+    return read_only(np.array(values, dtype=dtype))
+
+
+def read_only(array: NDArray[Number]) -> NDArray[Number]:
+    """`array` itself, from now on read-only: a result of ours that is kept."""
     array.flags.writeable = False
     return array
 

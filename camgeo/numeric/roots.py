@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -20,7 +20,11 @@ MAX_STEPS = 200
 
 
 def bracketed_roots(
-    function: Function, low: FloatArray, high: FloatArray, rows: IntArray | None = None
+    function: Function,
+    low: FloatArray,
+    high: FloatArray,
+    rows: IntArray | None = None,
+    ends: FloatArray | None = None,
 ) -> FloatArray:
     """`indexed_roots` of a `function` (k,) -> (k,) that is the same for all brackets.
 
@@ -32,11 +36,14 @@ def bracketed_roots(
         found = function(x)
         return found if rows is None else found[rows[which], np.arange(len(x))]
 
-    return indexed_roots(values, low, high)
+    return indexed_roots(values, low, high, ends)
 
 
 def indexed_roots(
-    function: Callable[[FloatArray, IntArray], FloatArray], low: FloatArray, high: FloatArray
+    function: Callable[[FloatArray, IntArray], FloatArray],
+    low: FloatArray,
+    high: FloatArray,
+    ends: FloatArray | None = None,
 ) -> FloatArray:
     """Return one root in each bracket.
 
@@ -45,6 +52,7 @@ def indexed_roots(
     function : (k,), (k,) -> (k,), the values at k arguments, given the numbers of their brackets;
         any subset of the brackets may be requested.
     low, high : (n,), ends of the brackets; the values there have opposite signs or are zero.
+    ends : (2, n) these values, if they are known.
 
     Returns
     -------
@@ -57,7 +65,8 @@ def indexed_roots(
         return np.array(low, dtype=np.float64)
     # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
     every = np.arange(len(low))
-    a, b = (np.stack((x, function(x, every))) for x in (high, low))
+    f_low, f_high = (function(low, every), function(high, every)) if ends is None else ends
+    a, b = np.stack((high, f_high)), np.stack((low, f_low))
     c = a.copy()
     step = np.full_like(a[0], 0.5)
     root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
@@ -98,14 +107,23 @@ def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> Floa
 def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the ends (k,), (k,) of the grid cells over which `values` changes sign.
 
-    `grid` and `values` are (..., m), each row a grid of its own; the cells come row by row. A grid
-    point that is a root itself makes one cell, to its right (to its left for the last of a row).
+    `values` (..., m) at `grid` (..., m), see `_changing`.
+    """
+    change = _changing(values)
+    return grid[..., :-1][change], grid[..., 1:][change]
+
+
+def _changing(values: FloatArray) -> BoolArray:
+    """(..., m - 1) the grid cells over which `values` (..., m) changes sign.
+
+    Each row has a grid of its own; the cells come row by row. A grid point that is a root itself
+    makes one cell, to its right (to its left for the last of a row).
     """
     sign = np.sign(values)
-    change = sign[..., :-1] * sign[..., 1:] < 0.0
+    change: BoolArray = sign[..., :-1] * sign[..., 1:] < 0.0
     change |= (sign[..., :-1] == 0.0) & (sign[..., 1:] != 0.0)
     change[..., -1] |= (sign[..., -1] == 0.0) & (sign[..., -2] != 0.0)
-    return grid[..., :-1][change], grid[..., 1:][change]
+    return change
 
 
 def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
@@ -114,13 +132,14 @@ def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
     One call of the function evaluates all rows, however many there are. A function that gives
     several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
     """
-    values = function(grid.ravel())
-    if values.ndim == 1:
-        return bracketed_roots(function, *sign_changes(grid, values.reshape(grid.shape)))
-    cells = [sign_changes(grid, row.reshape(grid.shape)) for row in values]
-    low, high = (np.concatenate(ends) for ends in zip(*cells, strict=True))
-    rows = np.repeat(np.arange(len(cells)), [len(ends[0]) for ends in cells])
-    return bracketed_roots(function, low, high, rows)
+    found = function(grid.ravel())
+    values = found.reshape(found.shape[:-1] + grid.shape)
+    change = _changing(values)
+    sides = (slice(None, -1), slice(1, None))
+    low, high = (np.broadcast_to(grid[..., each], change.shape)[change] for each in sides)
+    ends = np.stack([values[..., each][change] for each in sides])
+    rows = np.nonzero(change)[0] if found.ndim > 1 else None
+    return bracketed_roots(function, low, high, rows, ends)
 
 
 MOST_STEPS: Final = 80

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.curve.extremes import extremes
-from camgeo.curve.pieces import halves, turn_cells
+from camgeo.curve.pieces import halves, turn_cells, turn_enclosed
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.extremes import lift_range
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side
@@ -94,7 +94,7 @@ def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
     False is inconclusive; `nearest_to_axis` decides then.
     """
     low, high = turn_cells(pitch)
-    jet, bounds = pitch.jet_and_bounds(low, high)
+    jet, bounds = turn_enclosed(pitch)
     return bool(np.all(np.abs(jet[0]) - 0.5 * (high - low) * bounds[0] > radius))
 
 

@@ -22,7 +22,7 @@ from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.outline.cells import PLACE, ROUNDING, Cells, cross_once, halved, meet, overlapping
 from camgeo.outline.cusps import backward_ranges
 from camgeo.outline.division import Division, divide
-from camgeo.outline.envelope import Envelope
+from camgeo.outline.envelope import Envelope, envelope_of
 
 if TYPE_CHECKING:
     from camgeo.outline.swallow_tail import SwallowTail
@@ -83,7 +83,7 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
     GeometryError
         If the question cannot be decided, e.g. where the flank lies on itself along a stretch.
     """
-    envelope = Envelope(curve)
+    envelope = envelope_of(curve)
     nodes = find_nodes(envelope, backward_ranges(envelope, bends))
     crossing = [node for node in nodes if not node.touching]
     places = np.array([(node.first, node.second) for node in crossing]).reshape(-1, 2)

@@ -20,8 +20,8 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, FloatArray, frozen
 from camgeo.numeric.roots import bracketed_roots, roots_on_grid
 from camgeo.outline.cells import Cells, halved
-from camgeo.outline.division import first_cells
-from camgeo.outline.envelope import Envelope
+from camgeo.outline.division import undivided
+from camgeo.outline.envelope import Envelope, envelope_of
 from camgeo.outline.path import Pivot
 from camgeo.units import TURN
 
@@ -139,9 +139,9 @@ SAMPLES = 65
 
 def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
     """`bends` with the extremes that the undercut of `flank` shows to be missing; usually none."""
-    envelope = Envelope(flank)
+    envelope = envelope_of(flank)
     known = backward_ranges(envelope, bends)
-    cells = first_cells(envelope, np.empty(0))
+    cells = undivided(envelope)
     # Turns about corners have no curvature of the pitch curve.
     cells = cells.some(~envelope.is_pivot[envelope.element_at(cells.low)])
     missed: list[FloatArray] = []

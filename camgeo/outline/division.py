@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camgeo.motion.kept import kept_with_owner
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, ascending, grouped, joined
 from camgeo.outline.cells import Cells, enclose, halved, unresolved
 from camgeo.outline.envelope import Envelope
@@ -94,7 +95,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
         If a cell as short as doubles resolve still bends, or too many cells do: a curvature beyond
         double precision, as at a dead centre.
     """
-    cells = first_cells(envelope, cusps)
+    cells = first_cells(envelope, cusps) if len(cusps) else undivided(envelope)
     while True:
         wide, sharp = cells.high - cells.low > NARROWEST, cells.turn > STEEPEST
         if np.any(sharp & ~wide):
@@ -128,6 +129,12 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
     low = marks[index] + spans[index] * step / parts[index]
     high = np.append(low[1:], envelope.total)
     return enclose(envelope, low, high, np.arange(len(low)))
+
+
+@kept_with_owner
+def undivided(envelope: Envelope) -> Cells:
+    """The first cells of an `envelope` without cusps."""
+    return first_cells(envelope, np.empty(0))
 
 
 def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:

@@ -8,13 +8,14 @@ angle along the curve, the angle turned along such an arc.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from camgeo.curve.closure import joints
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.motion.kept import Kept, kept_with_owner
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,
@@ -65,9 +66,11 @@ class Envelope:
     Attributes
     ----------
     curve : the parallel of the pitch curve; Z' must not vanish.
+    kept : the last result of each function of the envelope, see `kept_with_owner`.
     """
 
     curve: WorkingCurve
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:
@@ -236,6 +239,12 @@ class Envelope:
         return EnvelopeSamples(
             jet[0] + distance * normal, tangents, speed - pitch.rotation * distance * turning
         )
+
+
+@kept_with_owner
+def envelope_of(curve: WorkingCurve) -> Envelope:
+    """The envelope at the distance of `curve`."""
+    return Envelope(curve)
 
 
 def _span(element: Element) -> float:

@@ -30,7 +30,7 @@ from camgeo.outline.clearance import (
 )
 from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
-from camgeo.outline.envelope import Envelope
+from camgeo.outline.envelope import Envelope, envelope_of
 from camgeo.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.units import TURN
 
@@ -89,7 +89,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     if not flank.pitch.follower.has_pitch_curve:
         return _convex_outline(flank)
     require_room(flank)
-    envelope = Envelope(flank)
+    envelope = envelope_of(flank)
     backward = backward_ranges(envelope, bends)
     nodes = tuple(n for n in find_nodes(envelope, backward) if not n.touching)
     if not nodes:

@@ -13,7 +13,7 @@ from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError, SceneError
 from camgeo.formats.format import Options, OutputSpec
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage import linked
 from camgeo.mechanism.values import SIGNS, Values
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning.planner import plan_motion
@@ -198,9 +198,9 @@ class Builder:
 
     def join(self, plan: MotionPlan, follower: Follower, linkage: Linkage) -> None:
         """Check that the linkage makes the motion, and moves the roller as the scene says."""
-        linked = self._engine(("linkage",), lambda: LinkedMotion(plan, linkage))
+        motion = self._engine(("linkage",), lambda: linked(plan, linkage))
         stated = self.values.get("follower", "direction")
-        if linked is None or stated is None or follower.pivot is None:
+        if motion is None or stated is None or follower.pivot is None:
             return
         arm_side = SIGNS[self.values.get("follower", "arm_side") or "ccw"]
         strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]

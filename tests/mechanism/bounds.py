@@ -21,7 +21,7 @@ def assert_bounds_hold(motion: Motion, count: int, rounding: float, least: float
     sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:, np.newaxis]
     for share in np.linspace(0.0, 1.0, 25):
         phi = np.clip(low + share * (high - low), low, high)
-        values = motion.jet(phi, "left" if share == 1.0 else "right")
+        values = motion.jet(phi, "left" if share == 1.0 else "right").copy()
         values[0] -= middle
         assert np.all(np.abs(values) <= bounds + rounding * np.maximum(sizes, least))
 

@@ -1,16 +1,19 @@
 from __future__ import annotations
 
 import math
+import pickle
 import re
+from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
+from camgeo.mechanism.linkage import LinkedMotion, linked
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import Side
 from tests.reference import POLYNOMIAL, plan_of, slider_crank_of, thesis_params
 
 PARAMS = thesis_params("T5_schnitt", 1)
@@ -84,3 +87,25 @@ def test_a_stroke_up_to_the_dead_centre_is_no_gap() -> None:
         if linkage.missing_length(np.array([-linkage.start_position]))[0] > 0.0:
             continue
         assert math.isfinite(LinkedMotion(plan, linkage).jet(np.array([1.0]))[0][0])
+
+
+def test_what_was_asked_for_lately_is_recalled() -> None:
+    """The same read-only arrays for equal requests, and those of a motion that recalls nothing."""
+    plan, other = plan_of(PARAMS, 5.5), plan_of(PARAMS, 5.5)
+    motion = linked(plan, LINKAGE)
+    assert linked(plan, LINKAGE) is motion
+    assert linked(plan, replace(LINKAGE, mirrored=True)) is not motion
+    phi = np.linspace(-1.0, 7.0, 41)
+    sides: tuple[Side, ...] = ("right", "left")
+    for order in (1, 2, 3):
+        for side in sides:
+            found = motion.jet(phi, side, order)
+            assert motion.jet(phi.copy(), side, order) is found
+            assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet(phi, side, order))
+    with pytest.raises(ValueError, match="read-only"):
+        motion.jet(phi)[0] = 1.0
+    low, high = plan.borders[:-1], plan.borders[1:]
+    cells = motion.jet_and_bounds(low, high)
+    assert motion.jet_and_bounds(low, high) is cells
+    assert np.array_equal(cells, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
+    assert pickle.loads(pickle.dumps(motion)).kept == {}

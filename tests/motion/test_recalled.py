@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from camgeo import load
-from camgeo.motion import plan as plans
+from camgeo.motion import kept
+from camgeo.motion.kept import kept_with_owner
 from camgeo.motion.laws import law_of
 from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import MotionPlan, kept_with_plan
+from camgeo.motion.plan import MotionPlan
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
 
@@ -50,7 +51,7 @@ def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
 def test_what_was_asked_the_longest_time_ago_is_forgotten(
     recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(plans, "MOST_KEPT", 2 * len(PHI))
+    monkeypatch.setattr(kept, "MOST_KEPT", 2 * len(PHI))
     first, second = recalling.jet(PHI), recalling.jet(PHI, "left")
     assert recalling.jet(PHI) is first
     recalling.jet(PHI + 0.1)
@@ -61,7 +62,7 @@ def test_what_was_asked_the_longest_time_ago_is_forgotten(
 def test_of_a_plan_the_last_answer_is_kept(plan: MotionPlan) -> None:
     asked = []
 
-    @kept_with_plan
+    @kept_with_owner
     def reported(plan: MotionPlan, factor: float, *, offset: float = 0.0) -> float:
         asked.append(factor)
         return factor * float(plan.joints_deg[-1]) + offset
@@ -85,7 +86,7 @@ def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionP
 
 
 def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plans, "MOST_KEPT", 10)
+    monkeypatch.setattr(kept, "MOST_KEPT", 10)
     assert recalling.jet(PHI) is not recalling.jet(PHI)
     assert recalling.jet(PHI[:10]) is recalling.jet(PHI[:10])
 

@@ -140,3 +140,14 @@ def test_the_roots_of_several_quantities_are_those_of_each() -> None:
     alone = np.concatenate([roots_on_grid(function, grid) for function in each])
     together = roots_on_grid(lambda x: np.stack([function(x) for function in each]), grid)
     assert np.array_equal(together, alone)
+
+
+def test_on_a_grid_no_place_is_evaluated_twice() -> None:
+    asked: list[float] = []
+
+    def remembered(x: FloatArray) -> FloatArray:
+        asked.extend(x.tolist())
+        return np.sin(x)
+
+    roots_on_grid(remembered, np.linspace(0.5, 20.0, 60))
+    assert len(set(asked)) == len(asked)

@@ -1,0 +1,85 @@
+"""What is computed once and kept with the immutable object that it depends on.
+
+`Answers` keep the values of a motion at the cam angles of the latest requests. `kept_with_owner`
+keeps the last result of a function of an object with the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import wraps
+from threading import Lock
+from typing import Any, Concatenate, Final, Generic, ParamSpec, Protocol, TypeVar
+
+from camgeo.numeric.arrays import FloatArray
+
+P = ParamSpec("P")
+Out = TypeVar("Out")
+
+MOST_KEPT: Final = 65_536
+"""Total number of cam angles of whose values `Answers` keep those of the latest requests [3 MB]."""
+
+Kept = dict[Callable[..., Any], tuple[Any, Any]]
+"""By function: the arguments of its last call, and the result."""
+
+
+class HasKept(Protocol):
+    """An immutable object with which results are kept."""
+
+    @property
+    def kept(self) -> Kept: ...
+
+
+Owner = TypeVar("Owner", bound=HasKept)
+
+
+class Answers(Generic[Out]):
+    """A cache of the values at the latest cam angles, by request; safe for concurrent threads."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, tuple[Out, int]] = {}
+        self._angles = 0
+        self._lock = Lock()
+
+    def recall(self, make: Callable[[], Out], way: Hashable, *angles: FloatArray) -> Out:
+        """The result of `make`, which depends on `way` and `angles` (n,) [rad] alone: read-only,
+        and while it is kept the same object for equal arguments.
+        """
+        count = len(angles[0])
+        if count > MOST_KEPT:
+            return make()
+        question = way, *(each.tobytes() for each in angles)
+        with self._lock:
+            found = self._kept.pop(question, None)
+            if found is not None:
+                self._kept[question] = found  # behind those that were asked for before
+                return found[0]
+        made = make()
+        with self._lock:
+            if question not in self._kept:
+                self._kept[question] = made, count
+                self._angles += count
+            while self._angles > MOST_KEPT:
+                self._angles -= self._kept.pop(next(iter(self._kept)))[1]
+        return made
+
+
+def kept_with_owner(
+    make: Callable[Concatenate[Owner, P], Out],
+) -> Callable[Concatenate[Owner, P], Out]:
+    """Keep the result of `make` with its first argument until `make` is called with other ones.
+
+    What depends on the motion plan alone is kept with the plan: editing the follower does not
+    change it.
+    """
+
+    @wraps(make)
+    def once(owner: Owner, /, *rest: P.args, **named: P.kwargs) -> Out:
+        question = rest, named
+        kept = owner.kept.get(make)  # read once: another thread may replace it
+        if kept is None or kept[0] != question:
+            kept = owner.kept[make] = question, make(owner, *rest, **named)
+        found: Out = kept[1]
+        return found
+
+    return once
