@@ -1,10 +1,10 @@
 """How hypothesis draws: the same examples in every run, others with `--hypothesis-profile=random`.
 
-A reader who runs the tests sees faults of the code, not a rare example that no one else
-can see again; whoever hunts for such examples asks for them.
+Whoever runs the tests sees faults of the code, not rare examples that nobody can reproduce; those
+have to be asked for.
 
-And which tests are quick, and how all are dealt out with `-n`: what is shared is made in one
-process alone.
+Also here: which tests are quick, and how they are distributed with `-n`, so that what tests share
+is made in one process only.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Nothing of it is garbage: looking for some is a third of what collecting takes."""
+    """None of it is garbage, and looking for garbage would be a third of the time of collecting."""
     gc.disable()
     try:
         return (yield)
@@ -64,9 +64,7 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_finish() -> None:
-    """What was collected lives until the end: no collection of garbage looks through it again, and
-    what tests leave is looked for less often.
-    """
+    """What was collected lives until the end: garbage collections skip it, and are rarer."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000)

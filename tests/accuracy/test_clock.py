@@ -1,4 +1,4 @@
-"""The clock: the shortest of several runs, or a single run of what takes long."""
+"""The clock: the shortest of several runs, or one run if it takes long."""
 
 from __future__ import annotations
 

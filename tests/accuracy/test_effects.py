@@ -67,18 +67,18 @@ def with_findings(request: Request[Any]) -> Result:
 
 
 def too_sure(request: Request[Any]) -> Result:
-    """States less than its figure is off."""
+    """States a smaller error than its figure has."""
     sure = with_column(request)
     return Result(columns=sure.columns, errors={"torque": Bound(50.0 * request.tolerance, 50.0)})
 
 
 def unstated(request: Request[Any]) -> Result:
-    """Has a figure that depends on the tolerance, and states no error."""
+    """Has a figure that depends on the tolerance, but states no error for it."""
     return Result(columns=with_column(request).columns)
 
 
 def settled(request: Request[Any]) -> Result:
-    """Depends on the tolerance by rounding alone."""
+    """Its figures change with the tolerance by rounding only."""
     columns = (curve(50.0 + 1e-13 * (request.tolerance < 1e-9)),)
     return Result(columns=columns, errors={"force": Bound(2e-13, 50.0)})
 
@@ -160,7 +160,7 @@ def test_tolerances_are_one_a_decade() -> None:
 def test_every_figure_is_compared_with_a_much_tighter_result(
     made: Made, compute: Callable[[Request[Any]], Result], figure: str
 ) -> None:
-    """Not the first column alone, which depends on no tolerance here."""
+    """Not only the first column, which here does not depend on the tolerance."""
     made.add("effect", compute)
     rows = made.rows("effect")
     assert [row.tolerance for row in rows] == list(TOLERANCES)

@@ -58,7 +58,7 @@ def test_text_and_document_are_of_one_result() -> None:
 
 @pytest.mark.parametrize("name", ["near_dead_centre", "dead_centre"])
 def test_text_and_document_agree_on_a_linkage_near_a_dead_centre(name: str) -> None:
-    """Near it the roller is harmless; at it there is no disc, and what is left is not known."""
+    """Near the limit the roller is harmless; at it there is no disc, and the rest is unknown."""
     found = check(Design(load_scene(FIXTURES / "found" / f"{name}.toml")))
     reported, dead = document(found), name == "dead_centre"
     worst = {each.name for each in found.findings if each.severity == "no-disc"}

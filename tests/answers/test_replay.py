@@ -93,18 +93,18 @@ def test_a_pair_is_reported_with_its_play() -> None:
     assert "squeezed" not in text(found)
 
 
-def test_a_flat_face_is_told_as_such() -> None:
+def test_a_flat_face_is_named_as_such() -> None:
     found = replayed("flat_rocker")
     assert text(found).startswith("flat_rocker: the face on the real outline, inner flank")
     assert document(found)["discs"][0]["lift_error"]["value"] == 0.0
-    told = document(found)["discs"][0]["contact"]
-    assert 60.0 < told["from"]["place_mm"] < told["to"]["place_mm"] < 100.0
+    contact = document(found)["discs"][0]["contact"]
+    assert 60.0 < contact["from"]["place_mm"] < contact["to"]["place_mm"] < 100.0
     assert "contact" not in document(replayed("plate_translating"))["discs"][0]
     with pytest.raises(GeometryError, match="inner flank"):
         replay(Design(load_scene(FOLDER / "tappet.toml")), flank="outer")
 
 
-def test_a_contact_beyond_the_face_is_told() -> None:
+def test_a_contact_beyond_the_face_is_reported() -> None:
     scene = load_scene(FOLDER / "tappet.toml")
     for face, leaves in (([-7.2, 8.5], False), ([-7.2, 8.4], True), ([-7.1, 8.5], True)):
         found = replay(Design(scene.with_values({"follower.face": face})), step=DEGREE)
@@ -115,7 +115,7 @@ def test_a_contact_beyond_the_face_is_told() -> None:
 
 
 def test_a_tappet_on_points_that_were_measured(tmp_path: Path) -> None:
-    """A list of points every degree: within the sagitta of the chords of the outline."""
+    """Points every degree replay within the sagitta of the chords between them."""
     design = Design(load_scene(FOLDER / "tappet.toml"))
     points = design.disc.pictured.curve("inner", np.radians(np.arange(360.0)))
     file = tmp_path / "measured.csv"

@@ -26,7 +26,7 @@ SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 @cache
 def with_arm() -> CamSize:
-    """A sizing whose arm was sought."""
+    """A sizing that also chooses the arm."""
     return size(Design(load_scene(SETZHUB)), arms=(40.0, 60.0))
 
 
@@ -81,7 +81,7 @@ def test_the_scene_with_the_answer_keeps_what_was_required() -> None:
     assert again.present.follower == found.written.follower
     assert again.present.follower.arm == 40.0
     assert again.present.transmission_angle.value >= found.sizing.angle
-    # Nothing but the last digit is left to be gained, on the side that was found.
+    # On the side that was found, only the last digit is left to be gained.
     assert again.best is again.own
     assert again.written is not None
     assert again.written.base_radius == again.present.base_radius
@@ -121,7 +121,7 @@ def test_what_is_proved_is_reported() -> None:
 
 
 def test_a_side_that_is_only_bounded_leaves_the_answer_bounded() -> None:
-    """Exact on one side proves nothing of the other, where a smaller cam might be."""
+    """An exact answer on one side does not rule out a smaller cam on the other."""
     found = size(Design(load_scene(FIXTURES / "scenes" / "querhub.toml")))
     own, other = found.sides
     assert found.proof.exact
@@ -133,7 +133,7 @@ def test_a_side_that_is_only_bounded_leaves_the_answer_bounded() -> None:
 
 
 def test_the_face_of_a_follower_is_made_long_enough() -> None:
-    """The contact runs farther out on the smaller cam; the guide's face is long enough."""
+    """On the smaller cam the contact runs farther out; a guided face is long enough here."""
     found = size(Design(load_scene(FIXTURES / "scenes" / "flat_rocker.toml")))
     reported = document(found)
     low, high = reported["written"]["contact_mm"]
@@ -146,7 +146,7 @@ def test_the_face_of_a_follower_is_made_long_enough() -> None:
 
 
 def test_a_yoke_and_a_return_disc_go_with_the_sizes() -> None:
-    """The yoke closes as before; the return disc of a carriage stays as it is."""
+    """The yoke closes as before, and the return disc of a carriage stays as it is."""
     before = Design(load_scene(FIXTURES / "scenes" / "constant_breadth.toml"))
     found = size(before, radius_of_curvature=4.0)
     after = Design(sized_scene(found))
@@ -164,7 +164,7 @@ def test_a_yoke_and_a_return_disc_go_with_the_sizes() -> None:
 
 
 def test_faults_of_a_return_disc_are_reported() -> None:
-    """The lever's return arm comes to the line of centres of the smaller cam, or its disc fails."""
+    """On the smaller cam the return arm reaches the line of centres, or its disc fails."""
     design = Design(load_scene(FIXTURES / "scenes" / "conjugate_lever.toml"))
     found = size(design)
     reported = {each["name"] for each in document(found)["remarks"]}
@@ -204,14 +204,14 @@ def test_a_linkage_that_locks_is_infeasible_at_any_size() -> None:
 
 
 def test_a_linkage_that_hardly_works_is_a_remark() -> None:
-    """No size of the cam changes its transmission angle."""
+    """The size of the cam does not change the transmission angle of the linkage."""
     found = size(Design(load_scene(FIXTURES / "found" / "near_dead_centre.toml")))
     assert found.written is not None
     assert [each.name for each in found.remarks] == ["linkage-transmission-angle"]
 
 
 def test_jumps_of_the_velocity_are_remarks() -> None:
-    """They are corners of the pitch curve at any size, and findings on the motion besides."""
+    """They are corners of the pitch curve at any size, and also findings on the motion."""
     design = Design(load_scene(FIXTURES / "scenes" / "straight_moves.toml"))
     found = size(design)
     assert found.written is not None

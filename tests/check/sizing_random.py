@@ -1,4 +1,4 @@
-"""Random cams to be sized: lobes that are wide or narrow, on every kind of follower."""
+"""Random cams to be sized: wide and narrow lobes, with every kind of follower."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CONTACTS = [Contact.INNER, Contact.INNER, Contact.OUTER, Contact.GROOVE]
 
 
 def roller_cam(seed: int) -> Cam:
-    """Half of them with a lobe so high and narrow that its foot may be cut off."""
+    """Half of them have a lobe so high and narrow that its foot may be cut off."""
     draw = random.Random(seed)
     on_guide, narrow = draw.random() < 0.5, draw.random() < 0.5
     high = draw.uniform(40.0, 150.0) if narrow else draw.uniform(5.0, 30.0)
@@ -43,7 +43,7 @@ def roller_cam(seed: int) -> Cam:
 
 
 def face_cam(seed: int) -> Cam:
-    """With a face of no stated length."""
+    """The face has no stated length."""
     draw = random.Random(seed)
     on_guide = draw.random() < 0.4
     stroke = draw.uniform(3.0, 20.0) if on_guide else math.radians(draw.uniform(3.0, 18.0))

@@ -1,4 +1,4 @@
-"""The smallest cures: at each limit the finding is about to vanish; no change goes farther."""
+"""The smallest cures: at each proposed value the finding is about to vanish."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def by_knob(found: tuple[Cure, ...]) -> dict[str, Cure]:
 
 
 def check_lengths(cam: Cam, found: tuple[Cure, ...]) -> None:
-    """With the proposed value the finding is gone, as beyond its limit; short of it, it remains."""
+    """The finding is gone at the proposed value and beyond, and remains just short of it."""
     for cure in found:
         if cure.knob not in LENGTHS or cure.value_to is None:
             continue
@@ -458,7 +458,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     assume(limit != old)
     reported = float(rounded_beyond(limit, digits_for(old, limit), upward=upward))
     beyond = reported - limit if upward else limit - reported
-    # To the last digit printed, a hundredth of the change; the text itself is rounded once more.
+    # To the last digit printed, a hundredth of the change; the text is rounded once more.
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
 
 
@@ -487,7 +487,7 @@ def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: floa
 
 
 @pytest.mark.parametrize("contact", ["inner", "groove"])
-def test_a_roller_without_room_is_told_the_radius_of_curvature(contact: Any) -> None:
+def test_without_room_for_a_roller_the_radius_of_curvature_is_given(contact: Any) -> None:
     law = LAWS["polynomial-345"]
     rise, fall = Move(Decimal("0.0001"), 0.4, law), Move(Decimal(70), 0.0, law)
     plan = MotionPlan((rise, Dwell(Decimal(80)), fall, Dwell(Decimal("209.9999"))))

@@ -1,4 +1,4 @@
-"""Every cure, applied to the scene at the keys it names with the values it prints, cures."""
+"""Every cure works when its printed values are written into the scene at the keys it names."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Tables = dict[str, Any]
 SHAPES = {
     key for family in FAMILIES.values() for taken in family.parameters.values() for key in taken
 }
-"""Keys that belong to a law: another law comes with its default parameters."""
+"""Keys that belong to a law: a different law takes its default parameters."""
 
 
 FLAT = """
@@ -54,7 +54,8 @@ def undercut(design: Design) -> list[str]:
 
 
 def applied(scene: Scene, cure: Cure) -> Scene:
-    """The scene with what a cure names, and nothing else, changed; it starts at what is there."""
+    """The scene, changed only at the cure's keys, where it holds the values that the cure
+    replaces."""
     assert cure.value_to is not None
     edits: dict[str, Any] = {}
     for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
@@ -128,7 +129,7 @@ def test_both_rollers_of_a_pair_are_cured_together() -> None:
 
 
 def test_what_only_trimming_makes_is_refused_with_its_key() -> None:
-    """A drop over one degree: no roller follows its shocks."""
+    """A drop over one degree, whose shocks no roller can follow."""
     values = loaded("drop")
     design = Design(Scene(values))
     with pytest.raises(camgeo.CamgeoError, match="shock") as caught:
@@ -156,7 +157,7 @@ def test_a_flat_face_is_moved_out() -> None:
 
 @st.composite
 def motions(draw: st.DrawFn, stroke: float) -> list[Tables]:
-    """Rests, some of no length, and moves between 0 and `stroke`, most from rest to rest."""
+    """Rests, some of zero length, and moves between 0 and `stroke`, mostly from rest to rest."""
     count = draw(st.integers(1, 3))
     laws = st.sampled_from([*SMOOTH, "polynomial-345", "auto"])
     found: list[Tables] = []
@@ -252,7 +253,7 @@ def scenes(draw: st.DrawFn) -> Tables:
     return values
 
 
-def test_a_scene_in_inches_is_told_in_inches() -> None:
+def test_a_scene_in_inches_gets_its_cure_in_inches() -> None:
     values = loaded("lobe_after_no_rest")
     values["units"] = {"length": "inch"}
     works = [cure for cure in check_cures(values) if cure.works]

@@ -110,7 +110,7 @@ def test_a_shock_makes_the_contact_jump() -> None:
 
 
 def test_whatever_does_not_close_is_a_jump_of_the_contact() -> None:
-    """However slight the shock: the closure of the curve does not show the cause."""
+    """However slight the shock, which the closure of the curve does not show."""
     law = LAWS["straight-line"]
     for stroke in (1e-12, 1e-11, 1e-10, 1e-9, 1e-6):
         moves = (Move(Decimal(90), stroke, law), Move(Decimal(180), 0.0, law))

@@ -34,7 +34,7 @@ def acute(one: ComplexArray, other: ComplexArray) -> FloatArray:
 
 
 def far_angle(linkage: Linkage, position: FloatArray) -> FloatArray:
-    """[deg] between the coupler and the far member, or across the guide of a slider there."""
+    """[deg] between the coupler and the far member, or the normal of a slider's guide."""
     pin, tip = linkage.joints(position)
     if isinstance(linkage, FourBar):
         return acute(pin - tip, pin - linkage.shaft)
@@ -52,7 +52,7 @@ MEASURES: Final[dict[str, Callable[[Linkage, FloatArray], FloatArray]]] = {
     "linkage-transmission-angle": far_angle,
     "linkage-back-angle": near_angle,
 }
-"""What the findings tell, from the places of the joints."""
+"""What the findings should say, from the positions of the joints."""
 
 
 @pytest.mark.parametrize("name", LINKED)
@@ -61,7 +61,7 @@ def test_the_linkages_of_the_thesis_need_no_word(name: str) -> None:
     assert isinstance(motion, LinkedMotion)
     found = check_linkage(motion, math.radians(50.0))
     assert {each.severity for each in found} == {"ok"}
-    # All are extremes over the turn, and taken at the angle they name.
+    # Each is an extreme over the turn, taken at the cam angle that it names.
     dense = np.linspace(0.0, TURN, 3601)
     stroke = motion.demanded.jet(dense)[0]
     for each, measure in zip(found, MEASURES, strict=True):
@@ -155,14 +155,15 @@ def test_distance_and_angles_are_the_least_of_samples(motion: LinkedMotion) -> N
     for each, measure in zip(check_linkage(motion), MEASURES.values(), strict=True):
         assert each.value is not None
         # A step of 0.05 deg moves the far end by 2e-3 rad or 1e-1 mm at most, the angle by as much
-        # in its order; ends and turns are of the second order, a passage of the line is a kink.
+        # in its order; errors at ends and turns are of second order, but there is a kink at the
+        # line.
         room = 1e-3 if each.unit == "mm" else 0.2
         least = float(np.min(measure(motion.linkage, position)))
         assert -1e-9 <= least - each.value <= room
 
 
 def wide_motions() -> st.SearchStrategy[LinkedMotion]:
-    """Of linkages whose far end moves as far as it may, often past where it is stuck."""
+    """Linkages whose far end moves as far as it can, often past where it is stuck."""
 
     def motion(linkage: Linkage, share: float, way: int) -> LinkedMotion:
         low, high = clear_range(linkage)
@@ -177,12 +178,12 @@ def wide_motions() -> st.SearchStrategy[LinkedMotion]:
 @attack
 @given(wide_motions())
 def test_the_smallest_angle_and_a_passage_through_0_are_found(motion: LinkedMotion) -> None:
-    """Against samples of the positions, whose signed sine tells a passage.
+    """Compared with samples of the positions, whose signed sine shows where the angle passes 0.
 
     Samples may miss two zeros next to each other.
     """
     spare, *others = check_linkage(motion, 0.5)
-    assume(spare.severity == "ok")  # the pin may pass the shaft itself
+    assume(spare.severity == "ok")  # the pin may pass through the shaft itself
     found = others[0]
     end = motion.demanded.jet(np.radians([240.0]))[0][0]
     position = np.linspace(0.0, end, 4001)
@@ -199,7 +200,7 @@ def test_the_smallest_angle_and_a_passage_through_0_are_found(motion: LinkedMoti
     if passes or found.severity == "no-disc":
         assert (found.severity, found.value) == ("no-disc", 0.0)
         at = motion.demanded.jet(np.array([found.cam_angle]))[0]
-        # The position is known to the rounding of the cam angle, where the motion is fastest.
+        # The position is known to within the rounding of the cam angle at the fastest motion.
         assert far_angle(linkage, at)[0] == pytest.approx(0.0, abs=1e-6)
         return
     least = float(np.min(far_angle(linkage, position)))
@@ -210,8 +211,8 @@ def test_the_smallest_angle_and_a_passage_through_0_are_found(motion: LinkedMoti
 
 
 def test_a_crank_cannot_be_driven_through_the_line_of_its_coupler() -> None:
-    """The slider has an extreme there and its cam is regular, but the crank could stop or turn
-    back: the force of the coupler goes through its shaft.
+    """The slider has an extreme there and the cam is regular, but the coupler pushes through the
+    crank's shaft, so the crank could stop or turn back.
     """
     spare, fatal, back = check_linkage(linked()[3], math.radians(40.0))
     assert (spare.severity, fatal.severity, back.severity) == ("ok", "no-disc", "ok")
@@ -227,7 +228,7 @@ def test_a_crank_cannot_be_driven_through_the_line_of_its_coupler() -> None:
 
 @pytest.mark.parametrize("short", [1e-3, 1e-6, 0.0, -1e-6])
 def test_a_far_member_that_stops_where_it_is_stuck(short: float) -> None:
-    """At the end of its motion, within rounding of it, or a little beyond or before."""
+    """Stuck at the end of its motion, within rounding of it, or a little before or beyond."""
     linkage = FourBar(70.0, 60.0, 85.0, 110.0 + 30.0j, math.radians(120.0), -1, -1)
     (stuck,) = linkage.locked_positions(-math.pi / 3.0, 0.0)
     found = check_linkage(LinkedMotion(turning(stuck + short), linkage), math.radians(40.0))[1]

@@ -165,8 +165,8 @@ def test_a_smoothed_table_reports_its_deviation() -> None:
 
 @pytest.mark.parametrize("first", [0.0, 2.0, 5.0])
 def test_a_table_reports_by_how_much_its_rows_are_shifted(first: float) -> None:
-    """A table over the whole turn starts at 0, where the base radius holds; another one where the
-    segment before it ends. Rows that count from where the table starts are as good as positions."""
+    """A table over the whole turn starts at 0, where the base radius holds, any other where the
+    segment before it ends. Rows may count from there, or be positions."""
     shares = np.linspace(0.0, 1.0, 41)
     lifts = first + 5.0 * shares**3 * (10.0 - 15.0 * shares + 6.0 * shares**2)
     (alone,) = named(plan_motion([table_over(360, shares, lifts - 5.0 * shares)]), "lift-table")
@@ -224,7 +224,7 @@ def test_what_a_smoothed_table_may_deviate_is_no_swing() -> None:
 
 
 def test_a_motion_through_points_reports_how_far_it_swings() -> None:
-    """Points in a row ask for a dwell, which no spline has."""
+    """Several points at one height ask for a dwell, which a spline cannot have."""
     points = PointsRequest(
         Decimal(300), 0.0, np.array([0.1, 0.2, 0.3, 0.7]), np.array([0.0, 0.0, 9.0, 9.0])
     )

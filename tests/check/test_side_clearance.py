@@ -44,7 +44,7 @@ def test_no_cam_angle_has_more_play_than_reported(curve: PitchCurve, clearance: 
     if np.min(speed) > 1e-3 * np.max(speed):
         at = np.array([place])
         levers = np.abs([curve.leverage(at, "left"), curve.leverage(at, "right")])
-        # At the end of a piece the value from inside counts.
+        # At the end of a piece its own value counts.
         assert 0.5 * clearance / np.min(levers) == pytest.approx(deviation, rel=1e-7)
 
 

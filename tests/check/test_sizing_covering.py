@@ -21,7 +21,7 @@ FOUND = Path(__file__).parents[2] / "fixtures" / "found" / "size_global_undercut
 ANGLE, RATIO = math.radians(8.0), 0.7
 
 LOCAL = complex(-5.57106515722, -14.69360434080)
-"""The place with the smallest base circle, r_R/0.7, if nothing but curvature is asked for."""
+"""The place with the smallest base circle, r_R/0.7, if only curvature matters."""
 
 
 def lobe() -> Task:
@@ -61,7 +61,7 @@ def test_what_is_cut_off_is_found_at_its_deepest() -> None:
     gap = found.gap(np.array([LOCAL]))[0][0]
     assert len(gap) > 1
     assert gap[0] == np.min(gap)
-    # All points of the flank against all rollers: no deeper, to the width of the grid.
+    # No point of the flank lies deeper in any roller, to within the width of the grid.
     disc = task.cam_at(LOCAL).disc
     around = np.linspace(0.0, TURN, 1500)
     flank, rollers = disc.inner_curve.point(around), disc.pitch_curve.point(around)
@@ -72,13 +72,13 @@ def test_what_is_cut_off_is_found_at_its_deepest() -> None:
 
 @pytest.mark.parametrize("name", ["plate_translating", "groove", "straight_moves"])
 def test_nothing_is_found_where_nothing_is_cut_off(name: str) -> None:
-    """Nor at the corners of a pitch curve, which every size has."""
+    """Corners of the pitch curve, which every size has, do not count either."""
     task, _, _ = required(name)
     assert len(covered(task, task.present).first) == 0
 
 
 def test_the_smallest_cam_is_not_cut_off() -> None:
-    """15.7143 mm keep r_R/r_K, and lose 116.9 of 120 mm of the lift: it takes 17.4184."""
+    """15.7143 mm would keep r_R/r_K but lose 116.9 of 120 mm of the lift; 17.4184 mm are needed."""
     task, limits = lobe(), camgeo.load(FOUND).scene.limits
     lost = {each.name: each for each in disc_findings(task.cam_at(LOCAL), limits)}
     assert lost["lost-stroke-inner"].value == pytest.approx(116.9, abs=0.1)
@@ -90,8 +90,8 @@ def test_the_smallest_cam_is_not_cut_off() -> None:
     assert [each.name for each in found.active] == ["global-undercut"]
     assert found.none_below == pytest.approx(found.answer.base_radius, rel=2e-3)
     assert not found.exact
-    # With no offset, where sides that touch are found from the pitch curve alone: the shortest
-    # chord that is square to it at both ends is as long as the roller is wide.
+    # Without offset, touching sides follow from the pitch curve alone: its shortest chord that is
+    # normal to it at both ends is as long as the roller is wide.
     below = -1j * found.answer.base_radius
     deep = covered(task, below * (1.0 - 1e-4))
     curve = task.pitch_curve_at(below)

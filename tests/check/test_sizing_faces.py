@@ -65,7 +65,7 @@ def test_on_a_guide_it_is_the_largest_of_minus_lift_and_acceleration(
 
 
 def test_a_jump_of_the_acceleration_counts_from_both_sides() -> None:
-    """A parabola brakes hardest from its middle on: -(s + s'') = stroke (4/span^2 - 1/2)."""
+    """A parabola decelerates from its middle on: -(s + s'') = stroke (4/span^2 - 1/2)."""
     task = face_task_of(cam_of(plan_of(9.0, "quadratic-parabola"), TranslatingFlat(60.0)))
     found = size_for_face(task, ANGLE, 0.0)
     assert found.answer is not None
@@ -103,7 +103,7 @@ def test_turning_the_cam_the_other_way_is_the_other_side() -> None:
 
 
 def test_the_transmission_angle_decides_where_the_face_lies_far_beyond_the_pivot() -> None:
-    """q >= tan mu |f|: at the farthest that f admits, a smaller base circle gives more lever."""
+    """q >= tan mu |f|: at the largest admissible f a smaller base circle gives more leverage."""
     task = rocker(offset=60.0)
     assert size_for_face(task, math.radians(40.0), 0.0).answer is not None
     found = size_for_face(task, math.radians(70.0), 0.0)
@@ -112,7 +112,7 @@ def test_the_transmission_angle_decides_where_the_face_lies_far_beyond_the_pivot
 
 
 def test_what_no_size_can_do() -> None:
-    """A face that turns with the cam, faster than it; one whose velocity jumps; one at rest."""
+    """A face that turns with the cam and faster; one whose velocity jumps; one at rest."""
     quick = MotionPlan(
         (
             Dwell(Decimal(30)),

@@ -1,6 +1,7 @@
-"""Random cams: the size that is written keeps every limit of `camgeo check`, and none smaller does.
+"""Random cams: the size that is written keeps every limit of `camgeo check`, and no smaller one
+does.
 
-Whether a cam is sound is asked of the checks themselves, which know nothing of sizing.
+The checks themselves, which know nothing of sizing, decide whether a cam is sound.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ RADII = (0.0, 0.0, 2.0, 8.0)
 
 
 def keeps(cam: Cam, angle: float, ratio: float) -> bool:
-    """Whether the checks find nothing wrong; the roller of a groove may not jam in it either."""
+    """Whether the checks find nothing wrong, including that a roller does not jam in its groove."""
     limits = Limits(transmission_angle=angle, radius_ratio=ratio)
     bad = ("broken", *NO_OUTLINE)
     return not any(each.severity in bad for each in disc_findings(cam, limits))
@@ -49,7 +50,7 @@ def nearby(task: Task, place: complex, radius: float, seed: int) -> Iterator[com
 
 
 def is_smaller(task: Task, place: complex, angle: float, ratio: float) -> bool:
-    """Whether the cam axis may lie at `place` after all."""
+    """Whether the cam axis may lie at `place`, according to the checks."""
     try:
         return keeps(task.cam_at(place), angle, ratio)
     except GeometryError:
@@ -74,7 +75,7 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
     for task in task_of(cam).sides:
         found = size(task, angle, ratio)
         if found.answer is None:
-            # A swing too large for the angle: 90 degrees less half of it can be kept at most.
+            # A swing too large for the angle: at most 90 degrees less half the swing can be kept.
             assert found.nearest_angle is not None
             assert found.nearest_angle < angle
             continue
@@ -89,7 +90,7 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
         written = made.cam.follower.base_radius
         assert limit * (1.0 - 1e-9) <= written
         assert written / last == pytest.approx(round(written / last), abs=1e-6)
-        # The next smaller digit, and anything below the limit.
+        # One unit less in the last digit, and anything below the limit.
         for radius in (written - 1.001 * last, limit * (1.0 - 1e-6), 0.9 * limit):
             if radius < limit:
                 for other in nearby(task, place, radius, seed):

@@ -1,4 +1,4 @@
-"""Sizes as they are written down: rounded up, with as many decimals as make sense."""
+"""Sizes as they are written: rounded up, to a sensible number of decimals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tests.check.sizing_scenes import required
     ],
 )
 def test_the_last_decimal(length: float, unit: float, exponent: int) -> None:
-    """0.1 um from 1 mm to 10 m, else a fraction of the length; a digit more in inches."""
+    """0.1 um from 1 mm to 10 m, otherwise a fraction of the length; one digit more in inches."""
     assert exponent_of(length, unit) == exponent
 
 
@@ -69,7 +69,7 @@ def test_what_is_written_keeps_the_limits_in_as_few_decimals_as_it_can(name: str
         for value in made.lengths.values()
         for each in (value if isinstance(value, list) else [value])
     )
-    # One digit less of the base radius: no place on that circle keeps both.
+    # With a base radius one digit smaller, no place on that circle keeps both.
     theta = phase(found.answer.place - task.start)
     for turn in (0.0, 1e-6, -1e-6, 1e-4, -1e-4):
         way = theta + turn

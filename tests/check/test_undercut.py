@@ -86,8 +86,8 @@ def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, sha
         assert {finding.severity for finding in above} == {"no-disc"}
 
 
-def test_a_roller_as_large_as_the_base_circle_is_told() -> None:
-    """In a rest between shocks a cusp lies all along, and one joint a rounding before the first."""
+def test_a_roller_as_large_as_the_base_circle_is_reported() -> None:
+    """A rest between shocks is a cusp throughout; one joint lies a rounding before the first."""
     scene = load_scene(SCENES / "straight_moves.toml")
     found = Design(scene.with_values({"follower.roller_radius": 45})).findings
     assert found[0].name == "roller-over-axis"

@@ -56,7 +56,7 @@ def made_up() -> Survey:
 
 @pytest.fixture
 def found(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
-    """The arguments of the survey, in a test in which it measures nothing."""
+    """The arguments that the survey gets; it measures nothing here."""
     asked: list[dict[str, Any]] = []
 
     def survey(design: Any, tolerances: Any, **options: Any) -> Survey:

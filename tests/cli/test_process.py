@@ -29,7 +29,7 @@ posix = pytest.mark.skipif(os.name != "posix", reason="a POSIX shell and its sig
 
 
 def shell(command: str) -> subprocess.CompletedProcess[str]:
-    """What `camgeo` and the rest of a shell command end with."""
+    """The exit codes of `camgeo` and of the rest of a shell command."""
     words = " ".join(CAMGEO)
     return subprocess.run(
         ["sh", "-c", f"{words} {command}"], capture_output=True, text=True, check=False
@@ -40,7 +40,7 @@ def shell(command: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("error", [TypeError("a\nb"), MemoryError(), RecursionError(), OSError(5)])
-def test_a_crash_has_a_code_of_its_own(
+def test_a_crash_has_its_own_exit_code(
     error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def crash(*_: object) -> None:
@@ -134,7 +134,7 @@ def test_a_signal_while_camgeo_is_imported(name: str) -> None:
 
 @posix
 def test_a_signal_that_is_ignored_stays_ignored() -> None:
-    """As `nohup` starts commands."""
+    """This is how `nohup` starts commands."""
     run = signalled("SIGHUP", "SIG_IGN")
     assert run.stderr == ""
     assert "transmission-angle" in run.stdout

@@ -70,7 +70,7 @@ def test_an_alias_names_the_same_table(capsys: Capture) -> None:
 
 
 def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Capture) -> None:
-    """As text, with the errata of the guideline corrected from the lists."""
+    """As text, with the guideline's errata corrected as listed."""
     corrected = {}
     for name in ("errata.csv", "rounding.csv"):
         with (FIXTURES / "tables" / name).open(newline="", encoding="utf-8") as file:

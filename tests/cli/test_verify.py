@@ -38,7 +38,7 @@ def folder(source: Path, tmp_path: Path) -> Path:
 def test_a_folder_that_cannot_be_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """For root there is no such folder."""
+    """Root can read every folder."""
 
     def refused(_: Path) -> None:
         raise PermissionError(errno.EACCES, "Permission denied")
@@ -157,7 +157,7 @@ def test_tolerance_of_the_person_counts(folder: Path, capsys: pytest.CaptureFixt
 
 
 def test_changed_bytes_of_a_table(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """What is not measured is compared with its certificate nevertheless."""
+    """A file that is not measured is still compared with its certificate."""
     table = folder / "vorschub.csv"
     table.write_bytes(table.read_bytes().replace(b"7", b"8", 1))
     assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1

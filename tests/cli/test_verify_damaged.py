@@ -1,4 +1,4 @@
-"""`camgeo verify` with files of which some cannot be read: the others keep their verdicts."""
+"""`camgeo verify` with some files that cannot be read: the others keep their verdicts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def folder(source: Path, tmp_path: Path) -> Path:
 
 
 def verdicts(folder: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, str]]:
-    """The exit code, and what fails of each file."""
+    """The exit code, and the failed checks of each file."""
     capsys.readouterr()
     words = ["verify", str(folder), "--scene", str(SCENE), "--tolerance", "0.05", "--json"]
     code = main(words)

@@ -133,7 +133,7 @@ def test_published_examples(example: dict[str, Any]) -> None:
 
 
 def test_the_published_cam_at_three_widths() -> None:
-    """Force, curvature and modulus are not given; from one width the others follow."""
+    """Force, curvature and modulus are not given; the other widths follow from one of them."""
     cam = EXAMPLES["cam"]
     (first, *widths), (known, *pressures) = cam["widths"], cam["pressures"]
     pressure, half = printed(known)

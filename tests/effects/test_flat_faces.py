@@ -1,7 +1,8 @@
 """Effects of flat-faced followers, compared with vectors in the fixed frame.
 
-Places are those of the outline alone; its normal, the turning of the rocker and all velocities are
-differences of them. The forces on the follower are solved for by Newton's law with all reactions.
+Only places on the outline are taken from camgeo; its normal, the rotation of the rocker and all
+velocities are differences of these. The forces on the follower follow from Newton's law with all
+reactions.
 """
 
 from __future__ import annotations

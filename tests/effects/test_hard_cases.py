@@ -1,7 +1,7 @@
 """Hard cases of the effects together: the right value or a clear finding, never anything else.
 
 Every scene here also passes `assert_well_formed`: findings, columns on both sides of all their
-borders, and JSON are finite, and Python gives no warning.
+borders, and JSON are finite, and Python raises no warning.
 """
 
 from __future__ import annotations
@@ -585,7 +585,7 @@ stall_torque = 287.8
 
 @pytest.mark.parametrize("name", ["plate_translating", "ring", "shuttle"])
 def test_a_load_that_lifts_the_roller_off_everywhere(name: str) -> None:
-    """No flank carries: lost all the turn, at any speed; no pressure, and no life."""
+    """Neither flank carries load: contact is lost all round at any speed; no pressure, no life."""
     text = with_speed(name)
     pull = {"plate_translating": "-1e4", "ring": "1e4", "shuttle": "-1e3"}[name]
     design = made(text, every(text, load=pull, friction="", stall="1e6"))

@@ -144,7 +144,7 @@ json.dump(sorted(sys.modules), sys.stdout)
 
 
 def modules_of(scene: Path, *judge: str) -> set[str]:
-    """What a fresh interpreter has imported after loading a scene, and judging it if asked to."""
+    """What a fresh interpreter has imported after loading a scene, and optionally judging it."""
     done = subprocess.run(
         [sys.executable, "-c", RUN, str(scene), *judge],
         capture_output=True, text=True, check=True, timeout=120,
@@ -216,7 +216,7 @@ def bare() -> dict[str, bytes]:
     return geometry("")
 
 
-# Of all together none runs: what one alone would change they would change.
+# A change by any single effect would also show with all of them together.
 @pytest.mark.parametrize("names", [EFFECTS, *((name,) for name in EFFECTS if LONG)], ids="+".join)
 def test_effects_change_no_byte_of_the_geometry(
     names: tuple[str, ...], bare: dict[str, bytes]

@@ -1,8 +1,8 @@
 """Effects together, compared with an independent formulation of the mechanics.
 
-Energies come from places and lengths alone, their rates from differences of them; losses from the
-velocities of bodies in the fixed frame; forces from Newton's law with the reactions of the guide
-solved for as those of a beam on two supports.
+Energies come from places and lengths alone, and their rates from differences; losses from the
+velocities of bodies in the fixed frame; forces from Newton's law, with the guide's reactions those
+of a beam on two supports.
 """
 
 from __future__ import annotations

@@ -47,8 +47,8 @@ def test_pressure_and_life_are_not_ok_while_the_roller_is_off_the_cam() -> None:
     assert lost.severity == "broken"
     assert lost.value == pytest.approx(-183.027, abs=1e-3)
     assert lost.limit == 0.0
-    told = re.findall(r"(\d+\.\d{4}) to (\d+\.\d{4})", lost.sentence)
-    assert [(float(start), float(end)) for start, end in told] == list(LOST)
+    stated = re.findall(r"(\d+\.\d{4}) to (\d+\.\d{4})", lost.sentence)
+    assert [(float(start), float(end)) for start, end in stated] == list(LOST)
     figures = [each for each in weak.effects.findings("contact-pressure") if each.value is not None]
     assert {"largest-contact-pressure", "roller-life"} <= {each.name for each in figures}
     assert not [each for each in figures if each.severity == "ok"]
@@ -65,9 +65,9 @@ def test_each_effect_that_takes_contact_for_granted_says_where_it_is_lost() -> N
     weak = off_the_cam()
     assert {"contact-pressure", "drive-torque", "speed-fluctuation", "friction"} < {*NEEDS_CONTACT}
     for name in EFFECTS:
-        told = "contact-lost" in names(weak, name)
-        assert told == (name in NEEDS_CONTACT), name
-        for each in weak.effects.findings(name) if told else ():
+        stated = "contact-lost" in names(weak, name)
+        assert stated == (name in NEEDS_CONTACT), name
+        for each in weak.effects.findings(name) if stated else ():
             free = each.name in find_effect(name).regardless or each.value is None
             assert free or each.severity != "ok", each
 
@@ -81,9 +81,9 @@ def test_it_is_the_same_place_for_all_of_one_speed() -> None:
 def test_lift_off_and_contact_force_define_it_alike() -> None:
     elastic = loaded("lift_off_elastic")
     lost = elastic.effect(CONTACT_FORCE).lost_contact
-    told = [each.cam_range for each in elastic.effects.findings("lift-off") if each.cam_range]
-    assert told == [(each.start, each.end) for each in lost.ranges]
-    assert np.degrees(told) == pytest.approx(np.array(LOST), abs=1e-4)
+    stated = [each.cam_range for each in elastic.effects.findings("lift-off") if each.cam_range]
+    assert stated == [(each.start, each.end) for each in lost.ranges]
+    assert np.degrees(stated) == pytest.approx(np.array(LOST), abs=1e-4)
 
 
 def test_a_follower_that_stays_loses_nothing() -> None:
@@ -129,9 +129,9 @@ def test_figures_of_a_trimmed_disc_are_of_the_demanded_motion(name: str) -> None
     ((start, end),) = outline.dropped
     for effect in trimmed.scene.effects:
         found_here = trimmed.effects.findings(effect)
-        told = [each for each in found_here if each.name == "trimmed-motion"]
-        assert len(told) == (effect != "balance"), effect
-        for each in told:
+        stated = [each for each in found_here if each.name == "trimmed-motion"]
+        assert len(stated) == (effect != "balance"), effect
+        for each in stated:
             assert each.severity == "warning"
             assert each.cam_range == (start, end)
             assert f"{math.degrees(start):.4f} to {math.degrees(end):.4f}" in each.sentence
@@ -157,16 +157,16 @@ def test_a_roller_turns_about_a_corner_without_a_jump_of_its_velocity() -> None:
 def test_shocks_elsewhere_are_not_put_down_to_the_corner() -> None:
     """The velocity of straight moves jumps at 50 and 320 degrees, and their corners are others."""
     jumping = design("straight_moves", "[effects.kinematics]")
-    told = found(jumping, "kinematics", "trimmed-motion")
-    assert "shocks" not in told.sentence
-    assert told.cam_range is None
-    assert len(re.findall(r"\d to \d", told.sentence)) == 2
+    stated = found(jumping, "kinematics", "trimmed-motion")
+    assert "shocks" not in stated.sentence
+    assert stated.cam_range is None
+    assert len(re.findall(r"\d to \d", stated.sentence)) == 2
 
 
 def test_the_outer_flank_of_a_ring() -> None:
     ring = design("trimmed_ring", "[effects.load]\nconstant = 5")
-    told = found(ring, "load", "trimmed-motion")
-    assert "trimmed outer flank" in told.sentence
+    stated = found(ring, "load", "trimmed-motion")
+    assert "trimmed outer flank" in stated.sentence
 
 
 # Better models of other effects ------------------------------------------------------------------
@@ -174,9 +174,9 @@ def test_the_outer_flank_of_a_ring() -> None:
 
 def test_the_limit_speed_of_a_rigid_follower_is_not_reported_as_that_of_the_elastic_one() -> None:
     elastic = loaded("lift_off_elastic")
-    told = found(elastic, "lift-off", "simplified")
-    assert told.severity == "warning"
-    assert told.sentence == (
+    stated = found(elastic, "lift-off", "simplified")
+    assert stated.severity == "warning"
+    assert stated.sentence == (
         "these figures hold for a rigid follower; vibration in the same scene has a better"
         " model, which is not taken into account here; an elastic one may leave the cam at a lower"
         " speed"
@@ -188,9 +188,9 @@ def test_the_limit_speed_of_a_rigid_follower_is_not_reported_as_that_of_the_elas
 def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
     whole = loaded("press")
     refined = [each.by for each in find_effect(name).refined_by]
-    told = [each for each in whole.effects.findings(name) if each.name == "simplified"]
-    assert len(told) == (1 if refined else 0)
-    for each in told:
+    stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
+    assert len(stated) == (1 if refined else 0)
+    for each in stated:
         assert all(by in each.sentence for by in refined)
     assert name not in refined
     assert set(refined) <= set(EFFECTS)
@@ -205,8 +205,8 @@ def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() ->
     """All effects with the time course, except speed-fluctuation itself and balance."""
     dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
     dependent |= {"contact-pressure", "vibration", "shock-spectrum"}
-    told = {
+    stated = {
         name for name in EFFECTS
         if "speed-fluctuation" in [each.by for each in find_effect(name).refined_by]
     }  # fmt: skip
-    assert told == dependent
+    assert stated == dependent

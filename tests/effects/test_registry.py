@@ -129,8 +129,8 @@ for name in sys.argv[1:]:
             del sys.modules[module]
 print(json.dumps(imported))
 """
-"""Tells what finding each effect imports: what camgeo has imported for one is forgotten before the
-next, as in an interpreter of its own."""
+"""Prints what finding each effect imports; its modules are forgotten before the next effect, as if
+each had a fresh interpreter."""
 
 
 @cache

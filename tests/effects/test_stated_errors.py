@@ -117,7 +117,7 @@ KINKED: Final = (
     "[effects.speed-fluctuation]\nmoment_of_inertia = 1.21\nno_load_speed = 61.34\n"
     "stall_torque = 1700\n"
 )
-"""The load changes sides a hundredth of a degree behind an end of a smooth piece."""
+"""The load changes sides a hundredth of a degree after the end of a smooth piece."""
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
@@ -127,7 +127,7 @@ def test_a_kink_that_no_node_sees(tolerance: float) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
 def test_the_work_of_the_motor_is_as_accurate_as_stated(tolerance: float) -> None:
-    """A strong motor: its torque follows from a slip that is small beside the speed."""
+    """A strong motor, whose torque follows from a slip that is small compared with the speed."""
     strong = KINKED.replace("1700", "5e5")
     of = design("schnitt", strong)
     assert_true(of, "speed-fluctuation", tolerance)
@@ -175,7 +175,7 @@ def test_a_sum_is_rounding_below_the_bound_of_its_terms() -> None:
 
 
 def test_a_balanced_disc_has_no_force_on_its_shaft() -> None:
-    """The centre of mass of a ring is off its axis by rounding alone."""
+    """The centre of mass of a ring is off its axis only by rounding."""
     text = (SCENES / "plate_translating.toml").read_text("utf-8")
     head, tail = text[: text.index("[[motion]]")], "[part]\nthickness = 15\nbore = 25\n"
     table = "[effects.balance]\ncounterweight_radius = 30\n"

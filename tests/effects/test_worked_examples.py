@@ -332,9 +332,9 @@ stall_torque = 20
 
 
 def test_life_of_a_roller_bearing() -> None:
-    """The rating that is needed is known to half a unit: so much more or less is too much or
-    little. The roller turns as fast as the cam, whose flank is as large, under a load that stays
-    the same except for the pressure angle of a lift of 1 micrometre, a share of 1e-5 in the flank.
+    """The required rating is known to half a unit: that much more is too much, that much less too
+    little. The flank is as large as the roller, so the roller turns as fast as the cam. The load is
+    constant except for the pressure angle of a lift of 1 micrometre, 1e-5 of the load on the flank.
     """
     case = example("bearing_life")
     motion = move("inclined-sine", 180.0, 0.001) + move("inclined-sine", 180.0, 0.0)

@@ -186,7 +186,7 @@ class Splines:
 
 
 def move_control(data: bytes) -> bytes:
-    """So far that the curve moves by two tolerances at least: its control point weighs 2/3."""
+    """Moved so far that the curve moves by at least two tolerances: a control point weighs 2/3."""
     splines = Splines(data)
     controls = splines.values(10)
     place = controls[len(controls) // 2]

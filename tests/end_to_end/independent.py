@@ -1,9 +1,9 @@
-"""Cam mechanisms of scenes computed from their dimensions alone, without a formula of camgeo.
+"""Cam mechanisms of scenes computed from their dimensions alone, without any formula of camgeo.
 
-Positions follow from compass and ruler: circles that cut each other, arms that turn. Directions are
-central differences of positions, and what cuts a flank off is found by laying the roller, or the
-face, into every one of thousands of places. So values are good to about `ACCURACY`, and a verdict
-nearer to its limit than that is none.
+Positions come from compass and ruler: intersecting circles and turning arms. Directions are central
+differences of positions, and what cuts a flank off is found by laying the roller, or the face, into
+each of thousands of places. So values are good to about `ACCURACY`, and nothing can be said of a
+verdict that is nearer to its limit than that.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BEND_STEP: Final = 2e-4
 """The same for the curvature."""
 
 ACCURACY: Final = 2e-5
-"""Relative accuracy of what follows from differences."""
+"""Relative accuracy of quantities that follow from differences."""
 
 
 # Motion -------------------------------------------------------------------------------------------
@@ -50,7 +50,7 @@ def _cosine(z: FloatArray) -> FloatArray:
 
 
 def _modified_sine(z: FloatArray) -> FloatArray:
-    """Quarter periods of 1/2 and of 3/2 of the span, joined with equal acceleration."""
+    """Quarter periods of 1/2 and of 3/2 of the span, joined at equal acceleration."""
     pi = math.pi
     mirrored = z > 0.5
     half = np.where(mirrored, 1.0 - z, z)
@@ -146,10 +146,9 @@ class Linked:
     ----------
     moved : by how much it moves the follower: the rocker counter-clockwise [rad], or the carriage
         along its guide [mm].
-    spare : the smallest of the lengths by which the rods do not fail to close [mm]; negative where
-        they do.
+    spare : the smallest length by which the rods close [mm]; negative where they do not.
     leverage : sine of the angle between the coupler and the direction in which the driven member
-        cannot move; where it changes sign the cam has no hold on that member.
+        cannot move; where it changes sign the cam cannot drive that member.
     """
 
     moved: FloatArray
@@ -201,7 +200,7 @@ def by_lever(linkage: Mapping[str, Any], angle: FloatArray) -> Linked:
     pin = shaft + lever
     crank, coupler = linkage["crank"], linkage["coupler"]
     tip = crossing(pin, crank, coupler, 1 if linkage["branch"] == "ccw" else -1)
-    # The tip goes round less than half a turn from one place to the next.
+    # The tip turns by less than half a turn from one place to the next.
     swung = np.unwrap(np.angle(tip / tip[0]))[1:] if np.all(np.isfinite(tip)) else np.angle(tip[1:])
     rod = pin - tip
     return Linked(
@@ -234,7 +233,7 @@ def by_crank(linkage: Mapping[str, Any], angle: FloatArray) -> Linked:
 class Model:
     """The mechanism of a scene, given as its values.
 
-    Lengths in mm. `camgeo.scene` says what the keys mean.
+    Lengths in mm; docs/scene.md says what the keys mean.
     """
 
     values: Mapping[str, Any]
@@ -401,7 +400,7 @@ class Model:
 
     @property
     def leverage(self) -> float:
-        """Least sine by which the driven member is held; 0 or less if that changes its sign."""
+        """Least sine that drives the far member; 0 or less if it changes sign."""
         if self.linkage is None:
             return math.inf
         held = self.linkage.leverage
@@ -412,9 +411,8 @@ class Model:
         return float(np.min(1.0 + side * self.roller_radius * self.curvature(self.angles)))
 
     def reach(self, side: int) -> float:
-        """How far the roller reaches beyond points of contact at other places, negated [mm].
-
-        Not above 0, and 0 within rounding on a flank that the roller leaves whole.
+        """Minus the depth by which the roller covers points of contact at other places [mm]. Never
+        above 0, and 0 within rounding on a flank that the roller leaves whole.
         """
         phi = self.angles
         tree = cKDTree(_plane(self.path(phi)))
@@ -443,8 +441,8 @@ class Model:
         return float(np.min(self.face_radius(self.angles, BEND_STEP)))
 
     def face_margin_next_to(self, angle: float) -> float:
-        """The same next to a cam angle [rad], which may be a border: there the radius may change
-        much within a step of the whole turn.
+        """The same next to a cam angle [rad], which may be a border, where the radius may change
+        much within one step of the whole turn.
         """
         phi = np.mod(angle + np.linspace(-10.0, 10.0, 401) * BEND_STEP, TURN)
         away = np.abs(phi[:, None] - self.motion.borders[None, :]).min(axis=1)

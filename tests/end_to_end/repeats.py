@@ -2,10 +2,10 @@
 
     python -m tests.end_to_end.repeats [--tolerance MM] [--setting NAME] [SCENE ...]
 
-builds the scenes, without names all in fixtures that make files, in every format that each can be
-written in: in a process as this one is, and in one for each of `SETTINGS`, or those named. A line
-for each format says in how many files bytes differ, and by how much numbers do. It ends with 1
-where docs/robustness.md is broken.
+builds the scenes (by default all in fixtures that make files) in every format that they can be
+written in: in a process like this one, and in one for each of `SETTINGS`, or of those named. A line
+for each format says in how many files bytes differ, and by how much numbers do. The exit code is 1
+if a promise of docs/robustness.md is broken.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ LENGTHS: Final = 1e-9
 drawing: bulges, knots, degrees."""
 
 SHARE: Final = 1e-11
-"""Largest difference of other numbers, as a share of the largest in their column, or, in the
-certificate, of themselves; besides `LENGTHS`."""
+"""Largest difference of other numbers, in addition to `LENGTHS`, as a share of the largest in their
+column, or in the certificate of themselves."""
 
 PICTURES: Final = (".svg", ".png")
 """Files that may differ between processors."""
@@ -51,10 +51,10 @@ NUMPY: Final = {
         np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     )
 }
-"""Only what numpy was compiled to take for granted."""
+"""Only the features that numpy was compiled to require."""
 
 BLAS: Final = {"OPENBLAS_CORETYPE": "Prescott"}
-"""OpenBLAS's kernels of 2004, with SSE3; numpy's and scipy's both obey."""
+"""OpenBLAS's kernels of 2004, with SSE3, in numpy and in scipy."""
 
 LIBM: Final = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
 """glibc's functions without fused multiplication."""
@@ -66,7 +66,7 @@ ELSEWHERE: Final = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
 }
-"""Surroundings that leave no trace, besides the working directory, home and umask."""
+"""Surroundings that must leave no trace, besides working directory, home and umask."""
 
 SETTINGS: Final[dict[str, dict[str, str]]] = {
     "elsewhere": ELSEWHERE,
@@ -97,7 +97,7 @@ class Content:
 
     Attributes
     ----------
-    rest : all of it but the numbers: entities, their kinds and their order.
+    rest : everything but the numbers: entities, their kinds and their order.
     numbers : (n,) that may differ.
     allowed : (n,) how much each may.
     """
@@ -187,9 +187,9 @@ class Difference:
     ----------
     file : name.
     bytes_differ : whether anything does.
-    entities_differ : whether anything but the last digits of numbers does; not asked of a picture.
+    entities_differ : whether anything but the last digits of numbers does; never of a picture.
     farthest : largest difference of a number.
-    excess : the largest, over what is allowed.
+    excess : the largest difference as a multiple of what is allowed.
     """
 
     file: str
@@ -200,7 +200,7 @@ class Difference:
 
     @property
     def broken(self) -> bool:
-        """Whether the files are not what is promised between processors."""
+        """Whether a promise about other processors is broken."""
         return self.entities_differ or not self.excess <= 1.0
 
 
@@ -216,7 +216,7 @@ def difference(one: Path, other: Path) -> Difference:
 
 
 def compared(name: str, here: Content, there: Content) -> Difference:
-    """What differs between two contents of the file `name`, whose bytes do."""
+    """What differs between two contents of the file `name` that are not equal."""
     if here.rest != there.rest or len(here.numbers) != len(there.numbers):
         return Difference(name, bytes_differ=True, entities_differ=True)
     same = here.numbers == there.numbers
@@ -227,7 +227,7 @@ def compared(name: str, here: Content, there: Content) -> Difference:
 
 
 def differences(one: Path, other: Path) -> list[Difference]:
-    """Those of all files in the folder `one`."""
+    """The differences of all files in the folder `one`."""
     return [difference(path, other / path.name) for path in sorted(one.iterdir())]
 
 
@@ -238,8 +238,8 @@ def scenes() -> list[Path]:
 
 
 def make(scene: Path, folder: Path, tolerance: float | None = None) -> None:
-    """Write a scene in every format that it can be written in into `folder`; nothing if its cam has
-    no outline.
+    """Write a scene into `folder` in every format that it allows; nothing if its cam has no
+    outline.
     """
     design = camgeo.load(scene)
     lacks = {name: find_writer(name).format.lacking for name in writer_names()}
@@ -251,8 +251,8 @@ def make(scene: Path, folder: Path, tolerance: float | None = None) -> None:
 def make_in_child(
     given: Sequence[Path], folder: Path, setting: dict[str, str], tolerance: float | None = None
 ) -> None:
-    """`make` the files of scenes, each in a folder of its stem, in one process of its own that has
-    another home, umask and working directory.
+    """`make` the files of scenes, each in a folder of its stem, in another process with another
+    home, umask and working directory.
     """
     home = folder.with_name(f"{folder.name}-home")
     home.mkdir(parents=True)
@@ -267,7 +267,7 @@ def make_in_child(
 
 
 def _line(found: list[Difference]) -> str:
-    """One line on all differences of a format."""
+    """One line on the differences in a format."""
     changed = sum(each.bytes_differ for each in found)
     entities = [each.file for each in found if each.entities_differ]
     farthest = max(found, key=lambda each: each.farthest)

@@ -44,7 +44,7 @@ THREADS: Final = 8
 PROCESSES: Final = 2
 
 TOLERANCE: Final = 0.01
-"""Tolerance of the files [mm]: a coarse one, since the test is that they are equal."""
+"""Tolerance of the files [mm]: coarse, since they are only compared with each other."""
 
 Answer = tuple[str, tuple[Finding, ...], str]
 """Identity of the scene, findings, and the hash of its files; or what is wrong instead of both."""

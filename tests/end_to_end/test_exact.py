@@ -1,4 +1,4 @@
-"""The reference for measuring files: no part of it is closer to the roller than it may be."""
+"""The reference for measuring files: no part of it comes closer to the roller than it may."""
 
 from __future__ import annotations
 

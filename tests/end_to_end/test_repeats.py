@@ -1,6 +1,6 @@
-"""The same scene gives the same bytes, and other digits nowhere but at the end.
+"""The same scene gives the same bytes, and on other processors differs in last digits only.
 
-Three scenes: one that every format can be written of, one in inches with a symmetric keyway, and
+Three scenes: one that can be written in every format, one in inches with a symmetric keyway, and
 one through measured points, whose joints moved farthest with the last digits.
 """
 
@@ -31,7 +31,7 @@ SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".csv", ".asc", ".json", *PICTURES}
 
 @pytest.fixture(scope="module")
 def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder with those of the files made by this process."""
+    """The folder with the files made by this process."""
     folder = tmp_path_factory.mktemp("here")
     for scene in SCENES:
         make(scene, folder / scene.parent.name / scene.stem)
@@ -39,7 +39,7 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_other_kernels_change_only_last_digits(here: Path, tmp_path: Path) -> None:
-    """Neither numpy nor OpenBLAS nor the C library use what makes this processor fast."""
+    """Neither numpy nor OpenBLAS nor the C library uses what makes this processor fast."""
     make_in_child(SCENES, tmp_path / "there", SETTINGS["all"])
     found: list[Difference] = []
     for scene in SCENES:
@@ -51,7 +51,7 @@ def test_other_kernels_change_only_last_digits(here: Path, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("suffix", sorted(SUFFIXES - {*PICTURES}))
 def test_what_breaks_the_promise_is_seen(suffix: str, here: Path) -> None:
-    """Coordinates are all read, and one that is off, a missing or another entity is found."""
+    """All coordinates are read; one that is off, or a missing or different entity, is found."""
     [file, *_] = sorted((here / "scenes" / "querhub").glob(f"*{suffix}"))
     read = content(file)
     assert len(read.numbers) > 10

@@ -58,7 +58,7 @@ def test_body_is_closed_and_has_its_volume(built: Built, suffix: str) -> None:
 
 
 def _heights(built: Built) -> tuple[float, ...]:
-    """At which a body is cut: through its thickness, and through its groove."""
+    """Heights at which a body is cut: through its thickness, and through its groove."""
     depth = built.spec.groove_depth or 0.0
     through = 0.5 * (built.thickness - depth)
     return (through, built.thickness - 0.5 * depth) if built.groove else (through,)
@@ -96,7 +96,7 @@ def test_both_have_the_same_sections(built: Built) -> None:
     for height in _heights(built):
         found, wanted = _section(threemf, height), _section(stl, height)
         assert _apart(found, wanted) <= _rounding(stl)
-        # The measure itself: a section shifted by half the tolerance is another.
+        # The measure itself: it sees a section shifted by half the tolerance.
         shift = 0.5j * built.tolerance
         shifted = [Outline.through(one.starts + shift, one.sweeps) for one in found]
         assert _apart(shifted, wanted) > 0.4 * built.tolerance

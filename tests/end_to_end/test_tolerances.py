@@ -1,11 +1,11 @@
 """Each fixture scene at four tolerances: written, measured as read back, and verified.
 
-A scene is written in two forms, its drawing of arcs, program and one of its solids at one end of
-the tolerances, its drawing of chords or of splines at the other, from scene to scene the other way
-round. That the curves of every scene hold at all tolerances in all forms is proved by
-`test_targets`, that both solids are one body by `test_solids`. What `write` measured holds for all
-files; one folder of each scene is verified besides, and what verifies it finds the same. The long
-form writes and verifies every scene in all forms at both ends, and between them.
+Each scene is written in two forms: a drawing of arcs, a program and one of its solids at one end of
+the tolerances, a drawing of chords or splines at the other, and the next scene the other way round.
+`test_targets` proves the curves of every scene at all tolerances in all forms, `test_solids` that
+both solids are one body. What `write` measures holds for all files; one folder of each scene is
+verified as well, with the same result. The long form writes and verifies every scene in all forms
+at both ends, and between them.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def _written(number: int) -> list[tuple[Form, float]]:
 
 
 def _either(number: int, one: Given, other: Given) -> Given:
-    """By turns for two scenes the one and for two the other, so that each meets both ends."""
+    """In turn two scenes with the one and two with the other, so that each meets both ends."""
     return other if number % 4 < 2 else one
 
 

@@ -204,7 +204,7 @@ def test_damage_to_splines_is_caught(
 def test_any_digit_is_caught_with_its_certificate(
     kind: str, setzhub: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The last digit moves nothing that can be measured; the file's hash shows it all the same."""
+    """The last digit moves nothing that can be measured, but the file's hash shows the change."""
     suffix, change = LAST_DIGITS[kind]
     path = _damaged(setzhub, suffix, change, tmp_path, certified=True)
     code, record = _verify(capsys, path)
@@ -226,7 +226,8 @@ def test_another_scene_is_reported(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Against a scene that the file was not made from; then against another version of its own."""
+    """Against a scene that the file was not made from; then against another version of its own
+    scene."""
     (path,) = setzhub.glob(f"*{suffix}")
     shutil.copy(path, tmp_path)
     if certified:

@@ -182,14 +182,14 @@ def test_a_parent_that_cannot_be_synchronised(
 
 def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A thread is kept out like another process."""
-    told: list[str] = []
+    messages: list[str] = []
     written = threading.Event()
 
     def write() -> None:
-        write_set(tmp_path, FILES, force=False, progress=told.append)
+        write_set(tmp_path, FILES, force=False, progress=messages.append)
         written.set()
 
-    with transaction._locked(tmp_path, told.append):
+    with transaction._locked(tmp_path, messages.append):
         (tmp_path / STAGING).mkdir()
         (tmp_path / STAGING / transaction.WRITER).write_text("4711")
         with monkeypatch.context() as patch:
@@ -203,7 +203,7 @@ def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.Monkey
         thread.start()
         assert not written.wait(0.1)
     thread.join()
-    assert set(told) == {f"waiting for process 4711, which is writing into {tmp_path}"}
+    assert set(messages) == {f"waiting for process 4711, which is writing into {tmp_path}"}
     assert _everything(tmp_path) == FILES
 
 
