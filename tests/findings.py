@@ -7,6 +7,6 @@ from camgeo.design import Design
 
 
 def effect_findings(design: Design) -> tuple[Finding, ...]:
-    """Findings of the effects in the scene, in its order; equal ones of several effects once."""
+    """Findings of the effects in the scene, in its order; those that several effects share once."""
     found = [each for name in design.scene.effects for each in design.effects.findings(name)]
     return tuple(dict.fromkeys(found))

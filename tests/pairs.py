@@ -1,7 +1,7 @@
 """Conjugate pairs for tests, with the positions of their rollers by independent formulas.
 
-The follower is one rigid body: the place of the return roller follows from the place of the main
-one and from the dimensions of the scene, by nothing of the code under test.
+The follower is one rigid body: the position of the return roller follows from that of the main one
+and the dimensions of the scene, without the code under test.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Which tests are quick: `-m quick` runs the modules that take no more than a second.
 
-`benchmarks/test_suite.py --write` measures which take more. In a folder where all modules do, the
+`benchmarks/test_suite.py --write` measures which take longer. In a folder where all modules do, the
 fastest one counts as quick, unless it takes more than `LONGEST`. Of the scenes built end to end,
-one is quick.
+only one is built.
 """
 
 from __future__ import annotations

@@ -45,8 +45,8 @@ FAMILY_TASKS = [(name, task) for name, family in FAMILIES.items() for task in fa
 """All laws there are, each for each motion task that it is made for."""
 
 
-# What is drawn from again and again is made once: hypothesis checks a new strategy before it draws
-# from it, which takes longer than to draw.
+# Strategies that are drawn from often are made once: hypothesis checks a new one before drawing
+# from it, which takes longer than drawing.
 
 
 Value = TypeVar("Value")
@@ -126,7 +126,7 @@ def family_laws(draw: st.DrawFn, name: str) -> Law:
 
 @cache
 def distances() -> st.SearchStrategy[float]:
-    """From 0.1 down to 1e-16, all magnitudes alike."""
+    """From 0.1 down to 1e-16, evenly over the magnitudes."""
     return st.floats(1.0, 16.0).map(lambda exponent: 10.0**-exponent)
 
 

@@ -107,7 +107,7 @@ COMMON = {"contact-lost", "trimmed-motion", "simplified"}
 """Findings that any effect may have; the section on conventions has them."""
 
 
-def test_findings_of_all_effects_are_told_once() -> None:
+def test_findings_of_all_effects_are_listed_once() -> None:
     assert {name for name in COMMON if f"\n| `{name}` |" in PAGE} == COMMON
 
 

@@ -189,7 +189,7 @@ def stretches(lines: list[str], given: Mapping[str, Any]) -> list[tuple[float, f
 
 
 TINY = 1e-9
-"""A stretch no longer than that is none, except for rounding."""
+"""A stretch no longer than this is only rounding."""
 
 Block = tuple[str, str, list[str], bool]
 """Family, task, lines, and whether the law is the mirror image of what they say."""

@@ -28,7 +28,7 @@ def test_the_page_is_made_by_its_script() -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_program_with_its_faults_mended_agrees_with_camgeo(name: str) -> None:
-    """So the port is the program, and the faults are all there are except for mue."""
+    """So the port is faithful, and there are no other faults, except for mue."""
     found, true = PAGE.opticurv(PAGE.numbers_of(name), ()), PAGE.right(name)
     assert tuple(found) == tuple(true)
     for column, values in true.items():

@@ -228,7 +228,7 @@ def found(curve: PitchCurve, phi: FloatArray) -> dict[str, Any]:
 
 
 def finite_or_refused(quantity: Callable[[], Any], words: str = "") -> None:
-    """Request a quantity: all of it is finite, or an error states why there is none."""
+    """Request a quantity: either all of it is finite, or an error states why there is none."""
     try:
         values = quantity()
     except GeometryError as error:

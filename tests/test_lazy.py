@@ -163,7 +163,7 @@ def test_a_ring_is_refused_with_its_way() -> None:
         ring.entry  # noqa: B018 - it is computed
     assert caught.value.way == ("one", "two", "one")
     assert isinstance(caught.value, RecursionError)
-    # What the ring did not reach is reported as failed, and the ledger is free for the next one.
+    # What the cycle did not reach is reported as failed, and the ledger is free again.
     assert [(run.name, run.failed) for run in ring.ledger.runs] == [
         ("two", True),
         ("one", True),

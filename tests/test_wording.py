@@ -51,7 +51,7 @@ def test_a_cam_angle_is_below_a_turn(angle: float, form: str) -> None:
 
 @pytest.mark.parametrize("folder", ["camgeo", "export"])
 def test_messages_count_with_counted(folder: str) -> None:
-    """No text writes a plural behind a number that may be 1."""
+    """No text has a plural after a number that may be 1."""
     found = [
         f"{path.relative_to(ROOT)}: {match[0]}"
         for path in sorted((ROOT / folder).rglob("*.py"))

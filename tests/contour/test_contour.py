@@ -102,7 +102,7 @@ def test_winding_number(contour: Contour, share: float, angle: float) -> None:
     point = 10.0 * share * complex(np.cos(angle), np.sin(angle))
     ring = outline(contour).dense(20_000)
     if np.min(np.abs(ring - point)) < 0.01:
-        return  # too near to be decided
+        return  # too near to decide
     turns = round(float(np.sum(np.angle((np.roll(ring, -1) - point) / (ring - point)))) / 6.2832)
     assert winding_number(contour, point) == turns
     assert winding_number(contour.reversed(), point) == -turns
@@ -110,7 +110,7 @@ def test_winding_number(contour: Contour, share: float, angle: float) -> None:
 
 @pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
 def test_the_area_beside_flat_arcs(bulge: float) -> None:
-    """Two thirds of chord times sagitta each, however large their circles are."""
+    """Each arc adds two thirds of chord times sagitta, however large its circle is."""
     square: ComplexArray = np.array([5.0, 5j, -5.0, -5j], dtype=np.complex128)
     flat = chain(square, np.full(4, 4.0 * math.atan(bulge)))
     beside = 4.0 * 50.0 * bulge / 3.0

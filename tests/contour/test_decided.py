@@ -1,4 +1,4 @@
-"""What the last digits of deviations do not decide."""
+"""Comparisons that the last digits of deviations do not decide."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIZES = st.floats(1e-12, 1e3)
 
 @given(SIZES, st.integers(-9, 9))
 def test_of_equal_deviations_neither_is_less(size: float, units: int) -> None:
-    """Equal but for `units` of 1e-11."""
+    """Equal except for `units` of 1e-11."""
     other = np.array([size * (1.0 + 1e-11 * units)])
     assert not clearly_less(other, np.array([size]))[0]
     assert not clearly_less(np.array([size]), other)[0]
@@ -28,5 +28,5 @@ def test_less_by_a_tenth_of_a_step_is_less(size: float) -> None:
 
 @given(st.integers(-9_000, 9_000), st.floats(-0.499, 0.499))
 def test_steps(number: int, part: float) -> None:
-    """The nearest multiple of a step, whatever lies between; zero is one."""
+    """Numbers go to the nearest multiple of a step, which zero is too."""
     assert in_steps(np.array([(number + part) * STEP]))[0] == number * STEP

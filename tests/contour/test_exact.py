@@ -161,7 +161,7 @@ def test_a_moved_corner_counts_as_much_as_it_is_moved(
 def test_the_distance_is_a_continuous_function(
     exact: Contour, index: int, step: float, angle: float, size: float
 ) -> None:
-    """However far off a contour is already: arcs of up to half a turn, all of them moved before."""
+    """However far off the contour already is: all of its arcs, of up to half a turn, were moved."""
     arcs = exact.split(math.pi)
     rough = np.random.default_rng(index).normal(size=(3, len(arcs))) * 10.0**size
     vertices = arcs.vertices + rough[0] + 1j * rough[1]
@@ -174,7 +174,7 @@ def test_the_distance_is_a_continuous_function(
 
 @pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
 def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
-    """However large their circles are."""
+    """However large the circles are."""
     straight = int(np.flatnonzero(SLOTTED.sweeps == 0.0)[0])
     sweeps = SLOTTED.sweeps.copy()
     sweeps[straight] = 4.0 * math.atan(bulge)
@@ -184,7 +184,7 @@ def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
 
 
 def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
-    """The circle lies on the circle everywhere: only the missing slot shows the fault."""
+    """All of the circle lies on the exact bore: only the missing slot shows the fault."""
     corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
         assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)

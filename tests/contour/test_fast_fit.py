@@ -207,7 +207,7 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
 
 @pytest.mark.parametrize("fitter", [fit_arcs, fewest_arcs, fit_polyline, fewest_chords])
 def test_a_whole_turn_without_a_stroke(fitter: Fitter) -> None:
-    """One smooth piece from a point to itself, which its chord, of no length, does not show."""
+    """One smooth piece from a point to itself, whose chord has no length."""
     path = whole(cam(move(360, 0.0), base=40.0, roller=8.0))
     fit = fitter(path, 0.01)
     assert fit.deviation <= 0.01

@@ -1,4 +1,4 @@
-"""Hausdorff's distance of contours, against dense sampling and closed forms."""
+"""The Hausdorff distance of contours, compared with dense sampling and closed forms."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.long_form import examples
 some = settings(max_examples=examples(15, long=60), deadline=None)
 
 SAMPLES = 2_000
-"""Points of each contour; between two of them the distance is hardly larger."""
+"""Points of each contour, dense enough that the distance between two is hardly larger."""
 
 SQUARE: ComplexArray = np.array([5.0, 5j, -5.0, -5j], dtype=np.complex128)
 

@@ -265,7 +265,7 @@ def test_the_follower_jams_where_friction_takes_all() -> None:
     assert subject.cam.disc.pitch_curve.leverage(place)[0] <= mu + 0.02
 
 
-def test_shocks_are_told() -> None:
+def test_shocks_are_reported() -> None:
     subject = design("plate_translating", "")
     held = drive(
         subject, DefinedForce(subject, (inertia(subject, 2e-3), spring(subject, 90.0, 0.0)))

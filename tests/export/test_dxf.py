@@ -125,7 +125,7 @@ def test_chain_gives_back_a_contour() -> None:
 def test_the_drawing_is_seen_when_it_is_opened(
     scale: float, unit: LengthUnit, auxiliary: bool
 ) -> None:
-    """Extents, limits and the open view, as ezdxf reads them, against the circles of the part."""
+    """Extents, limits and open view, as ezdxf reads them, compared with circles of the part."""
     product = StubProduct(scale=scale, unit=unit, dxf=DxfSpec(auxiliary=auxiliary))
     mm = MM_PER[unit]
     lowest, side = (-45.0, 40.0) if auxiliary else (-37.0, 32.0)
@@ -157,7 +157,7 @@ def check_view(document: Any, box: FloatArray, slack: float) -> None:
 
 @pytest.mark.parametrize("entity", ["arcs", "spline"])
 def test_the_view_of_a_real_disc(entity: str) -> None:
-    """Of curves that reach their extremes inside a piece, against points on all of them."""
+    """Curves that reach their extremes inside a piece, compared with points on all of them."""
     scene = SCENES / "setzhub.toml"
     text = f'{scene.read_text("utf-8")}\n[output.dxf]\nentity = "{entity}"\nauxiliary = false\n'
     data = WRITER.write(camgeo.loads(text).disc, 0.01).data

@@ -428,7 +428,7 @@ def test_names_are_made_safe_for_comments() -> None:
 
 
 def test_comments_up_to_the_end_of_a_line(tmp_path: Path) -> None:
-    """As some controllers want them: what they state is read all the same."""
+    """Some controllers want comments like this; what they state is read all the same."""
     text = files("camgeo.toolpath").joinpath("machines", "linuxcnc.toml").read_text("utf-8")
     profile = tmp_path / "semicolon.toml"
     profile.write_text(

@@ -1,4 +1,4 @@
-"""CSV reads back to the bit; pictures are the same each time, and leave no global state."""
+"""CSV reads back to the bit; pictures are the same every time and leave no global state."""
 
 from __future__ import annotations
 

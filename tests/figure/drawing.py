@@ -1,4 +1,4 @@
-"""A figure drawn by matplotlib, for tests of what lies where."""
+"""A figure drawn by matplotlib, for tests of the layout."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo_export.plots.render import RC, page
 
 
 def drawn(figure: Figure) -> Page:
-    """All of it, with every part in its place; no pixel is painted."""
+    """The whole figure, with every part in its place but no pixel painted."""
     with rc_context(RC):
         made = page(figure)
         made.draw_without_rendering()

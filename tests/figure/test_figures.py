@@ -151,8 +151,8 @@ def test_every_name_in_a_legend_is_that_of_something_drawn(case: str) -> None:
             assert entry.style in looks or entry.label.startswith("roller"), entry
 
 
-def test_what_stands_in_each_picture() -> None:
-    """Its subject, from the names and words in it."""
+def test_the_text_in_each_picture() -> None:
+    """The picture shows its subject: names and words that must be in it."""
     wanted = {
         "laws": {"f′ f″", "law", "modified-sine"},
         "replay": {"actual", "demanded", "ripple"},

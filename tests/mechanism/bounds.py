@@ -27,12 +27,10 @@ def assert_bounds_hold(motion: Motion, count: int, rounding: float, least: float
 
 
 def assert_bounds_are_close(linkage: Linkage, dead: float, side: int, most: float) -> None:
-    """That bounds over cells next to a dead centre exceed what they bound by the factor `most`
-    at most.
+    """Assert that bounds next to a dead centre exceed the values by at most the factor `most`.
 
-    The cells are a fiftieth of their distance from the position `dead` wide, and lie on the given
-    `side` of it. Values change along with that distance, so they are compared with the largest one
-    nearby.
+    The width of a cell is a fiftieth of its distance from the position `dead`, on the given `side`
+    of it. Values change with that distance, so bounds are compared with the largest one nearby.
     """
     for distance in (1e-1, 1e-2, 1e-3, 1e-4):
         places = dead + side * distance * np.linspace(0.5, 1.5, 41)

@@ -180,7 +180,7 @@ def test_no_meeting_is_an_error() -> None:
 @pytest.mark.parametrize("distance", [1e3, 1e6, 1e9])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_distant_pivot_costs_no_digits(distance: float, side: int) -> None:
-    """Against W = l_3 exp(i chi) - l_1 with 50 digits; a line is met on both sides of the way."""
+    """Against W = l_3 exp(i chi) - l_1 with 50 digits; a line is met on both sides of the path."""
     pivot = cmath.rect(distance, 2.0)
     follower = OscillatingRoller(pivot, abs(pivot) + 7.0, 50.0, 6.0, side)
     path, phi = path_of(follower, 1), np.array([0.3, 1.7, 4.0])

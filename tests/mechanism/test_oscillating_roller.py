@@ -34,7 +34,7 @@ def test_a_base_radius_that_closes_no_triangle_is_refused(base: float) -> None:
 
 
 def test_a_pivot_may_lie_as_close_to_an_axis_as_numbers_can_tell() -> None:
-    """Its direction is then smaller than the smallest normal number."""
+    """Its angle is then smaller than the smallest normal number."""
     near, at = (
         PitchCurve(RISE, OscillatingRoller(complex(-120.0, height), 80.0, 60.0, 5.0), 1)
         for height in (5e-324, 0.0)
@@ -96,7 +96,7 @@ def test_the_rocker_angle_is_counted_on_the_arms_own_side() -> None:
 
 @st.composite
 def rockers(draw: st.DrawFn) -> tuple[OscillatingRoller, float]:
-    """With a pivot up to 1e9 base radii away, about a base circle of any size; and that size."""
+    """A rocker with its pivot up to 1e9 base radii away, for any base circle; and its size."""
     size = 10.0 ** draw(st.floats(-6.0, 6.0))
     distance = size * 10.0 ** draw(st.floats(0.0, 9.0))
     pivot = cmath.rect(distance, draw(st.floats(0.0, TURN)))
@@ -133,7 +133,7 @@ def test_a_distant_pivot_costs_no_digits(
             w3 - 3 * turn * w2 - 3 * w1 + turn * w,
         )
         forward = rotation * exact[1] * mp.expj(-chi)
-        # Sums of a dozen terms, each some sizes at most and rounded a few times.
+        # Sums of a dozen terms, each of at most a few sizes and rounded a few times.
         room = 512 * 2.0**-53 * size
         for own, along, across in zip(exact, found.along[:, 0], found.across[:, 0], strict=True):
             assert abs(own - mpc(float(along), float(across))) <= room
@@ -142,7 +142,7 @@ def test_a_distant_pivot_costs_no_digits(
 
 
 def test_bounds_do_not_grow_with_the_distance_of_the_pivot() -> None:
-    """The same way of the roller on ever larger circles: its bounds tend to those of a guide."""
+    """The same path of the roller on ever larger circles: its bounds tend to those of a guide."""
     low = np.linspace(0.0, TURN, 65)[:-1]
     found = []
     for distance in (1e4, 1e8):

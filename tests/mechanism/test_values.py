@@ -122,17 +122,17 @@ NOT_NEGATIVE = {
 ANGLES = {"guide_angle", "deflection", "lever_angle", "angle", "transmission_angle"}
 
 ANY_SIZE = {"SlottedLever", "DrivenLever"}
-"""Quantities computed from ratios alone, for lengths as large or small as doubles can be."""
+"""Quantities computed from ratios alone: lengths may be as large or small as doubles can be."""
 
 NEVER: tuple[Any, ...] = (
     math.nan, -math.nan, math.inf, -math.inf, 1e308, -1e308, 10**400, np.float64("nan"), 3.0 + 4.0j,
     "5", "", b"5", True, False, [1.0], (1.0,), {}, object, np.array([1.0, 2.0]), Decimal("NaN"),
     complex(math.nan, 0.0), complex(0.0, math.inf), complex(1e308, 0.0), int, len,
 )  # fmt: skip
-"""Values that are no number, point, sense, text or part of a mechanism, unless `allowed`."""
+"""Values that are not a number, point, sense, text or part of a mechanism, unless `allowed`."""
 
 SMALL = (-1.0, -5, -1e-3, -5e-324, 5e-324, 2.2250738585072014e-308, 1e-300, 1e-31, -1e30)
-"""Values that are no length above 0."""
+"""Values that are not a length above 0."""
 
 MOST_CALLS = 3000
 """Calls of functions in which a value is refused."""

@@ -282,7 +282,7 @@ def test_the_acceleration_jumps_where_the_reference_has_it_jump(case: dict[str, 
 def test_values_anywhere(name: str, data: st.DataObject) -> None:
     """Any parameters, lambda and c as near as 1e-6 to their limits, z as near as 1e-16 to an end.
 
-    f and 1 - f are each right to 1e-15 of their largest values, so that they also add up to 1.
+    f and 1 - f are each right to 1e-15 of their largest values, so they also add up to 1.
     """
     law = data.draw(family_laws(name))
     true = pieces_of(law)

@@ -16,7 +16,7 @@ def test_the_rest_of_a_length_is_what_its_rounding_took(x: float, y: float) -> N
     rest = hypot_rest(complex(x, y), size)
     with mpmath.workdps(80):
         exact = mpmath.hypot(x, y) - size
-        # The rest is divided by 2 size instead of the sum of both, and has its own rounding.
+        # The rest is divided by 2 size instead of the sum of both, and is itself rounded.
         assert abs(exact - rest) <= 2.0**-100 * size
     assert abs(rest) <= 2.0**-51 * size
 

@@ -215,7 +215,7 @@ def test_one_alone_is_found_with_half_the_work() -> None:
 EDGES = np.linspace(0.0, TURN, 9)
 
 NEAR = INSET * TURN / 8.0
-"""A root this near to an edge is not distinguished from it."""
+"""A root this near an edge is not distinguished from it."""
 
 
 @given(shift=st.floats(0.0, TURN), level=st.floats(-0.9, 0.9))

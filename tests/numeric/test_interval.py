@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from camgeo.numeric.interval import Interval, about
 
 numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0.0 or abs(x) > 1e-60)
-"""Not so small that a product underflows."""
+"""Large enough that no product underflows."""
 
 shares = st.floats(0.0, 1.0)
 
@@ -88,7 +88,7 @@ def test_differences_of_angles_hold(
 
 
 def test_ranges_of_cosines_of_small_ranges_are_narrow() -> None:
-    """To the third power of the reach where the cosine is largest, to the second elsewhere."""
+    """The width is of third order in the reach where the cosine is largest, of second elsewhere."""
     found = about(np.array([0.0, 1.0]), np.array([1e-3, 1e-3]))
     exact = math.cos(1e-3), math.cos(1.0 + 1e-3)
     assert found.cosine.low == pytest.approx(exact, rel=0.0, abs=1e-6)

@@ -190,7 +190,7 @@ def test_a_peak_on_a_node_does_not_pass_for_all_there_is(tolerance: float) -> No
 
 @pytest.mark.parametrize("noise", [1e-12, 1e-9, 1e-6])
 def test_noise_beyond_the_tolerance_ends_and_is_reported(noise: float) -> None:
-    """As for forces that are small differences of large ones."""
+    """As with forces that are small differences of large ones."""
 
     def rough(x: FloatArray) -> FloatArray:
         return np.sin(5.0 * x) + noise * np.sin(3e15 * x)

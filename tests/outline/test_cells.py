@@ -47,7 +47,7 @@ def test_a_box_holds_all_of_its_cell(pitch: PitchCurve, side: int, parts: int) -
     assert np.all(np.abs(local.imag) <= cells.across[:, None])
     tangents = samples.tangents.reshape(places.shape) * np.conj(cells.tangent)[:, None]
     assert np.all(np.abs(np.angle(tangents)) <= cells.turn[:, None] + 1e-15)
-    # What is claimed to be sure is so: the pace keeps its sign, the tangent turns one way.
+    # What is claimed to be certain is: the pace keeps its sign, the tangent turns one way.
     pace = samples.pace.reshape(places.shape)
     sure = cells.sign != 0.0
     assert np.all(np.sign(pace[sure]) == cells.sign[sure, None])

@@ -26,7 +26,7 @@ NO_CUSPS = np.empty(0)
 
 
 def flank(short: float) -> WorkingCurve:
-    """Of a cam whose linkage comes within a stroke of `short` [mm] of a dead centre at 120 deg."""
+    """For a cam whose linkage comes within a stroke of `short` [mm] of a dead centre at 120 deg."""
     linkage = SliderCrank(40.0, 60.0, math.radians(30.0), True, 1, 1, 1)
     stroke = max(linkage.dead_strokes) - short
     third = Decimal(120)
@@ -37,9 +37,7 @@ def flank(short: float) -> WorkingCurve:
 
 @pytest.mark.parametrize("short", [1.0, 1e-2, 1e-4, 1e-6, 1e-8])
 def test_the_cells_next_to_a_dead_centre_are_as_wide_as_they_are_far_from_it(short: float) -> None:
-    """So their number grows with the logarithm of the distance: some tens for each factor of
-    ten.
-    """
+    """So their number grows with the logarithm of the distance: a few tens per decade."""
     found = divide(Envelope(flank(short)), NO_CUSPS).cells
     assert np.all(found.turn <= STEEPEST)
     assert len(found) <= 200 + 50 * abs(math.log10(short))

@@ -53,7 +53,7 @@ each_sense = pytest.mark.parametrize("sigma", [1, -1])
 
 
 def resting(face: FlatFollower, sigma: int = 1) -> PitchCurve:
-    """A cam of which nothing is demanded: all that is replayed comes from the contour."""
+    """A cam without a demanded motion: all that is replayed comes from the contour."""
     curve = translating(dwell(360)).pitch
     return replace(curve, follower=face, rotation=sigma)
 
@@ -115,7 +115,7 @@ def test_an_eccentric_disc_touches_its_face(face: Any, sigma: int) -> None:
 
 
 def test_a_square_is_all_shocks() -> None:
-    """Flush with a side the contact jumps from corner to corner: the velocity by its length."""
+    """Flush with a side the contact jumps from corner to corner, the velocity by its length."""
     square = polyline(np.array([30 + 30j, -30 + 30j, -30 - 30j, 30 - 30j]))
     found = replay_contour(resting(replace(GUIDED, base_radius=30.0)), square)
     assert len(found.shocks) == 4
@@ -152,7 +152,7 @@ def test_the_face_touches_and_cuts_nothing(seed: int, face: FlatFollower, sigma:
     contour = Contour(shape.starts, shape.sweeps, shape.centres)
     try:
         found = replay_contour(resting(face, sigma), contour)
-    except GeometryError:  # a contact beyond the pivot's foot
+    except GeometryError:  # contact beyond the pivot's foot
         reject()
     phi = np.concatenate((rng.uniform(0.0, TURN, 20), found.lift.borders))
     beyond = apart(found, dense, phi)
@@ -186,7 +186,7 @@ def test_each_derivative_is_that_of_the_one_before(
         assert slope == pytest.approx(here[order + 1], abs=1e-6 * size)
 
 
-# Cams of their own ------------------------------------------------------------------------------
+# Real cams --------------------------------------------------------------------------------------
 
 
 def flat_scenes() -> list[Path]:
@@ -215,7 +215,7 @@ def test_a_fit_gives_the_motion_back(scene: Path, tolerance: float) -> None:
     assert isinstance(found.lift, FaceLift)
     places, angles = found.lift.contacts()
     sampled = touch(disc.pitch_curve, found.phi).contact[0]
-    # On an arc of another radius, off by the slope of the deviation: sqrt(8 rho deviation).
+    # On an arc of a different radius, off by the slope of the deviation: sqrt(8 rho deviation).
     off = 3.0 * math.sqrt(8.0 * 100.0 * fit.deviation)
     assert np.min(places) == pytest.approx(np.min(sampled), abs=off)
     assert np.max(places) == pytest.approx(np.max(sampled), abs=off)

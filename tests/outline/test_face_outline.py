@@ -39,7 +39,7 @@ STEP = math.radians(0.02)
 
 
 def tappet(base: float = 25.0, *strokes: tuple[int, float]) -> PitchCurve:
-    """A tappet with moves (span [deg], position [mm]), and a rest of 20 degrees before each."""
+    """A tappet with moves (span [deg], position [mm]) and a rest of 20 degrees before each."""
     moves = strokes or ((60, 20.0), (80, 0.0))
     segments: list[Dwell | Move] = []
     for span, to in moves:
@@ -138,7 +138,7 @@ def test_what_is_left_is_the_intersection_of_all_half_planes(curve: PitchCurve) 
 
 
 def test_the_area_is_that_of_the_half_planes() -> None:
-    """By intersecting squares with shapely: a disc with two corners."""
+    """Compared with squares that shapely intersects: a disc with two corners."""
     pitch = tappet()
     outline = outline_of(pitch)
     assert len(outline.path.pivots) == 2
@@ -166,7 +166,7 @@ def test_an_arc_that_two_corners_cut_off_is_left_out() -> None:
 
 @pytest.mark.parametrize("share", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_a_tail_however_small_is_found(share: float) -> None:
-    """A base radius just below the least: cusps about the deepest place, and a blunt corner."""
+    """A base radius just below the least one: cusps at the deepest place, and a blunt corner."""
     least = -convexity(tappet(1000.0)).radius[0] + 1000.0
     pitch = tappet(least - share * 20.0)
     outline = outline_of(pitch)

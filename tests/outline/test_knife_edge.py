@@ -116,7 +116,7 @@ def test_the_check_states_that_any_curvature_fits() -> None:
 
 @pytest.mark.parametrize(("base", "offset"), [("30", "3"), ("10", "0"), ("3", "0")])
 def test_a_sharp_corner_has_an_outline(base: str, offset: str) -> None:
-    """However long the turn about it: 23, 37 and 47 degrees."""
+    """However far it turns about the corner: 23, 37 and 47 degrees."""
     text = SCENE.read_text("utf-8").replace("base_radius = 30", f"base_radius = {base}")
     design = Design(parse_scene(text.replace("offset = 3", f"offset = {offset}"), str(SCENE)))
     assert {each.severity for each in design.findings} <= {"ok", "warning", "broken"}

@@ -97,7 +97,7 @@ def test_the_error_estimate_holds_at_every_tolerance() -> None:
 @pytest.mark.parametrize("scene", ["plate_translating", "groove", "ring", "shuttle", "measured"])
 def test_the_area_is_that_of_the_other_quadrature(scene: str) -> None:
     for path in design(scene, "").cam.disc.flank_paths:
-        # the other one gives no error; its parts have their digits with eight of twelve nodes
+        # the other gives no error; its parts have their digits with eight of twelve nodes
         assert path_moments(path, 1e-12).area == pytest.approx(area(path), rel=1e-11)
 
 

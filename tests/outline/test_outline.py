@@ -76,7 +76,7 @@ def test_no_roller_reaches_what_is_kept(pitch: PitchCurve, side: int) -> None:
 @settings(attack, max_examples=examples(8, long=40))
 @given(near_dead_pitch_curves(), signs())
 def test_nor_does_one_next_to_a_dead_centre(pitch: PitchCurve, side: int) -> None:
-    """Where the rounding of the linkage's lengths counts a thousandfold."""
+    """Here the rounding of the linkage's lengths is amplified a thousandfold."""
     try:
         outline = outline_of(flank_of(pitch, side))
     except GeometryError as error:

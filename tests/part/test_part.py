@@ -280,7 +280,7 @@ def test_bore_near_a_corner() -> None:
 def test_a_deviation_is_computed_once_for_the_same_contour(
     kind: type[CurveBoundary | ExactBoundary], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """From whichever vertex it begins: a solid has each outline at two heights."""
+    """Whichever vertex it begins from: a solid has each outline at two heights."""
     boundary: CurveBoundary | ExactBoundary = CurveBoundary("outline", False, INNER)
     name = "deviation"
     if kind is ExactBoundary:

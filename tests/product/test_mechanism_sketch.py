@@ -20,7 +20,7 @@ SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").gl
 ANGLES = np.random.default_rng(7).uniform(0.0, TURN, 7)
 
 ROUNDING = 1e-12
-"""Rounding of a point, as a share of the mechanism: some sines and sums."""
+"""Rounding of a point, as a share of the mechanism's size: some sines and sums."""
 
 
 @pytest.fixture(params=SCENES, ids=lambda path: path.stem)

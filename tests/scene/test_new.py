@@ -64,7 +64,7 @@ def choices(text: str) -> Iterator[tuple[str, str, set[str]]]:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_comments_name_every_value_of_a_choice(kind: str) -> None:
-    """All values that the schema allows, except those that the template's machine rules out."""
+    """All values that the schema allows, except those ruled out by the template's machine."""
     text = template(kind)
     found = [each for each in choices(text) if not each[0].endswith(CHOSEN)]
     assert {key for key, _, _ in found} >= {"units.length", "cam.rotation", "output.formats"}

@@ -164,7 +164,7 @@ def test_names_that_are_too_long(length: int, tmp_path: Path) -> None:
 def test_a_parent_that_cannot_be_synchronised(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As one that may be written but not read."""
+    """As with a folder that may be written but not read."""
     original = transaction._sync
 
     def refused(path: Path) -> None:
@@ -181,7 +181,7 @@ def test_a_parent_that_cannot_be_synchronised(
 
 
 def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thread is kept out like another process."""
+    """A thread is excluded like another process."""
     messages: list[str] = []
     written = threading.Event()
 

@@ -87,7 +87,7 @@ def test_file_that_is_off_is_not_kept(
 
 
 def test_the_same_bytes_in_another_process(tmp_path: Path) -> None:
-    """Time, hash seed, folders, home, umask, locale, threads and who asks leave no trace."""
+    """Time, hash seed, folders, home, umask, locale, threads and the caller leave no trace."""
     scene = str(SCENES / "inch.toml")
     code = (
         f"import camgeo, sys;camgeo.load({scene!r}).write(sys.argv[1], {FORMATS!r}, tolerance=0.01)"
@@ -97,7 +97,7 @@ def test_the_same_bytes_in_another_process(tmp_path: Path) -> None:
     program += ["--only", ",".join(FORMATS), "--tolerance", "0.01"]
     runs = []
     for seed, command in (("1", library), ("4", program)):
-        # By these seeds a set of ezdxf's class names comes in two orders.
+        # With these seeds a set of ezdxf's class names comes in two orders.
         environment = dict(os.environ, PYTHONHASHSEED=seed, TZ=f"UTC+{seed}")
         home = tmp_path / f"home {seed}"
         if seed == "4":

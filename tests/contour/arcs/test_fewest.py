@@ -69,8 +69,8 @@ def _check_target(curve: WorkingCurve, tolerance: float) -> int:
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_the_fast_fit_never_needs_fewer(name: tuple[str, int], tolerance: float) -> None:
-    """It has whole pairs, and tangents given at the ends of pieces. That the fewest are near the
-    limit on all fixture cams is tested end to end (`test_targets`).
+    """The fit has whole pairs of arcs, and given tangents at the ends of pieces. That the fewest
+    are near the limit on all fixture cams is tested end to end (`test_targets`).
     """
     fit = fitted(name, tolerance)
     assert fit.tolerance == tolerance

@@ -169,7 +169,7 @@ def test_size_does_not_matter(size: float, tolerance: float) -> None:
         fewest_chords(scaled(size), size * tolerance),
     )
     assert len(one.contour) == len(other.contour)
-    # What both are off is the same, except for the rounding that a tolerance of 1e-4 mm meets.
+    # Both are off by the same amount, except for rounding, which a tolerance of 1e-4 mm shows.
     assert other.deviation == pytest.approx(size * one.deviation, rel=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""Numbers of straight pieces: one ladder for all tolerances, of which layouts are independent."""
+"""Numbers of straight pieces: one ladder for all tolerances, so layouts do not depend on them."""
 
 from __future__ import annotations
 

@@ -195,7 +195,7 @@ def test_the_first_proof_holds(name: tuple[str, int], monkeypatch: pytest.Monkey
         fit = fewest_cubics(path, float(tolerance))
         assert len(proofs) == 1
         error, bound = proofs[0]
-        # The search takes the peaks of parabolas for errors: a hundredth too large, if that much.
+        # The search takes errors from the peaks of parabolas: at most a hundredth too large.
         assert error <= 1.01 * bound
         assert bound == fit.deviation
         assert len(fit.contour) >= before

@@ -95,7 +95,7 @@ def test_reversed_arc(name: tuple[str, int]) -> None:
 @pytest.mark.parametrize("turns", [-1.0, 1.0])
 @pytest.mark.parametrize("name", FLANKS, ids=str)
 def test_arc_that_runs_the_long_way_round(name: tuple[str, int], turns: float) -> None:
-    """On the same circle, between the same ends: only its sweep shows it."""
+    """The arc is on the same circle and between the same ends: only its sweep differs."""
     contour = _fit(name)
     for index in range(0, len(contour), 9):
         sweeps = contour.sweeps.copy()
@@ -210,7 +210,7 @@ def test_inches_for_millimetres_show() -> None:
 
 @pytest.mark.parametrize("bulge", [1e-15, 1e-12, 1e-9, 1e-6])
 def test_flat_arcs_are_as_near_as_their_lines(bulge: float) -> None:
-    """By their sagittas: their circles, up to 1e16 mm large, do not round for it."""
+    """Flat arcs are off by their sagittas, without the rounding of circles up to 1e16 mm large."""
     path, lines = whole(flank(*FLANKS[0])), _fit(FLANKS[0], straight=True)
     flat = _through(lines.vertices, np.full(len(lines), 4.0 * np.arctan(bulge)))
     sagitta = 0.5 * bulge * float(np.max(lines.lengths))

@@ -1,4 +1,4 @@
-"""Plans of 1 to 50 segments by every law, whatever is asked: what holds at joints and between."""
+"""Plans of 1 to 50 segments by every law, whatever is requested: what always holds."""
 
 from __future__ import annotations
 
@@ -42,23 +42,23 @@ GROUPS = (
     ("sine-straight", "simple-sine", "polynomial-5"),
     ("modified-sine", "straight-line", "harmonic-combination", AUTO),
 )
-"""Laws that are asked for together: more of the requests can be met than with all in each."""
+"""Laws that are requested together: more requests can be met than if each plan drew from all."""
 
 SHAPED = {
     "inflection": ("sine-straight", "modified-trapezoid", "harmonic-combination", "simple-sine"),
     "curved": ("sine-straight", "scca"),
     "sine": ("scca",),
 }
-"""Laws that are given a parameter."""
+"""Laws to which a parameter is given."""
 
 WORDS = r"allowed|must|leave|for which there are|polynomial-5|its parameters|one of them"
-"""One of which a refusal has, to say what would do."""
+"""One of these is in every refusal, to say what would work."""
 
 any_wish = st.integers(0, 2**32).map(lambda seed: wish_of(random.Random(seed)))
 
 
 def wish_of(dice: random.Random) -> list[Request]:
-    """A random turn; from a seed, because 50 segments are more than hypothesis likes to draw."""
+    """A random turn, drawn from a seed because 50 segments are too many for hypothesis."""
     count = dice.choice((1, 2, 3, 4, 5, 6, 8, 12, 25, 50))
     size = dice.choice((1e-9, 1e-3, 1.0, 10.0, 10.0, 10.0, 1e3, 1e6))
     laws = dice.choice(GROUPS)
@@ -116,7 +116,7 @@ def request_of(
 
 
 def accepted(wish: list[Request]) -> MotionPlan:
-    """The plan of a wish; one that is refused names a key and what would do."""
+    """The plan for a request; a refusal names a key and what would work."""
     began = time.process_time()
     plan, refusal = None, None
     try:
@@ -139,10 +139,11 @@ def beside(wish: list[Request], joint: int) -> tuple[Request, Request]:
 
 
 def least_order(before: Request, after: Request) -> int:
-    """Up to which derivative two requests meet, whatever the designer did not state.
+    """The derivative up to which two requests meet, whatever is left open.
 
-    A straight line meets a rest with a shock. A law that jerks from rest to rest may do so, and two
-    laws that both decide their turns, because all is stated or because they have no choice.
+    A straight line meets a rest with a shock. The acceleration may jump next to a law in which it
+    does from rest to rest, and between two laws that both decide their turns, because all is stated
+    or because they have no choice.
     """
     laws = [request.law for request in (before, after) if isinstance(request, MoveRequest)]
     if "straight-line" in laws:
@@ -161,7 +162,7 @@ def jerks(law: str) -> bool:
 
 
 def decides(request: Request) -> bool:
-    """Whether a law has turns of its own, of which not both can be chosen."""
+    """Whether the turns of a move follow from its law, so that not both can be chosen."""
     if not isinstance(request, MoveRequest) or request.law in (AUTO, *POLYNOMIALS):
         return False
     return request.law in ("double-harmonic", "simple-sine") or bool(request.shaped_by)
@@ -170,7 +171,7 @@ def decides(request: Request) -> bool:
 @given(any_wish)
 @settings(attack, max_examples=examples(30, long=2000))
 def test_any_plan(wish: list[Request]) -> None:
-    """One test for all that holds, because planning takes longer than to look at the plan."""
+    """One test of all invariants, because planning takes longer than examining the plan."""
     plan = accepted(wish)
     for number, joint in enumerate(joints(plan)):
         before, after = beside(wish, number)
@@ -185,8 +186,8 @@ def test_any_plan(wish: list[Request]) -> None:
 def assert_met(plan: MotionPlan, joint: Joint, order: int, stated: float, length: float) -> None:
     """What is stated is met within rounding.
 
-    That is of some ten operations on values as large as those of the segment, and of its length,
-    which is the difference of two rounded cam angles.
+    That is the rounding of some ten operations on values as large as those of
+    the segment, and of its length, the difference of two rounded cam angles.
     """
     end = joint.cam_angle or 2.0 * math.pi
     inside = plan.jet(end - length * np.linspace(0.05, 0.95, 10))[order]

@@ -144,7 +144,7 @@ def test_a_stated_inflection_is_honoured() -> None:
 )
 @pytest.mark.parametrize("side", [0.0, 1.0])
 def test_a_lopsided_law_has_no_jump(name: str, task: str, side: float) -> None:
-    """Nor is one seen where a border, off by its rounding, lies next to a steep acceleration."""
+    """Nor is one reported where a border, off by rounding, lies next to a steep acceleration."""
     for distance in np.geomspace(1e-6, 0.5, 60):
         law = make_law(name, task, inflection=float(abs(side - distance)))
         assert not acceleration_jumps(law)

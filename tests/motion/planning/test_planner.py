@@ -81,7 +81,7 @@ def samples(plan: MotionPlan) -> list[FloatArray]:
 def assert_same(
     first: list[FloatArray], second: list[FloatArray], requests: Sequence[Request]
 ) -> None:
-    """Equal except for rounding. Of a segment that hardly moves, rounding is of its neighbours."""
+    """Equal except for rounding; that of a segment that hardly moves is its neighbours'."""
     way = max(float(np.ptp(jet[0])) for jet in first)
     for one, other, request in zip(first, second, moving(requests), strict=True):
         length = math.radians(float(request.span))
@@ -160,7 +160,7 @@ def test_stated_values_are_met(requests: list[Request]) -> None:
 @given(wishes(("polynomial-5",), data=False, rests=False, stated=False))
 @many
 def test_free_joints_have_four_continuous_derivatives(requests: list[Request]) -> None:
-    """s''' as `joints` finds it, s'''' from the quintics: where the turn nobody asks for is not
+    """s''' as `joints` finds it, s'''' from the quintics: where a turn that is not requested is not
     pinned to velocity 0."""
     assume(min(request.span for request in requests) >= 1)
     plan = accepted(requests)

@@ -54,7 +54,7 @@ def test_a_smoothed_table_stays_within_what_is_allowed_and_is_smoother() -> None
 
 
 def test_a_table_gives_its_neighbours_its_values() -> None:
-    """Its spline, free where its neighbour does not rest, decides; the next law adopts that."""
+    """The spline, free where its neighbour does not rest, decides; the next law adopts that."""
     x = np.linspace(0.0, 1.0, 31)
     rows = 8.0 * x**3 * (4.0 - 3.0 * x)
     plan = planned(rest(60), table(90, rows), move(210, 0.0))

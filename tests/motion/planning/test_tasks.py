@@ -117,7 +117,7 @@ def test_a_move_that_stays_where_it_is_between_rests_rests() -> None:
     ],
 )
 def test_what_nothing_moves_rests(requests: list[Request]) -> None:
-    """It is as good as a dwell: a curve without movement costs the proof of a fit seconds."""
+    """It is planned as a dwell: proving the fit of a curve without movement takes seconds."""
     (dwell,) = planned(*requests).dwells
     assert dwell.span == 2.0 * math.pi
 

@@ -29,7 +29,8 @@ def largest(plan: MotionPlan) -> float:
 def test_two_trapezoids_that_turn_back_need_no_rest_between_them() -> None:
     """A rise that states its inflection point decides the turn; the return meets it.
 
-    From rest to rest they would have 4.888 S/Phi^2 (VDI 2143-1, Tafel 2), at a turn 4.460.
+    From rest to
+    rest both would have 4.888 S/Phi^2 (VDI 2143-1, Tafel 2), at a turn 4.460.
     """
     requests: list[Request] = [
         move(120, 10.0, "modified-trapezoid", balance="acceleration"),
@@ -45,7 +46,7 @@ def test_two_trapezoids_that_turn_back_need_no_rest_between_them() -> None:
 @pytest.mark.parametrize("law", ["auto", "modified-trapezoid", "harmonic-combination"])
 @pytest.mark.parametrize("back", [120, 60])
 def test_a_turn_between_laws_suits_the_one_that_turns_more_sharply(law: str, back: int) -> None:
-    """Stated otherwise the largest acceleration is larger, on either side."""
+    """A turn stated less or more sharply makes the largest acceleration larger."""
 
     def asked(acceleration: float | None = None) -> list[Request]:
         rise = move(120, 10.0, law, acceleration=acceleration)
@@ -59,7 +60,7 @@ def test_a_turn_between_laws_suits_the_one_that_turns_more_sharply(law: str, bac
         try:
             other = planned(*asked(factor * turn))
         except GeometryError:
-            continue  # too gentle for any place of the inflection point
+            continue  # too gentle for any inflection point
         assert largest(other) > least
 
 
@@ -73,7 +74,7 @@ def test_a_turn_between_laws_suits_the_one_that_turns_more_sharply(law: str, bac
 def test_auto_with_a_turn_has_nearly_the_least_acceleration(
     there: int, back: int, rests: bool, factor: float
 ) -> None:
-    """Whatever else the turn is stated to be; behind it lies a rest or another turn."""
+    """Whatever the turn is stated to be; after the move comes a rest or another turn."""
     end = 360 - there - back
     ends = [rest(end)] if rests else [move(end / 2, 6.0), move(end / 2, 0.0)]
     plan = planned(move(there, 10.0), move(back, 0.0), *ends)
@@ -85,7 +86,7 @@ def test_auto_with_a_turn_has_nearly_the_least_acceleration(
 @pytest.mark.parametrize("criterion", CRITERIA)
 @pytest.mark.parametrize("task", ["R-U", "U-U", "G-U"])
 def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
-    """Of all turns from half to four times as sharp as it; of the velocity, within a fifth."""
+    """The best of all turns from half to four times as sharp; for the velocity, within a fifth."""
     known = {"v0": 0.5} if task == "G-U" else {}
     v0 = known.get("v0", 0.0)
     found = best_turn(task, v0, 0.0, ((criterion, 1.0),))
@@ -134,7 +135,7 @@ def test_beside_a_named_law_the_jerk_takes_the_smoothest_turn() -> None:
 def test_a_law_with_one_choice_leaves_no_jump_beside_what_joins_to_any(
     share: float, name: str, spans: tuple[int, int], middle: float
 ) -> None:
-    """One turn of a sine-straight combination follows from the other then."""
+    """One turn of a sine-straight combination then follows from the other."""
     plan = planned(
         move(spans[0], 18.0, "polynomial-5"),
         move(spans[1], 8.0, "sine-straight", parameters={name: share}),
@@ -146,7 +147,7 @@ def test_a_law_with_one_choice_leaves_no_jump_beside_what_joins_to_any(
 
 @pytest.mark.parametrize("inflection", [0.24, 0.76])
 def test_no_jump_beside_a_quintic(inflection: float) -> None:
-    """The law is as gentle as it can be: sharper turns are only asked for by what joins to any."""
+    """The law is as gentle as it can be: what meets any turn never needs a sharper one."""
     plan = planned(
         move(60, 18.0, "polynomial-5"),
         move(220, 16.0, "polynomial-5"),
@@ -157,7 +158,7 @@ def test_no_jump_beside_a_quintic(inflection: float) -> None:
 
 
 def test_a_law_with_one_choice_turns_as_sharply_as_its_neighbour_needs() -> None:
-    """Where that cannot turn so gently as the law with one choice."""
+    """The neighbour cannot turn as gently as the law with one choice."""
     plan = planned(
         move(180, 18.0, "polynomial-5"),
         move(140, -10.0, "sine-straight", parameters={"inflection": 0.5}),
@@ -170,7 +171,7 @@ def test_a_law_with_one_choice_turns_as_sharply_as_its_neighbour_needs() -> None
 
 @pytest.mark.parametrize("at_end", [False, True])
 def test_a_stated_turn_decides_the_other_one(at_end: bool) -> None:
-    """At either end of a law with one choice; what joins to any meets what follows."""
+    """At either end of a law with one choice; a law that meets any turn adopts what follows."""
     first, last = (None, 150.0) if at_end else (-150.0, None)
     plan = planned(
         move(150, 18.0, "polynomial-5", acceleration=first),
@@ -183,7 +184,7 @@ def test_a_stated_turn_decides_the_other_one(at_end: bool) -> None:
 
 
 def test_a_law_with_one_choice_beside_auto_leaves_no_jump() -> None:
-    """The turn that suits auto gives way: the law has the middle, and auto meets that."""
+    """The turn that suits auto gives way: the law keeps its middle, and auto meets its turn."""
     plan = planned(
         move(262, -5.0, "sine-straight", parameters={"curved": 0.15}), move(98, 0.0, "auto")
     )
@@ -192,7 +193,7 @@ def test_a_law_with_one_choice_beside_auto_leaves_no_jump() -> None:
 
 @pytest.mark.parametrize("first", [False, True])
 def test_a_simple_sine_meets_the_sharper_turn_of_its_neighbour(first: bool) -> None:
-    """Whose gentlest turn over half the span is four times as sharp as its own."""
+    """The neighbour's gentlest turn over half the span is four times as sharp as the law's own."""
     ends: list[Request] = [move(135, 0.0, "polynomial-5"), move(90, 0.0, "polynomial-5")]
     laws_there = ("simple-sine", "sine-straight") if first else ("sine-straight", "simple-sine")
     spans = (90, 45) if first else (45, 90)
