@@ -49,12 +49,12 @@ EVERY: Final = 0.02
 Progress = Callable[[str], None]
 
 
-def _silent(_: str) -> None:
+def silent(_: str) -> None:
     """Report progress to no one."""
 
 
 def write_set(
-    folder: Path, files: Mapping[str, bytes], *, force: bool, progress: Progress = _silent
+    folder: Path, files: Mapping[str, bytes], *, force: bool, progress: Progress = silent
 ) -> tuple[Path, ...]:
     """Write `files` (name -> content) into `folder`, which is created if necessary.
 
@@ -77,9 +77,9 @@ def write_set(
             _restore(folder)
             _refuse_overwriting(folder, files, force=force)
             _replace(folder, files)
+    except OutputError:
+        raise
     except (OSError, ValueError) as error:
-        if isinstance(error, OutputError):
-            raise
         name = Path(getattr(error, "filename", None) or folder).name
         place = name if name in files else "into it"
         outcome = "nothing was written"
@@ -101,7 +101,7 @@ def interrupted(folder: Path) -> bool:
     return os.path.lexists(folder / STAGING / JOURNAL)
 
 
-def settle(folder: Path, progress: Progress = _silent) -> str:
+def settle(folder: Path, progress: Progress = silent) -> str:
     """Put `folder` back in the state before a run that was stopped there.
 
     Returns what was found, in words; nothing if no run was stopped. Raises OutputError if the
@@ -112,9 +112,9 @@ def settle(folder: Path, progress: Progress = _silent) -> str:
             return ""
         with _locked(folder, progress):
             return _restore(folder)
+    except OutputError:
+        raise
     except (OSError, ValueError) as error:
-        if isinstance(error, OutputError):
-            raise
         raise OutputError(
             f"{folder}: a run was interrupted here, and the files from before, which are in"
             f" {STAGING}, cannot be put back: {unreadable(error)}"
@@ -180,11 +180,11 @@ def _make_folder(folder: Path) -> list[Path]:
             with suppress(FileExistsError):  # another process was quicker
                 place.mkdir()
                 made.append(place)
+    except OutputError:
+        raise
     except (OSError, ValueError) as error:
         for place in reversed(made):
             place.rmdir()
-        if isinstance(error, OutputError):
-            raise
         raise OutputError(
             f"{folder}: cannot create the folder: {unreadable(error)}; nothing was written"
         ) from error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,12 +14,10 @@ from camgeo.check.finding import forbidding
 from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
-from camgeo.writing.transaction import write_set
+from camgeo.writing.transaction import Progress, silent, write_set
 from camgeo.writing.writer import Writer, Written, find_writer, with_companions, writer_names
 
 CERTIFICATE = "certificate.json"
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +56,6 @@ class Report:
     files: tuple[FileReport, ...]
 
 
-def _silent(_: str) -> None:
-    """Report progress to no one."""
-
-
 def write_files(
     discs: Sequence[Product],
     folder: str | Path,
@@ -69,7 +63,7 @@ def write_files(
     tolerance: float,
     *,
     force: bool = False,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> Report:
     """Write `formats` of `discs` and their certificate into `folder`, see `Design.write`.
 
@@ -88,7 +82,7 @@ def make_files(
     formats: tuple[str, ...],
     tolerance: float,
     *,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> tuple[dict[str, bytes], tuple[FileReport, ...]]:
     """The files by name, the certificate last, and a report on each; none is written.
 
