@@ -1,8 +1,8 @@
-"""Files that are read, whoever made them: their limits, checked before anything is parsed.
+"""Limits of the files that are read, whoever made them, checked before anything is parsed.
 
-A file comes from anywhere: damaged, made by another program, or made to do harm. Each limit lies
-far above what a cam needs, and so low that a file within it can neither exhaust the memory nor
-occupy the machine. docs/robustness.md lists them; `tests/hostile` holds the readers to them.
+A file may be damaged, come from another program, or be made to do harm. Each limit is far above the
+needs of a cam, and low enough that a file within it can neither exhaust the memory nor occupy the
+machine. docs/robustness.md lists them; `tests/hostile` holds the readers to them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from camgeo.wording import counted
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a file of one kind may hold at most.
+    """The most that a file of one kind may hold.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ PACKAGE: Final = Limits("3MF package", 16_000_000)
 CONTOUR: Final = Limits("CSV contour", 16_000_000, lines=200_000)
 
 VERIFIED: Final = Limits("file to be verified", 32_000_000)
-"""Of any format; that of its own may be less."""
+"""Of any format; the limit of the format itself may be lower."""
 
 FACETS: Final = 150_000
 """Of a mesh, all copies of its objects counted."""
@@ -81,7 +81,7 @@ UNPACKED: Final = 40_000_000
 """Bytes of a package's files in all, unpacked."""
 
 RATIO: Final = 200
-"""By how many times a file of a package may grow on unpacking; meshes grow ten times."""
+"""Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
 
 ELEMENTS: Final = 250_000
 """Elements of the XML in a package, opening and closing tags counted as one."""
@@ -115,12 +115,11 @@ QUOTED: Final = re.compile(
     r"|#[^\n]*+",
     re.DOTALL,
 )
-"""Strings and comments of TOML; one without an end goes on to the end of the line or the text, so
+"""Strings and comments of TOML; an unterminated one extends to the end of the line or the text, so
 that no text is searched twice."""
 
 DEEP: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{KEY_PARTS}}}")
-"""A dotted key of too many parts, where strings are replaced by a letter."""
-
+"""A dotted key of too many parts, in a text whose strings are replaced by a letter."""
 
 DOTTED: Final = re.compile(r"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+)++[\w-]++[ \t]*+[=\]]")
 """A dotted key, or a number at the end of an array; there are few of these."""
@@ -160,14 +159,14 @@ def check_text(data: bytes, limits: Limits, name: str) -> None:
 
 
 def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
-    """The error for a file of which more was `found` than `allowed`."""
+    """The error for a file in which more was `found` than is `allowed`."""
     return FileError(f"{name}: has {found}; allowed in a {limits.kind} are at most {allowed:,}")
 
 
 def lines_of(data: bytes, encoding: str = "utf-8") -> Iterator[str]:
     """The lines of a text one by one, without their ends: LF, CR or both.
 
-    What `encoding` cannot decode becomes a replacement character, and a byte order mark nothing.
+    Bytes that `encoding` cannot decode become replacement characters; a byte order mark is dropped.
     """
     text = io.TextIOWrapper(io.BytesIO(data), encoding, errors="replace", newline=None)
     for number, line in enumerate(text):
@@ -176,7 +175,7 @@ def lines_of(data: bytes, encoding: str = "utf-8") -> Iterator[str]:
 
 
 def number_of(text: str) -> float | None:
-    """The number that `text` is, None if it is none, or beyond the limits of a coordinate."""
+    """The number in `text`; None if there is none, or it is beyond the limits of a coordinate."""
     if len(text) > DIGITS or not text.isascii() or "_" in text:
         return None
     try:
@@ -211,6 +210,6 @@ def check_toml(text: str) -> None:
 
 
 def _blank(quoted: re.Match[str]) -> str:
-    """What stands for a string, or for a comment, with as many lines."""
+    """The replacement of a string or a comment, with the same number of lines."""
     text = quoted[0]
     return "" if text[0] == "#" else "s" + "\n" * text.count("\n")

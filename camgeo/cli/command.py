@@ -166,7 +166,7 @@ def document(answer: Answer) -> str:
 
 
 def present_name(name: str) -> str:
-    """The present name of what was called `name`; a renaming is reported on standard error."""
+    """The present name for an earlier `name`; a change is reported on standard error."""
     present = EARLIER.get(name, name)
     if present != name:
         notify(f'camgeo: "{name}" is now called "{present}"')

@@ -20,13 +20,13 @@ from camgeo.cli.progress import Progress
 from camgeo.cli.streams import StreamError, discard_output, mend, notify, printable, write
 from camgeo.errors import CamgeoError
 
-# What takes longer to import is imported in functions: a signal may come meanwhile.
+# Slower imports are in functions, because a signal may arrive during them.
 
 STOPPED: Final = 128
 """Exit code after a signal, less its number: 130 after Ctrl-C, as shells count it."""
 
 STOPPING: Final = ("SIGINT", "SIGTERM", "SIGHUP")
-"""Signals after which a run takes back what is incomplete, and ends."""
+"""Signals after which a run undoes incomplete work, and ends."""
 
 TRACEBACK: Final = "--traceback"
 """Option of every command, not only of those whose parser knows it: one may crash before."""

@@ -86,7 +86,7 @@ def drawn(figure: Figure, suffix: str) -> bytes:
 
 
 def pictures(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
-    """The picture of an answer, of which `contents` is said; none if `-o` does not ask for it."""
+    """The picture of an answer, reported by its `contents`; none without `-o`."""
     if arguments.output is None:
         return []
     target = Path(arguments.output)

@@ -1,4 +1,4 @@
-"""Standard output and standard error: what commands say, fit for a terminal."""
+"""Standard output and standard error: the output of commands, made safe for a terminal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Final
 from camgeo.cli.progress import clear
 
 LINES: Final = "\n\t"
-"""What is not printable, and yet belongs to a text."""
+"""Characters that belong to a text although they are not printable."""
 
 
 class StreamError(Exception):
@@ -21,7 +21,7 @@ class StreamError(Exception):
 def mend() -> None:
     """Replace closed streams: no file opened later may take their place.
 
-    What goes to a closed standard output fails, as a full one does; messages are lost.
+    Writing to a closed standard output fails, as to a full one; messages are lost.
     """
     for number in range(3):
         try:
@@ -53,7 +53,7 @@ def say(text: str) -> None:
 
 def notify(message: str) -> None:
     """Print a line for the person at the terminal, on standard error."""
-    with suppress(OSError):  # no one is there, and there is nowhere else to say so
+    with suppress(OSError):  # no one is listening, and there is nowhere else to report it
         clear()
         print(printable(message), file=sys.stderr, flush=True)
 

@@ -15,12 +15,12 @@ from camgeo.numeric.arrays import BoolArray, FloatArray
 
 STEP: Final = 2.0**-10
 """Step in which logarithms of deviations are compared. Digits differ by some 1e-11 at a tolerance
-of 1e-3 mm, so hardly ever fall on both sides of where a step begins; and no piece is lost for want
-of evenness by half a step."""
+of 1e-3 mm, so they hardly ever fall into different steps; and being uneven by half a step costs no
+piece."""
 
 CLEARLY: Final = 1.0 - 2.0**-20
-"""Less than this fraction of another deviation is less. Of two that are equal but for rounding, as
-mirror images are, neither is."""
+"""A deviation below this fraction of another one is less. Of two that are equal to rounding, as of
+mirror images, neither is less."""
 
 
 def in_steps(logarithms: FloatArray) -> FloatArray:
@@ -30,6 +30,6 @@ def in_steps(logarithms: FloatArray) -> FloatArray:
 
 
 def clearly_less(found: FloatArray, best: FloatArray) -> BoolArray:
-    """(n,) whether a deviation `found` is less than `best`, also than an infinite one."""
+    """(n,) whether a deviation `found` is less than `best`, which may be infinite."""
     less: BoolArray = found < CLEARLY * best
     return less

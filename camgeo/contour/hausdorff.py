@@ -11,7 +11,7 @@ Cells for which this is not sharp are halved. The distance itself changes by no 
 coordinate does, and the bound exceeds it by at most the fraction `SHARPNESS`, so that neither jumps
 where a point passes a corner or a joint.
 
-A line is an arc that turns by nothing: with S and K the sine and the cosine of half its sweep, c
+A line is an arc without a sweep: with S and K the sine and the cosine of half its sweep, c
 its chord, and x, y along and across it, the distance from the circle is
 
     ((x (x - c) + y^2) S - c y K) / (|(x - c/2) S + i (y S - c K/2)| + c/2),
@@ -203,7 +203,7 @@ class _Frame:
         return np.where(self.mirrored, np.conj(turned), turned)
 
     def outside(self, vectors: ComplexArray) -> ComplexArray:
-        """(n,) what `local` does, undone."""
+        """(n,) `vectors` in these axes, in those of the contours: the inverse of `local`."""
         return np.where(self.mirrored, np.conj(vectors), vectors) * self.along
 
     def from_centre(self, points: ComplexArray) -> ComplexArray:
@@ -255,7 +255,7 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     share, largest = (
         np.take_along_axis(each, farthest[None, :], axis=0)[0] for each in (shares, off)
     )
-    # The cell lies in the rectangle over its chord: so all points of it do what these four do.
+    # The cell lies in the rectangle over its chord, so bounds at its four corners hold for it.
     hull = [end + rise for end in (cells.start, cells.end) for rise in (0.0, cells.rise)]
     beyond = np.max([frame.beyond(frame.local(each - pieces.start)) for each in hull], axis=0)
     of_ends = [

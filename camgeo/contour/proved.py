@@ -127,8 +127,8 @@ def proved(
     """The result of `fit` for an aim [mm], `aim` or the first lower one whose deviation according
     to `prove` is at most `tolerance`; and that deviation [mm].
 
-    Raises what `prove` raises at last, ToleranceError if the deviation stays too large, and what
-    As `fit`.
+    Raises what `prove` raised last, ToleranceError if the deviation stays too large, and whatever
+    `fit` raises.
     """
     reached, failed = 0.0, None
     for _ in range(ROUNDS):

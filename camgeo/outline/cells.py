@@ -28,8 +28,8 @@ ROUNDING = 2.0**-52 * 16.0
 """Rounding of a point, as a fraction of the largest length that enters it."""
 
 MOST, MORE = 20_000, 500
-"""Most cells in a halving: so many, and for each border of the flank so many more. A flank needs
-some thousand, and a hundred for each segment of a motion with very many."""
+"""Most cells in a halving: the first number, plus the second for each border of the flank. A flank
+needs some thousand, and a hundred per segment if its motion has very many."""
 
 PLACE = 2.0**-52 * 32.0
 """Rounding of a path parameter [rad]: a few units in the last place of a turn."""
@@ -155,7 +155,7 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
 
 
 def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
-    """The error of a division that comes to no end, at the first of `places` (n,)."""
+    """The error of a division that does not end, at the first of `places` (n,)."""
     angle = np.degrees(envelope.angles_at(envelope.within(places[:1])))[0]
     return GeometryError(
         f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved: it cannot"

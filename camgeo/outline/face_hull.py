@@ -1,4 +1,4 @@
-"""What of a contour a flat face touches: the vertices and arcs of its convex hull.
+"""The parts of a contour that a flat face touches: the vertices and arcs of its convex hull.
 
 The face with the normal at theta lies at the distance
 
@@ -103,7 +103,7 @@ def hull_of(contour: LinesAndArcs) -> Hull:
     corner = _convex_hull(contour.vertices)
     points = contour.vertices[corner]
     sides = np.roll(points, -1) - points
-    # The face stands on a vertex between the normals of the sides that meet there.
+    # The face rests on a vertex between the normals of the sides that meet there.
     leaving = np.angle(-1j * sides) % TURN
     arcs = np.flatnonzero(contour.sweeps > 0.0)
     first = contour.vertices[arcs] - contour.centres[arcs]

@@ -1,4 +1,4 @@
-"""What a flat face, as a cutter, leaves of the disc: the intersection of the half planes below it.
+"""The disc that remains when a flat face cuts it: the intersection of the half planes below it.
 
 With h(psi) the distance of the face from the cam axis and psi the angle by which its normal has
 turned in the cam, the disc is the largest convex one whose support function H does not exceed h.
@@ -134,7 +134,7 @@ def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, floa
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
-    """Cam angles [rad] at which p has another sign than the `ranges` of p < 0 tell."""
+    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0."""
     start, end = np.array(ranges).reshape(-1, 2).T
     low, high = turn_cells(pitch)
     missed = []

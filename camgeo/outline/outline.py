@@ -140,9 +140,9 @@ def _unsettled(
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
-    """The whole contact curve of a flat face; `camgeo.outline.convex` shows why nothing crosses.
+    """The whole contact curve of a flat face, or what remains of it where it undercuts.
 
-    What is left of it where it undercuts.
+    `camgeo.outline.convex` shows why the whole one does not cross itself.
     """
     from camgeo.outline.convex import convexity  # only few cams have a flat face
 
@@ -157,7 +157,7 @@ def _convex_outline(flank: WorkingCurve) -> Outline:
 
 def require_room(flank: WorkingCurve) -> None:
     """Raise UndercutError if the roller reaches over the cam axis, GeometryError if it would run
-    through its own flank: what no trimming helps.
+    through its own flank: trimming helps neither.
     """
     if flank.distance <= 0.0:
         _require_axis(flank)

@@ -17,7 +17,7 @@ from camgeo.writing.transaction import interrupted
 from camgeo.writing.write import CERTIFICATE
 
 LONGEST: Final = 200
-"""Characters shown of what is wrong with a certificate."""
+"""Most characters shown of the reason why a certificate is invalid."""
 
 HASH: Final = re.compile(r"[0-9a-f]{64}")
 

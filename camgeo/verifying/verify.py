@@ -100,13 +100,13 @@ def files_in(folder: Path) -> tuple[Path, ...]:
 
 
 def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
-    """One verdict per file; no file takes away those of the others.
+    """One verdict per file; a fault in one file does not affect the verdicts on the others.
 
     Raises
     ------
     SceneError
-        If no file can be judged but by its bytes: the others are of a format that cannot be read,
-        or their scene is not found or wrong.
+        If no file can be judged except by its bytes, because its format cannot be read, or its
+        scene is not found or wrong.
     """
     certificates = {folder: certificate_in(folder) for folder in {path.parent for path in paths}}
     verdicts: list[Verdict] = []
@@ -134,7 +134,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
 
 
 def _unread(path: Path, verifier: Verifier | None, check: Check) -> Verdict:
-    """The verdict on a file of which nothing is known but why."""
+    """The verdict on a file that was not read; `check` says why."""
     return Verdict(path.name, _format(path, verifier), "", 0, ("", ""), None, (check,))
 
 

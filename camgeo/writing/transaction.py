@@ -1,11 +1,12 @@
-"""A set of files written completely or not at all, also if the process is killed meanwhile.
+"""A set of files written completely or not at all, even if the process is killed meanwhile.
 
-The new files are staged, on disk for good, in the hidden folder `STAGING` of the target folder,
-next to links to the files that they replace. Then a journal, the list of their names, is put there,
-and only now are they moved into place, the last one's predecessor being removed first and itself
-moved last: a certificate never lies next to files of another set. Removing the journal makes the
-set valid. While there is a journal, the state before can be restored, by the process itself after
-an error, or else by the next one that writes there or calls `settle`; it may be stopped, too.
+The new files are staged, safely on disk, in the hidden folder `STAGING` of the target folder, next
+to links to the files that they replace. Then a journal, the list of their names, is put there, and
+only then are they moved into place. The old version of the last file is removed first and the new
+one moved last, so a certificate never lies next to files of another set. Removing the journal makes
+the set valid. As long as the journal is there, the previous state can be restored, by the process
+itself after an error, or else by the next one that writes there or calls `settle`, which may be
+stopped as well.
 
 One process at a time writes into a folder; the system releases the lock of one that has died.
 """
@@ -97,7 +98,7 @@ def write_set(
 
 
 def interrupted(folder: Path) -> bool:
-    """Whether a run is just putting a set in place in `folder`, or was stopped while it did."""
+    """Whether a run is putting a set in place in `folder`, or was stopped while doing so."""
     return os.path.lexists(folder / STAGING / JOURNAL)
 
 
@@ -219,7 +220,7 @@ def _replace(folder: Path, files: Mapping[str, bytes]) -> None:
     try:
         _stage(folder, files)
         _move_into_place(folder, tuple(files))
-        with suppress(OSError):  # what stays, the next run removes
+        with suppress(OSError):  # the next run removes what is left
             _clear(folder / STAGING)
     except BaseException:
         _restore(folder)
@@ -258,7 +259,7 @@ def _move_into_place(folder: Path, names: tuple[str, ...]) -> None:
 
 
 def _restore(folder: Path) -> str:
-    """Undo what a run did that was stopped; return what was found, see `settle`.
+    """Undo what a stopped run did; return what was found, see `settle`.
 
     Each step leaves a state from which all steps can be taken again: a new file is either in place
     or in the staging folder, and an old one is put back once no new one is in place.
@@ -298,7 +299,7 @@ def _clear(staging: Path) -> None:
 
 
 def _names(journal: Path) -> list[str]:
-    """Those of the files of a set, the last one last; ValueError if they are none."""
+    """The names of the files of a set, in order; ValueError if the journal holds none."""
     try:
         names = json.loads(journal.read_bytes())
     except ValueError:

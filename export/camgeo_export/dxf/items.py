@@ -26,7 +26,7 @@ class Tag:
 
 
 NOTHING = Tag(-1, "", 0)
-"""What stands before the first tag."""
+"""In place of the tag before the first one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,7 +79,7 @@ class Drawing:
     name: str
     header: dict[str, Tag]
     items: tuple[Item, ...]
-    layers: tuple[Item, ...] = ()
+    layers: tuple[Item, ...]
 
     def value(self, variable: str) -> str:
         """The value of a header variable; empty if there is none."""

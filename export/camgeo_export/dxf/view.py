@@ -1,7 +1,6 @@
 """What a drawing shows when it is opened: its extents, its limits and the view of the model space.
 
-Programs open a drawing in the view that it states, most of them without asking where its entities
-lie.
+Most programs open a drawing in the view that it states, wherever its entities lie.
 """
 
 from __future__ import annotations

@@ -199,7 +199,7 @@ class _Vertices(LWPolylinePoints):
 
 
 class _Text(DXFTag):
-    """The text of many tags, which is written as it stands."""
+    """The text of many tags, written as it is."""
 
     __slots__ = ()
 

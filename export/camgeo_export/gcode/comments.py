@@ -1,4 +1,4 @@
-"""The comments of a program: what they say, and what they are read as."""
+"""The comments of a program: written, and read back."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ HASH_DIGITS = 64
 def about_program(
     product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut], scene: str
 ) -> list[str]:
-    """Comments on the whole program, in its unit, with exact lengths in mm beside it; `scene` is
-    the hash of the scene that it names.
+    """Comments on the whole program, in its unit, exact lengths also in mm; `scene` is the hash of
+    the scene to be named.
     """
     unit = product.unit
     tools = {cut.tool.number: cut.tool.diameter for cut in cuts}

@@ -110,8 +110,8 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
 def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntArray, IntArray]:
     """Numbers of `points` and of those in the `tree` that lie within `gap` [mm] of them.
 
-    Raises FileError if there are too many such pairs: then the moves of the program are shorter
-    than the gap by far.
+    Raises FileError if there are too many such pairs: then the moves of the program are far shorter
+    than the gap.
     """
     found: list[IntArray] = []
     left, some = NEAR, max(NEAR // len(points), 1)
@@ -129,7 +129,7 @@ def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntA
 
 
 def loop_of(run: list[CutterMove], gap: float) -> Loop:
-    """The closed path that a run of moves is, with a `gap` [mm] at its end."""
+    """The closed path of a run of moves, with a `gap` [mm] at its end."""
     vertices = np.array([move.start for move in run])
     sweeps = np.array([move.sweep for move in run])
     mismatch = max(move.mismatch for move in run) + gap

@@ -26,8 +26,8 @@ LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
 
 TILT, TOWARDS = 0.25, np.exp(1.0j)
-"""By how much a face is tilted to be triangulated, and the direction [rad] in which it recedes: an
-axis of symmetry that no drawing has."""
+"""Tilt of a face that is triangulated, and the direction [rad] in which it recedes: an axis of
+symmetry that no drawing has."""
 
 Rounding = Callable[[FloatArray], FloatArray]
 
@@ -162,7 +162,7 @@ class _Mesh:
     def face(self, sides: list[tuple[ComplexArray, IntArray]], upwards: bool) -> None:
         """Add the flat face on the left of rings with the indices of their points."""
         key = tuple(ring.tobytes() for ring, _ in sides)
-        if key not in self.triangulated:  # the faces of a plate are alike but for their height
+        if key not in self.triangulated:  # the faces of a plate differ only in height
             polygons = _tilted([ring for ring, _ in sides])
             self.triangulated[key] = manifold3d.triangulate(polygons)
         triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]

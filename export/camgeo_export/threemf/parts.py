@@ -1,7 +1,7 @@
-"""The parts of a 3MF package, unpacked within limits, and what a body of it is built from.
+"""The parts of a 3MF package, unpacked within limits, and a check of what its bodies consist of.
 
-Everything that reads a package gets its parts from here: a damaged package, one that unpacks to
-more than it may, and XML that refers to anything outside itself are refused before they are parsed.
+Verification gets the parts of a package from here: a damaged package, one that unpacks to more than
+allowed, and XML that refers to anything outside itself are refused before they are parsed.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from camgeo_export.errors import FileError
 NAME: Final = "the package"
 
 ENTRY: Final = b"PK\x01\x02"
-"""What the entry of a file in the directory of a package begins with."""
+"""First bytes of the entry of a file in the directory of a package."""
 
 METHODS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compressions that 3MF allows."""
@@ -156,7 +156,7 @@ def packed(parts: Mapping[str, bytes]) -> bytes:
 
 
 def check_bodies(parts: Mapping[str, bytes]) -> None:
-    """Check what is built, before anything is.
+    """Check what is to be built, before anything is.
 
     Raises
     ------

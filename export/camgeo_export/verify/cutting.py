@@ -1,4 +1,4 @@
-"""How a program of ours runs its tools: numbers, feeds, speeds, heights, and what it says."""
+"""How one of our programs runs its tools: numbers, feeds, speeds, heights, and its comments."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _heights(program: Program, safe_height: float) -> Check:
 
 
 def _of_cut(cut: Cut, moves: Sequence[CutterMove], program: Program) -> list[Check]:
-    """Tool, speed and feeds of one operation, and that it moves only as it should."""
+    """Tool, speed and feeds of one operation, and that its cuts are level or straight down."""
     tool, scale = cut.tool, program.mm_per_unit
     flat = [move for move in moves if move.z_start == move.z_end]
     down = [move for move in moves if move.z_start != move.z_end]
@@ -108,7 +108,9 @@ def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
 
 
 def _comments(product: Product, program: Program, stated: Stated, machine: Machine) -> Check:
-    """Those of our own version are the ones that it writes; the scene is checked elsewhere."""
+    """That a program of our own version has the comments that it writes; the scene is checked
+    elsewhere.
+    """
     if stated.version != product.version:
         note = "" if stated.version else "they do not name a version of camgeo"
         return Check("comments", "", f"of camgeo {stated.version}", ok=None, note=note)

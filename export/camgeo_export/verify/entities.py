@@ -1,4 +1,4 @@
-"""What a drawing holds besides the course of its curves: heights, widths, and what is not drawn."""
+"""What a drawing holds besides the shape of its curves: heights, widths, and what is not drawn."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ DEFAULTS: Final[Mapping[int, Collection[str]]] = {
     230: ("1.0",),
     370: ("-1",),
 }
-"""Groups that may be there with the value that they have when they are not."""
+"""Groups that may be stated with the value that holds by default."""
 
 VALUES: Final[Mapping[tuple[str, int], str]] = {
     ("LWPOLYLINE", 70): "1",
@@ -58,7 +58,7 @@ VALUES: Final[Mapping[tuple[str, int], str]] = {
 no fit points."""
 
 STATED: Final[Mapping[str, Collection[int]]] = {"LWPOLYLINE": (90,), "SPLINE": (72, 73)}
-"""Groups without which an entity is not valid, though it can be read: how many points follow."""
+"""Numbers of points, without which an entity is not valid although it can be read."""
 
 MARKS: Final = 2
 """Lines of the mark of the cam axis."""
@@ -67,8 +67,8 @@ VERSION: Final = "AC1024"
 """Of the format of our drawings."""
 
 HEADER: Final[Mapping[str, str]] = {"$ACADVER": VERSION, "$TILEMODE": "1", "$INSBASE": "0.0"}
-"""Header variables of ours besides the units: the version; the model space is what opens; a block
-made of the drawing is placed by its origin."""
+"""Header variables of our drawings besides the units: the version; that the model space opens; that
+a block made of the drawing is placed by its origin."""
 
 
 def flat_checks(items: Sequence[Item], scale: float, limit: float) -> list[Check]:

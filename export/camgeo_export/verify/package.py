@@ -1,5 +1,5 @@
-"""Whether a 3MF package is one that other programs read: its parts, how they refer to each other,
-and what the model holds.
+"""Whether other programs can read a 3MF package: its parts, how they refer to each other, and what
+the model holds.
 
 The rules are those of the Open Packaging Conventions (ECMA-376, part 2) and of the 3MF core
 specification, as strict readers like lib3mf apply them. The mesh itself is compared elsewhere.
@@ -82,7 +82,7 @@ IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
 
 
 def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Check]:
-    """That the package of these `parts` is complete and valid; one of `ours` must be of the part
+    """That the package of these `parts` is complete and valid; one of `ours` must hold the part
     `name`.
     """
     try:
@@ -110,7 +110,7 @@ def _model_path(parts: Mapping[str, bytes]) -> str:
     for relation in relations:
         key = relation.get("Id", "")
         if not IDENTIFIER.fullmatch(key) or key in seen:
-            raise FileError(f"{RELATIONSHIPS_PATH}: the Id {key!r} is missing, or appears twice")
+            raise FileError(f"{RELATIONSHIPS_PATH}: the Id {key!r} is not valid, or appears twice")
         seen.add(key)
     targets = [each.get("Target", "") for each in relations if each.get("Type") == MODEL_RELATION]
     if len(targets) != 1:
@@ -186,7 +186,9 @@ def _check_model(content: bytes, ours: bool, name: str) -> None:
             raise FileError(f"it builds the object {each.get('objectid')!r}, which does not exist")
         found = objects[each.get("objectid", "")]
         if found.get("type", "model") != "model":
-            raise FileError(f"the object that it builds is of type {found.get('type')!r}, no model")
+            raise FileError(
+                f"the object that it builds is of type {found.get('type')!r}, not a model"
+            )
     if ours:
         _check_ours(metadata, list(objects.values()), items, name)
 
@@ -225,7 +227,7 @@ def _objects(root: ET.Element) -> dict[str, ET.Element]:
     for each in root.findall(f"{{{CORE}}}resources/{{{CORE}}}object"):
         key = each.get("id", "")
         if not re.fullmatch(r"[1-9]\d{0,8}", key) or key in found:
-            raise FileError(f"the object id {key!r} is missing, or appears twice")
+            raise FileError(f"the object id {key!r} is not valid, or appears twice")
         if each.get("type", "model") not in TYPES:
             raise FileError(f"{each.get('type')!r} is not a type of object")
         found[key] = each
