@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from camgeo.units import TURN
 
@@ -12,16 +13,28 @@ def counted(number: int, noun: str, plural: str = "") -> str:
     return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
 
 
+def listed(words: Sequence[str], most: int | None = None) -> str:
+    """The words as a list, "a", "a and b" or "a, b and c"; of more than `most` words the first, and
+    how many more there are.
+    """
+    more = 0 if most is None else max(0, len(words) - most)
+    *first, last = [*words[:most], f"{more} more"] if more else words
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def cam_angle(angle: float, form: str = ".6g") -> str:
     """The cam angle `angle` [rad], in any turn, in degrees from 0 to below 360."""
     text = format(math.degrees(angle % TURN), form)
     return format(0.0, form) if float(text) == 360.0 else text
 
 
-def at_cam_angles(*angles: float, form: str = ".6g") -> str:
-    """Where something is, "at cam angles 30 and 90 deg"; each place [rad] is named once."""
+def at_cam_angles(*angles: float, form: str = ".6g", most: int | None = None) -> str:
+    """Where something is, "at cam angles 30 and 90 deg"; each place [rad] is named once.
+
+    Beyond `most` places see `listed`.
+    """
     places = list(dict.fromkeys(cam_angle(angle, form) for angle in angles))
-    return f"at cam angle{'s' * (len(places) > 1)} {' and '.join(places)} deg"
+    return f"at cam angle{'s' * (len(places) > 1)} {listed(places, most)} deg"
 
 
 def over_cam_angles(first: float, last: float, form: str = ".6g") -> str:

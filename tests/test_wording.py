@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.units import TURN
-from camgeo.wording import at_cam_angles, cam_angle, counted, over_cam_angles
+from camgeo.wording import at_cam_angles, cam_angle, counted, listed, over_cam_angles
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -28,6 +28,12 @@ def test_nouns_agree_with_their_numbers() -> None:
     assert [counted(number, "shock") for number in (0, 2)] == ["0 shocks", "2 shocks"]
     assert counted(1234, "entity", "entities") == "1,234 entities"
     assert counted(1, "entity", "entities") == "1 entity"
+
+
+def test_words_are_listed_up_to_a_number() -> None:
+    assert [listed("abcd"[:number]) for number in (1, 2, 3)] == ["a", "a and b", "a, b and c"]
+    assert listed("abcd", 4) == listed("abcd") == "a, b, c and d"
+    assert listed("abcd", 2) == "a, b and 2 more"
 
 
 def test_a_place_is_named_once() -> None:

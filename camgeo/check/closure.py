@@ -9,6 +9,7 @@ import numpy as np
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.closure import joints
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.wording import at_cam_angles
 
 POINT_LIMIT = 1e-12
 """Largest gap as a fraction of the base radius: four hundred times the rounding of the curve."""
@@ -31,10 +32,7 @@ def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Fi
     gap, turn = float(join.gaps[at_gap]), math.degrees(join.turns[at_turn])
     place = float(join.phi[at_turn])
     statement = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
-    turned = (
-        f"largest angle between the tangents at a joint {turn:.2g} deg at cam angle"
-        f" {math.degrees(place):.6g} deg"
-    )
+    turned = f"largest angle between the tangents at a joint {turn:.2g} deg {at_cam_angles(place)}"
     corner: Severity = "ok"
     if join.turns[at_turn] > TANGENT_LIMIT:
         corner = severity

@@ -17,7 +17,7 @@ from camgeo.curve.extremes import Extremes
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.units import TURN
-from camgeo.wording import over_cam_angles
+from camgeo.wording import at_cam_angles, over_cam_angles
 
 
 def check_radius_ratio(
@@ -42,7 +42,7 @@ def check_radius_ratio(
         return Finding(f"radius-ratio-{name}", "ok", statement, 0.0, limit)
     statement = (
         f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
-        f" {1 / abs(kappa):.4f} mm) at cam angle {math.degrees(phi):.4f} deg"
+        f" {1 / abs(kappa):.4f} mm) {at_cam_angles(phi, form='.4f')}"
     )
     return held(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
 
@@ -61,7 +61,7 @@ def check_undercut(
         return (Finding(f"undercut-{name}", "ok", statement, margin, 0.0, cam_angle=phi),)
     if margin >= -CUSP:
         statement = (
-            f"{name} flank: cusp at cam angle {math.degrees(phi):.6f} deg, {_what(flank)}"
+            f"{name} flank: cusp {at_cam_angles(phi, form='.6f')}, {_what(flank)}"
             f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
         )
         return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
@@ -73,7 +73,7 @@ def check_undercut(
         inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
         margins = 1.0 + flank.distance * bends.values[inside]
         worst = int(np.argmin(margins))
-        value, place = float(margins[worst]), float(bends.phi[inside[worst]]) % TURN
+        value, place = float(margins[worst]), float(bends.phi[inside[worst]])
         statement = (
             f"{name} flank: undercut {over_cam_angles(start, end, '.6f')}, the roller is larger"
             " than the radius of curvature of the pitch curve; the follower would not make its"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from camgeo.check.cures.cure import DIGITS, rounded_beyond
@@ -13,7 +11,7 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.outline.convex import SMALLEST, Convexity, convexity
 from camgeo.outline.face_lift import contact_places
 from camgeo.outline.path import Path
-from camgeo.wording import counted
+from camgeo.wording import at_cam_angles, cam_angle, counted
 
 ROUNDING = 1e-12
 """Rounding of the contact's position, as a fraction of the base radius."""
@@ -42,7 +40,7 @@ def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[
 def _turns_back(found: Convexity) -> Finding:
     turn, phi = found.turn
     sentence = (
-        f"the face turns back in the cam at cam angle {degrees(phi)} deg: the rocker turns with"
+        f"the face turns back in the cam {at(phi)}: the rocker turns with"
         f" the cam, {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
         " give the move a larger span or a smaller swing"
     )
@@ -52,7 +50,7 @@ def _turns_back(found: Convexity) -> Finding:
 def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Finding:
     radius, phi = found.radius
     least = SMALLEST * found.size
-    place = f"at cam angle {degrees(phi)} deg"
+    place = at(phi)
     if radius > least:
         sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
         return Finding("convexity", "ok", sentence, radius, 0.0, "mm", phi)
@@ -85,7 +83,7 @@ def _jump(found: Convexity) -> Finding:
         else "ahead, over a straight part of the outline flush with the face"
     )
     sentence = (
-        f"the velocity of the follower jumps at cam angle {degrees(phi)} deg, and the contact by"
+        f"the velocity of the follower jumps {at(phi)}, and the contact by"
         f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
         " shocks"
     )
@@ -95,15 +93,15 @@ def _jump(found: Convexity) -> Finding:
 def _over_axis(found: Convexity) -> Finding:
     lowest, phi = found.clearance
     sentence = (
-        f"the face comes within {lowest:.6g} mm of the cam axis at cam angle {degrees(phi)}"
-        " deg: the cam does not go round its axis; make follower.base_radius larger"
+        f"the face comes within {lowest:.6g} mm of the cam axis {at(phi)}: the"
+        " cam does not go round its axis; make follower.base_radius larger"
     )
     return Finding("face-over-axis", "no-disc", sentence, lowest, 0.0, "mm", phi)
 
 
-def degrees(angle: float) -> str:
-    """A cam angle [rad] as messages write it."""
-    return f"{math.degrees(angle):.4f}"
+def at(phi: float) -> str:
+    """The place `phi` [rad] in words."""
+    return at_cam_angles(phi, form=".4f")
 
 
 def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
@@ -118,9 +116,9 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
         (float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
     )
     sentence = (
-        f"the contact runs along the face from {low:.6g} mm at cam angle {degrees(at_low)} deg to"
-        f" {high:.6g} mm at {degrees(at_high)} deg, measured from the {follower.origin}: a face of"
-        f" {high - low:.6g} mm is needed"
+        f"the contact runs along the face from {low:.6g} mm {at(at_low)} to"
+        f" {high:.6g} mm at {cam_angle(at_high, '.4f')} deg, measured from the {follower.origin}: a"
+        f" face of {high - low:.6g} mm is needed"
     )
     found = Finding("face-length", "ok", sentence, high - low, unit="mm")
     slack = ROUNDING * follower.base_radius
@@ -138,8 +136,8 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     if low > follower.least_place + slack:
         return (found,)
     statement = (
-        f"the contact comes to the pivot's foot on the face ({low:.6g} mm at cam angle"
-        f" {degrees(at_low)} deg): it has no lever about the pivot there, and the cam cannot move"
+        f"the contact comes to the pivot's foot on the face ({low:.6g} mm"
+        f" {at(at_low)}): it has no lever about the pivot there, and the cam cannot move"
         " the rocker any further"
     )
     return found, Finding("contact-lever", "broken", statement, low, 0.0, "mm", at_low)

@@ -8,7 +8,6 @@ along its normal moves the follower by t / |dn/dq|.
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
@@ -18,6 +17,7 @@ from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.wording import at_cam_angles
 
 VANISHING: Final = 1e-12
 """A product of sines of transmission angles up to this is 0: rounding of the rollers' positions."""
@@ -67,7 +67,7 @@ def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
         return np.asarray(one + first * leverage_slope(other, phi, side))
 
     value, phi = extremes(main, product, slope).largest()
-    place = f"at cam angle {math.degrees(phi):.4f} deg"
+    place = at_cam_angles(phi, form=".4f")
     bound = (
         f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
     )
@@ -103,7 +103,7 @@ def _check_closing_error(
     value, phi = extremes(main, play, slope).largest()
     statement = (
         f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
-        f" play or squeeze, as travel of the main roller, at cam angle {math.degrees(phi):.4f} deg"
+        f" play or squeeze, as travel of the main roller, {at_cam_angles(phi, form='.4f')}"
     )
     return held("closing-error", statement, value, limit, "mm", phi)
 
@@ -117,6 +117,6 @@ def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
     error, phi = max((most - breadth, wide), (breadth - least, narrow))
     statement = (
         f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
-        f" by up to {error + 0.0:.3g} mm at cam angle {math.degrees(phi):.4f} deg"
+        f" by up to {error + 0.0:.3g} mm {at_cam_angles(phi, form='.4f')}"
     )
     return held("closing-error", statement, error, limit, "mm", phi)

@@ -12,7 +12,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage
 from camgeo.mechanism.positions import MonotoneRuns, monotone_runs, position_text
 from camgeo.motion.kept import kept_with_owner
-from camgeo.units import TURN
+from camgeo.wording import cam_angle
 
 DEAD_CENTRE = 1e-9
 """Crank and coupler are at a dead centre within this fraction of their lengths, or the sine of a
@@ -140,8 +140,7 @@ def _smallest(linkage: Linkage, runs: MonotoneRuns, way: int) -> tuple[float, fl
 def _place(linkage: Linkage, runs: MonotoneRuns, position: float) -> tuple[str, float]:
     """A position in words, and the first cam angle [rad] at which the motion is there."""
     phi = runs.first_angle(position)
-    place = f"at {position_text(linkage, position)}, cam angle {math.degrees(phi):.6g} deg"
-    return place, math.fmod(phi, TURN)
+    return f"at {position_text(linkage, position)}, cam angle {cam_angle(phi)} deg", phi
 
 
 def _branch(linkage: Linkage) -> tuple[Finding, ...]:

@@ -141,12 +141,11 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
         if excess > OVERSHOOT:
             angle = start + extreme.place * float(move.span)
             beyond = scale * excess * abs(stroke)
+            place = math.radians(angle)
             statement = (
                 f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
-                f" {scale * (position + stroke * extreme.value):.6g} {unit} at cam angle"
-                f" {angle:.6g} deg"
+                f" {scale * (position + stroke * extreme.value):.6g} {unit} {at_cam_angles(place)}"
             )
-            place = math.radians(angle)
             found.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
     return found
 
@@ -169,8 +168,8 @@ def _deviation(
             f" {scale * position:.6g} {unit}, "
         )
     statement = (
-        f"{added}the motion is at most {largest:.3g} {unit} off the rows of its lift table, at cam"
-        f" angle {math.degrees(angle):.6g} deg (root mean square {scale * report.rms:.3g} {unit})"
+        f"{added}the motion is at most {largest:.3g} {unit} off the rows of its lift table,"
+        f" {at_cam_angles(angle)} (root mean square {scale * report.rms:.3g} {unit})"
     )
     counted_from_start = shift <= _slack(move) or first_row == 0.0
     severity: Severity = "ok" if counted_from_start else "warning"
@@ -197,7 +196,7 @@ def _swing(
     statement = (
         f"the motion from data goes {scale * beyond:.6g} {unit} {side} both its"
         f" {'points' if move.report is None else 'rows'} at {first:.6g} and {last:.6g} deg, to"
-        f" {scale * there:.6g} {unit} at cam angle {math.degrees(angle):.6g} deg"
+        f" {scale * there:.6g} {unit} {at_cam_angles(angle)}"
     )
     return [
         Finding("overshoot", "warning", statement, scale * beyond, scale * allowed, unit, angle)

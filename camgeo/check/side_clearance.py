@@ -7,6 +7,7 @@ import math
 from camgeo.check.finding import STATED, Finding
 from camgeo.check.transmission_angle import transmission_angle_extremes
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.wording import at_cam_angles
 
 
 def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float]:
@@ -30,7 +31,7 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
     deviation, phi = largest_deviation(curve, clearance)
     scale, unit = STATED[curve.follower.lift_unit]
     who = curve.follower.mover
-    place = f"at cam angle {math.degrees(phi):.4f} deg"
+    place = at_cam_angles(phi, form=".4f")
     head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"
     value = None if math.isinf(deviation) else scale * deviation
     if value is None:

@@ -11,6 +11,7 @@ from camgeo.curve.extremes import extremes
 from camgeo.curve.pieces import slowest
 from camgeo.curve.pitch_curve import STANDSTILL, PitchCurve
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.wording import at_cam_angles
 
 SMALLEST = math.sqrt(STANDSTILL)
 """Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""
@@ -36,8 +37,8 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     if speed > limit:
         return ()
     statement = (
-        f"the roller centre stands still in the turning cam at cam angle {math.degrees(phi):.6f}"
-        " deg (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
+        f"the roller centre stands still in the turning cam {at_cam_angles(phi, form='.6f')}"
+        " (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
         " centres and l_3 (1 - sigma psi') = l_1"
     )
     return (Finding("standstill", "no-disc", statement, speed, limit, "mm/rad", phi),)

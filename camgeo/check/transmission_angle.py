@@ -11,6 +11,7 @@ from camgeo.check.finding import Finding, held
 from camgeo.curve.extremes import Extremes, Quantity, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.wording import at_cam_angles
 
 
 def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
@@ -46,7 +47,6 @@ def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
     """Compare the smallest transmission angle with `limit` [rad]."""
     smallest, phi = transmission_angle_extremes(curve).smallest()
     value, bound = math.degrees(smallest), math.degrees(limit)
-    statement = (
-        f"smallest transmission angle {value:.4f} deg at cam angle {math.degrees(phi):.4f} deg"
-    )
+    place = at_cam_angles(phi, form=".4f")
+    statement = f"smallest transmission angle {value:.4f} deg {place}"
     return held("transmission-angle", statement, value, bound, "deg", phi, least=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.errors import EffectError
 from camgeo.motion.joints import breaks
+from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity, Subject
@@ -76,7 +77,7 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     phi, position = locked
     value, unit = (position, "mm") if linkage.unit == "mm" else (math.degrees(position), "deg")
     raise EffectError(
-        f"{pose} at cam angle {math.degrees(phi):.6g} deg, {what} {value:.6g} {unit}:"
+        f"{pose} {at_cam_angles(phi)}, {what} {value:.6g} {unit}:"
         f" {cannot}{burden} there, whatever the force; the {what} must stay clear of this value",
         finding=f"locked-{linkage.member}",
         value=value,

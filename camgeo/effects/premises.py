@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import STATED, Finding
-from camgeo.effects.wording import angles, at, listed, over
+from camgeo.effects.wording import angles, at, over
 from camgeo.errors import GeometryError
 from camgeo.units import TURN
+from camgeo.wording import listed
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
@@ -81,7 +82,7 @@ def _without_contact(lost: LostContact, subject: Subject) -> Finding:
         value=None if low is None else low.value,
         limit=0.0,
         unit="N",
-        cam_angle=(lost.leaps[0] if low is None else low.place) % TURN,
+        cam_angle=lost.leaps[0] if low is None else low.place,
         cam_range=_only(ranges),
     )
 
@@ -138,7 +139,7 @@ def not_made(effect: Effect, subject: Subject) -> Iterator[Finding]:
                 value=factor * loss.value,
                 limit=0.0,
                 unit=unit,
-                cam_angle=loss.place % TURN,
+                cam_angle=loss.place,
                 cam_range=_only(trimmed.dropped),
             )
 

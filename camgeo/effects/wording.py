@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import Finding
 from camgeo.errors import EffectError
-from camgeo.units import TURN
-from camgeo.wording import at_cam_angles, cam_angle, over_cam_angles
+from camgeo.wording import at_cam_angles, cam_angle, listed, over_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
@@ -61,16 +60,9 @@ MOST_LISTED: Final = 8
 """Largest number of places that are listed one by one."""
 
 
-def listed(words: Sequence[str]) -> str:
-    """The words as a list: "a", "a and b", "a, b and c"."""
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last
-
-
 def angles(places: Sequence[float]) -> str:
     """The cam angles `places` [rad], one or more, in words."""
-    shown = list(dict.fromkeys(cam_angle(phi, ".4f") for phi in places))
-    return f"at cam angle{'s' * (len(shown) > 1)} {listed(_first(shown))} deg"
+    return at_cam_angles(*places, form=".4f", most=MOST_LISTED)
 
 
 def over(ranges: Sequence[tuple[float, float]]) -> str:
@@ -78,13 +70,7 @@ def over(ranges: Sequence[tuple[float, float]]) -> str:
     if len(ranges) == 1:
         return between(ranges[0])
     shown = [f"{cam_angle(start, '.4f')} to {cam_angle(end, '.4f')}" for start, end in ranges]
-    return f"from cam angle {listed(_first(shown))} deg"
-
-
-def _first(words: Sequence[str]) -> list[str]:
-    """The first of them, and how many more there are."""
-    rest = len(words) - MOST_LISTED
-    return [*words[:MOST_LISTED], *([f"{rest} more"] if rest > 0 else [])]
+    return f"from cam angle {listed(shown, MOST_LISTED)} deg"
 
 
 def placed(
@@ -96,7 +82,7 @@ def placed(
     severity: Severity = "ok",
 ) -> Finding:
     """The finding of a value [`unit`] with its place, which may be in any turn."""
-    return Finding(name, severity, sentence, end.value, limit, unit, end.place % TURN)
+    return Finding(name, severity, sentence, end.value, limit, unit, end.place)
 
 
 def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = "") -> Finding:

@@ -26,7 +26,7 @@ from camgeo.numeric.arrays import phase
 from camgeo.outline.moments import Moments, path_moments, total
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM
 
 TAKEN: Final = 0.1
 """Share of the tolerance for each quadrature: the errors of the outlines add up, and relative to
@@ -215,7 +215,7 @@ def force_finding(spin: Spin) -> Finding:
         sentence=f"largest force of the unbalance on the shaft {force.value:.6g} N, {place}",
         value=force.value,
         unit="N",
-        cam_angle=None if steady else force.place % TURN,
+        cam_angle=None if steady else force.place,
     )
 
 

@@ -22,7 +22,6 @@ from camgeo.effects.touching import (
 from camgeo.effects.wording import at, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
-from camgeo.units import TURN
 
 
 def compute(request: Request[ForceLimit]) -> ContactForce:
@@ -113,7 +112,7 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
 
 def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
     text = f"largest contact force {_value(extreme, where)}"
-    return held("largest-contact-force", text, extreme.value, limit, "N", extreme.place % TURN)
+    return held("largest-contact-force", text, extreme.value, limit, "N", extreme.place)
 
 
 def _smallest(extreme: Extreme, where: str, what: str) -> Finding:

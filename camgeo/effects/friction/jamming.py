@@ -17,10 +17,9 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column
 from camgeo.effects.friction.statics import Statics
 from camgeo.effects.touching import holds_both_ways
-from camgeo.effects.wording import between
+from camgeo.effects.wording import at, between
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_lowest, stretch_below
-from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
@@ -39,14 +38,14 @@ WORDING: Final = {
     "roller": (
         (
             "transmission angle above the jamming limit by at least {value:.4f} deg, closest to it"
-            " at cam angle {angle:.4f} deg"
+            " {place}"
         ),
         "transmission angle is below the limit",
     ),
     "face": (
         (
             "the contact force may lean at least {value:.4f} deg further before the follower jams,"
-            " closest to jamming at cam angle {angle:.4f} deg"
+            " closest to jamming {place}"
         ),
         "contact force leans too far",
     ),
@@ -98,19 +97,16 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
     lowest = piecewise_lowest(driven, edges)
     if lowest.value == UNDRIVEN:
         return ()
-    angle = math.degrees(lowest.place % TURN)
     value, near = math.degrees(lowest.value), math.degrees(NEAR)
     sentence, fault = WORDING[statics.subject.cam.follower.touching]
-    sentence = sentence.format(value=value, angle=angle)
+    sentence = sentence.format(value=value, place=at(lowest.place))
     severity: Severity = "ok"
     limit = near
     cam_range = None
     if lowest.value <= ROUNDING:
         severity, limit = "broken", 0.0
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
-        sentence = (
-            f"the follower jams: the {fault} by {-value:.4f} deg at cam angle {angle:.4f} deg"
-        )
+        sentence = f"the follower jams: the {fault} by {-value:.4f} deg {at(lowest.place)}"
         if cam_range is not None:
             sentence += f", and {between(cam_range)}"
     elif lowest.value < NEAR:
@@ -124,7 +120,7 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
             value=value,
             limit=limit,
             unit="deg",
-            cam_angle=lowest.place % TURN,
+            cam_angle=lowest.place,
             cam_range=cam_range,
         ),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from camgeo.effects.friction.statics import Statics, senses_of
 from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, require_convex
+from camgeo.effects.wording import at
 from camgeo.errors import EffectError, GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -112,9 +112,8 @@ def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCran
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise EffectError(
-            "the rocker cannot move the slider against its friction: at cam angle"
-            f" {math.degrees(locked[0]):.4f} deg, stroke {locked[1]:.6g} mm, the coupler is"
-            " square to the guide",
+            f"the rocker cannot move the slider against its friction: {at(locked[0])}, stroke"
+            f" {locked[1]:.6g} mm, the coupler is square to the guide",
             cam_angle=locked[0] % TURN,
         )
     strokes = senses_of(plan, subject.drive.smooth_angles)

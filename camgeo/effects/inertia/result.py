@@ -9,7 +9,6 @@ of Machinery", chapters on dynamics and cam dynamics) do the same for a single m
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -35,6 +34,7 @@ from camgeo.effects.results import Inertia
 from camgeo.effects.wording import FORCES, KG, KG_M2, Label, extreme_finding, extreme_findings
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, piecewise_highest
+from camgeo.wording import at_cam_angles, cam_angle
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
@@ -173,9 +173,8 @@ class _Report:
             name="largest-inertia-force",
             severity="warning",
             sentence=(
-                f"the inertia {what} is infinite at a shock at cam angle"
-                f" {math.degrees(angle):.6g} deg; elsewhere the largest is"
-                f" {worst.value:.6g} {unit} at {math.degrees(worst.place):.6g} deg"
+                f"the inertia {what} is infinite at a shock {at_cam_angles(angle)}; elsewhere the"
+                f" largest is {worst.value:.6g} {unit} at {cam_angle(worst.place)} deg"
             ),
             unit=unit,
             cam_angle=angle,

@@ -23,7 +23,8 @@ from camgeo.motion.time_course import (
     time_extremes,
 )
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.units import TURN, LiftUnit
+from camgeo.units import LiftUnit
+from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -80,7 +81,7 @@ class _Moving:
 
     def _finding(self, what: str, end: Extreme, power: int, *, bounded: bool) -> Finding:
         value, unit = self.scale * end.value, self.per(power)
-        sentence = f"{value:.6g} {unit} at cam angle {math.degrees(end.place):.6g} deg"
+        sentence = f"{value:.6g} {unit} {at_cam_angles(end.place)}"
         if not bounded:
             jumps = "a shock" if power < len(NAMES) else "a shock or a jerk"
             sentence = f"infinite at {jumps}; elsewhere {sentence}"
@@ -90,7 +91,7 @@ class _Moving:
             sentence=f"{what} {sentence}",
             value=value if bounded else None,
             unit=unit,
-            cam_angle=math.fmod(end.place, TURN) if bounded else None,
+            cam_angle=end.place if bounded else None,
         )
 
 

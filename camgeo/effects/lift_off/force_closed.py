@@ -102,7 +102,7 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
         value=low.value,
         limit=flank.margin,
         unit="N",
-        cam_angle=low.place % TURN,
+        cam_angle=low.place,
         cam_range=(stretch.start, stretch.end if whole else stretch.end % TURN),
     )
 
@@ -180,7 +180,7 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
             ),
             limit=given,
             unit=unit,
-            cam_angle=least.place % TURN,
+            cam_angle=least.place,
         )
     value = scale * least.value
     short = least.value > now + TOUCH * max(abs(now), abs(least.value))
@@ -197,5 +197,5 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
         value=value,
         limit=given,
         unit=unit,
-        cam_angle=least.place % TURN if value > 0.0 else None,
+        cam_angle=least.place if value > 0.0 else None,
     )

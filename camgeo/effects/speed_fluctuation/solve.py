@@ -13,11 +13,12 @@ from camgeo.effects.speed_fluctuation.march import outcome
 from camgeo.effects.speed_fluctuation.mesh import Mesh, collocation, double_mesh
 from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
-from camgeo.effects.wording import N_M, missed
+from camgeo.effects.wording import N_M, at, missed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
 from camgeo.units import TURN
+from camgeo.wording import cam_angle
 
 LONGEST: Final = TURN / 24.0
 """Largest length of an initial cell [rad]."""
@@ -35,9 +36,8 @@ def refuse_shocks(subject: Subject, law: Quantity) -> None:
     if len(places):
         first = float(places[0])
         raise EffectError(
-            f"the velocity of the follower jumps at cam angle {math.degrees(first):.4f} deg: the"
-            " torque is infinite there, and the equation of motion does not give the speed"
-            " after it",
+            f"the velocity of the follower jumps {at(first)}: the torque is infinite there, and"
+            " the equation of motion does not give the speed after it",
             finding="shock",
             cam_angle=first,
         )
@@ -103,7 +103,7 @@ def _stall(shaft: Shaft, phi: float) -> EffectError:
     torque = N_M * float(shaft.motor.torque(np.zeros(1))[0][0])
     place = phi % TURN
     return EffectError(
-        f"the motor stalls near cam angle {math.degrees(place):.1f} deg: whatever its initial"
+        f"the motor stalls near cam angle {cam_angle(place, '.1f')} deg: whatever its initial"
         f" speed, its stall torque of {torque:.5g} N m cannot carry the cam through the turn, and"
         " there is no steady state",
         finding="stall",
@@ -117,7 +117,7 @@ def _jamming(shaft: Shaft, mesh: Mesh) -> EffectError:
     moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
     bad = ~np.all(moments > 0.0, axis=0)
     place = float(mesh.nodes[bad][0]) if np.any(bad) else None
-    where = "" if place is None else f" at cam angle {math.degrees(place):.4f} deg"
+    where = "" if place is None else f" {at(place)}"
     return EffectError(
         "with friction no acceleration of the cam satisfies its equation of motion: the"
         f" follower jams{where}",

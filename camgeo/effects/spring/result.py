@@ -141,7 +141,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
                 value=lowest.value,
                 limit=0.0,
                 unit=unit,
-                cam_angle=lowest.place % TURN,
+                cam_angle=lowest.place,
                 cam_range=slack,
             )
         )
@@ -181,7 +181,7 @@ def opening(way: Travel, subject: Subject) -> list[Finding]:
                 f"the spring presses the {subject.cam.follower.touching} away from its flank"
                 f" {between(away)}"
             ),
-            cam_angle=found.lowest.place % TURN,
+            cam_angle=found.lowest.place,
             cam_range=away,
         )
     ]

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from camgeo.effects.wording import at, degrees
 from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
 from camgeo.numeric.arrays import FloatArray, Side
@@ -156,17 +157,16 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
     locked = locked_at(linkage, plan)
     if locked is not None:
         raise GeometryError(
-            "the slider cannot close the contact over the whole turn: at cam angle"
-            f" {np.degrees(locked[0]):.4f} deg the coupler is square to the guide",
+            f"the slider cannot close the contact over the whole turn: {at(locked[0])} the coupler"
+            " is square to the guide",
             key="effects.spring",
         )
     # It has the sign of dn/ds: ds/dpsi may vanish at a dead centre, but never changes sign.
     found = piecewise_extremes(partial(outward, subject), subject.drive.smooth_angles)
     if found.lowest.value < 0.0 < found.highest.value:
         raise GeometryError(
-            "the slider closes the contact by moving one way at cam angle"
-            f" {np.degrees(found.lowest.place):.4f} deg and the other way at"
-            f" {np.degrees(found.highest.place):.4f} deg: the arm passes the line of centres",
+            f"the slider closes the contact by moving one way {at(found.lowest.place)} and the"
+            f" other way at {degrees(found.highest.place)}: the arm passes the line of centres",
             key="effects.spring",
         )
     outwards = 1.0 if found.highest.value > 0.0 else -1.0
@@ -204,8 +204,8 @@ def between_points(
     shortest = piecewise_lowest(way.length, subject.drive.smooth_angles)
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
-            f"is {shortest.value:.3g} mm from the attachment at cam angle"
-            f" {np.degrees(shortest.place):.4f} deg: the spring has no direction there",
+            f"is {shortest.value:.3g} mm from the attachment {at(shortest.place)}: the spring has"
+            " no direction there",
             key="effects.spring.anchor",
         )
     return way

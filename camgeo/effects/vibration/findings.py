@@ -19,6 +19,7 @@ from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.oscillator.train import Train
 from camgeo.units import RPM, TURN
+from camgeo.wording import cam_angle
 
 MOST_PERIODS: Final = 4096
 """Periods per turn up to which each period is searched for the largest deflection. Beyond this, the
@@ -213,4 +214,4 @@ def _duration(clock: Clock, rest: Dwell) -> float:
 
 
 def _from(phi: float) -> str:
-    return f" from cam angle {math.degrees(phi):.6g} deg on"
+    return f" from cam angle {cam_angle(phi)} deg on"
