@@ -105,8 +105,9 @@ class Design(Pickled):
         return self.judgement.findings
 
     def with_output(self, values: Mapping[str, Any]) -> Design:
-        """The design with other `values` of [output] by key, none of which a finding depends on; it
-        shares all that is computed of drive and cams.
+        """The design with other `values` of [output], by key, on which no finding depends.
+
+        It shares drive, cams and judgement, with all that they have computed.
         """
         edits = {f"output.{key}": value for key, value in values.items()}
         other = Design(self.scene.with_values(edits))

@@ -217,7 +217,7 @@ def _left_of_face(cam: Cam, severity: Severity) -> list[Finding]:
 
 
 def _of_undercut(limits: Limits) -> Severity:
-    """Severity of what a disc that undercuts lacks: it may be made all the same."""
+    """Severity of undercut and of what follows from it: a trimmed disc can still be made."""
     return "broken" if limits.undercut == "trim" else "no-disc"
 
 
@@ -250,7 +250,7 @@ def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]
 
 
 def _naming_trim(found: list[Finding]) -> list[Finding]:
-    """The findings of a disc that is refused; where it could be trimmed, one says by which key."""
+    """`found`; if the disc is refused but could be trimmed, one of them names the key for that."""
     refused = [finding.name for finding in found if finding.severity == "no-disc"]
     if any(name.startswith(UNMENDED) for name in refused):
         return found

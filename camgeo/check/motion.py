@@ -204,7 +204,7 @@ def _swing(
 
 
 def _slack(move: SplineMove) -> float:
-    """What is no more than the uncertainty of rows or points [mm or rad]."""
+    """The uncertainty of rows or points [mm or rad]."""
     deviation = 0.0 if move.report is None else move.report.largest_deviation
     return max(SWING * _stroke(move), deviation)
 

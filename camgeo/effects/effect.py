@@ -214,7 +214,7 @@ class Bound:
         return self.error / self.scale if self.scale > 0.0 else 0.0
 
     def times(self, factor: float) -> Bound:
-        """That of a figure which is `factor` times this one."""
+        """The bound of `factor` times the figure."""
         return Bound(abs(factor) * self.error, abs(factor) * self.scale)
 
 

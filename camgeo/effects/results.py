@@ -158,7 +158,7 @@ class LostContact:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Touching(Result):
-    """A result that knows where the follower leaves the cam at the speed that it is for.
+    """A result that includes where the follower leaves the cam at its speed.
 
     Attributes
     ----------

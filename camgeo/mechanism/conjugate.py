@@ -53,7 +53,7 @@ class Mount:
     given: tuple[tuple[str, float], ...]
 
     def roller(self, main: Follower) -> Follower:
-        """The return roller; GeometryError as of `make`."""
+        """The return roller; GeometryError as for `make`."""
         return self.make(main, **dict(self.given))
 
     def sized(self, **sizes: float) -> Mount:

@@ -13,7 +13,7 @@ to C exp(i sigma phi), and the face is tangent to it on the inside. In closed fo
   the contact lies q from the pivot's foot on the face, on its own side.
 
 The lift is linear in h, or in chi. Seen from the cam, the face is the line at the distance h from
-the axis whose normal has the angle theta; its lift and theta tell the cam angle.
+the axis whose normal has the angle theta; its lift and theta determine the cam angle.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 
 ROUNDING = 1e-12
-"""How far a sine may come out beyond 1: the face is square to the line of centres there."""
+"""How far rounding may take a sine beyond 1: the face is square to the line of centres there."""
 
 
 class FacePath(Protocol):
@@ -59,7 +59,7 @@ class FacePath(Protocol):
 
     def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
         """(n,) cam angles [rad] at which the face of that `lift` (n,) has the normal at theta (n,)
-        [rad] in the cam; as steady as theta, not reduced to a turn.
+        [rad] in the cam; as continuous as theta, not reduced to a turn.
         """
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:

@@ -129,7 +129,7 @@ class FourBar(RockerCrank):
         return at(found.high), at(found.low)
 
     def _pin_heading(self, motion: FloatArray, reach: FloatArray) -> Angles:
-        """The pin goes square to the lever."""
+        """The pin moves square to the lever."""
         return about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
 
     @property

@@ -28,7 +28,7 @@ class OscillatingRoller(Rocking, WithRoller):
     The rocker's angle chi is measured counter-clockwise from the line pivot -> cam axis:
     chi = h psi_G + (its swing), h = `arm_side`, with psi_G in (0, pi) from the triangle of l_1
     (pivot to cam axis), l_3 (`arm`) and r_G; W = exp(i alpha) (l_3 exp(i chi) - l_1), alpha the
-    direction of that line. So that a distant pivot costs no digits, all is computed from
+    direction of that line. To lose no digits with a distant pivot, all is computed from
     l_3 - l_1 and l (1 - cos chi) = 2 l sin^2(chi/2).
 
     Attributes

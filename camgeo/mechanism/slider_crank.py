@@ -144,7 +144,7 @@ class SliderCrank(RockerCrank):
         return at(x + reach), at(np.maximum(x - reach, 0.0))
 
     def _pin_heading(self, stroke: FloatArray, reach: FloatArray) -> Angles:
-        """The pin goes along the guide."""
+        """The pin moves along the guide."""
         none = np.zeros_like(stroke)
         return Angles(none + 1.0, none, none)
 

@@ -37,7 +37,7 @@ AREA = 2.0**-40
 """Fraction of the area of a triangle that far exceeds its rounding."""
 
 ROUNDS = 2
-"""How often angles and slopes are enclosed in turn: of small cells two rounds settle all but the
+"""How often angles and slopes are enclosed in turn: for small cells two rounds settle all but the
 last digits."""
 
 
@@ -81,8 +81,8 @@ class RockerCrank(ABC):
 
     @abstractmethod
     def _pin_heading(self, position: FloatArray, reach: FloatArray) -> Angles:
-        """Directions in which the pin goes, over the same positions, and if its pace is negative
-        those opposite.
+        """Directions in which the pin moves over the same positions; the opposite ones if its pace
+        is negative.
         """
 
     @property
@@ -244,7 +244,7 @@ def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:
 
 
 def times(reach: FloatArray, slope: Interval) -> FloatArray:
-    """(n,) how far a quantity of such a `slope` goes within `reach` (n,); 0 at rest."""
+    """(n,) how far a quantity with this `slope` moves within `reach` (n,); 0 at rest."""
     with np.errstate(invalid="ignore"):
         far = reach * slope.magnitude
     return np.where(reach == 0.0, 0.0, far)

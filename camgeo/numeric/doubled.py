@@ -1,4 +1,4 @@
-"""What rounding takes from a number, found in doubles."""
+"""The rounding error of a number, computed in doubles."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ SPLITTER: Final = 2.0**27 + 1.0
 
 
 def hypot_rest(vector: complex, size: float) -> float:
-    """|vector| - `size`, to some twenty further digits, for a `size` that is |vector| but for
-    rounding.
+    """|vector| - `size` to about twenty more digits, for a `size` that is |vector| up to rounding.
 
     From |vector|^2 - size^2 with the squares as exact sums of two doubles (Veltkamp, Dekker 1971).
     """

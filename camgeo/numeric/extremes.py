@@ -72,7 +72,7 @@ values, but one by one, and the cost of a call does not depend on so few."""
 TOPS: Final = (1.0,)
 BOTTOMS: Final = (-1.0,)
 BOTH: Final = (*TOPS, *BOTTOMS)
-"""Signs with which turning points are the largest values."""
+"""Signs that make turning points largest values."""
 
 
 def grid_of(edges: FloatArray) -> FloatArray:
@@ -124,7 +124,7 @@ def _extremes(
     edges: FloatArray,
     signs: tuple[float, ...],
 ) -> Extremes:
-    """Both values, of which those that `signs` name are refined."""
+    """Both values; only those selected by `signs` are refined."""
     inside = grid_of(edges)
     flat = function(inside.ravel(), "right")
     sought = tops(inside, flat.reshape(inside.shape), signs)

@@ -1,4 +1,4 @@
-"""Interval arithmetic on arrays: what a formula can give over ranges of what it is made of.
+"""Interval arithmetic on arrays: bounds of a formula over ranges of its arguments.
 
 Each result is widened by more than its rounding, so that it holds for exact numbers in the ranges.
 """
@@ -15,7 +15,7 @@ WIDENED = 2.0**-50
 """Fraction of an end by which it is widened: a sum or product is rounded by less."""
 
 BLUR = 2.0**-48
-"""By how much cosines and sines are widened: more than the rounding of differences of angles."""
+"""Widening of cosines and sines: more than the rounding of differences of angles."""
 
 FARTHEST = 4.0
 """Reach of an angle [rad] beyond which nothing is known of its cosine and sine."""
@@ -84,7 +84,7 @@ class Interval:
         return _widened(least, np.maximum(one, other))
 
     def within(self, other: Interval) -> Interval:
-        """What both ranges have in common, where both hold."""
+        """The intersection of both ranges, where both hold."""
         return Interval(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
 
@@ -131,7 +131,7 @@ def about(middles: FloatArray, reach: FloatArray) -> Angles:
 
 
 def _swept(value: FloatArray, slope: FloatArray, reach: FloatArray) -> Interval:
-    """What a cosine or sine of `value` and of `slope` (n,), but for its sign, comes to."""
+    """The range of a cosine or sine with `value` and, up to its sign, `slope` (n,) at middles."""
     far = np.minimum(reach, FARTHEST)
     straight, curved = np.abs(slope) * far + BLUR, 0.5 * far * far
     low = value - straight - curved * np.maximum(value, 0.0)

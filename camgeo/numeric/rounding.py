@@ -1,4 +1,4 @@
-"""When a sum is 0 but for rounding.
+"""Sums that are 0 up to rounding.
 
 The sum of n terms is off by at most the roundings of each term and those of the additions, each a
 half unit in the last place of the magnitudes: |error| <= (k + m) u sum |terms|, u = 2^-53, with k

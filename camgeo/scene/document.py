@@ -22,7 +22,7 @@ LONGEST_VALUE: Final = 60
 """Characters shown of a value."""
 
 INTEGER_BITS: Final = 64
-"""Of TOML's integers; a longer one is no size of a cam, and slow to print."""
+"""Bits of TOML's integers; a longer one is no size of a cam, and slow to print."""
 
 BYTE_ORDER_MARK: Final = "\ufeff"
 

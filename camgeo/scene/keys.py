@@ -1,4 +1,4 @@
-"""Keys of a scene: their paths, and the lines on which they stand, which tomllib does not report.
+"""Keys of a scene: their paths and their line numbers, which tomllib does not report.
 
 The path ("motion", 1, "span") is written motion[2].span, counted from 1.
 """

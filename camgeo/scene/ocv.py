@@ -21,7 +21,7 @@ from camgeo.scene.load import parse_scene
 COUNT: Final = 24
 
 SIZE: Final = 8 * COUNT
-"""Of a project [bytes]."""
+"""Size of a project [bytes]."""
 
 TURN: Final = Decimal(360)
 
@@ -51,7 +51,7 @@ class Field:
     code : the source's variable, which has other letters for three lengths.
     kind : what values it may have.
     meaning : what it is.
-    key : what it becomes in the scene, empty for what does not change the cam.
+    key : the scene's key that takes it; empty if it does not change the cam.
     """
 
     name: str

@@ -62,7 +62,7 @@ class Cure:
         moves change. None if the knob has no cure.
     sentence : all of this in words.
     also : the other keys that change with it, e.g. the dwells beside a longer move.
-    limit : of a length, the exact value [mm] at which the finding is about to disappear.
+    limit : for a length, the exact value [mm] at which the finding disappears.
     """
 
     knob: str

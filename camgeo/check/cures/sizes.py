@@ -93,7 +93,7 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
 
 
 def _no_room(cam: Cam, kappa: float) -> str:
-    """Why a disc whose smallest r_K is 1/`kappa` has room for no roller at all."""
+    """Why no roller at all fits a disc whose smallest r_K is 1/`kappa`."""
     if cam.follower.roller_radius == 0.0:
         return "a knife edge has no roller to make smaller"
     beside = " beside the play of the groove" if cam.clearance > 0.0 else ""

@@ -31,7 +31,7 @@ class Conditions:
     ratio : the largest r_R/r_K.
     signs : of the curvatures that count.
     half : see `Task.half`.
-    covers : pairs of cam angles; None where none is asked for.
+    covers : pairs of cam angles; None if global undercut is left out.
     """
 
     terms: Terms
@@ -44,7 +44,7 @@ class Conditions:
 
     @property
     def count(self) -> int:
-        """Of the conditions on a place."""
+        """The number of conditions on a place."""
         return len(self.terms.q) + (0 if self.covers is None else len(self.covers.first))
 
     def met(self, places: ComplexArray) -> BoolArray:
@@ -65,7 +65,7 @@ class Conditions:
         return met
 
     def room(self, places: ComplexArray) -> FloatArray:
-        """(k,) what the places (k,) leave of the tightest condition, as a fraction of its limit or
+        """(k,) margin of the tightest condition at the places (k,), as a fraction of its limit or
         as an angle [rad]; negative where one is broken.
         """
         u, v = self.terms.across_and_along(places[:, np.newaxis])

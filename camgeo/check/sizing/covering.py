@@ -11,7 +11,7 @@ velocity of the roller centre. Every pair of cam angles at which it is shorter t
 place out, whatever else is known of it. Between places h apart it changes by at most h |1 - E| +
 |d| times the turn of N_1, whose sine is at most h / |N_1|.
 
-There are too many pairs to look at all of them. Those that matter are found from what the outline
+There are too many pairs to examine all of them. The relevant ones are found from what the outline
 of a place has lost.
 """
 
@@ -29,17 +29,17 @@ from camgeo.outline.crossings import find_crossings
 from camgeo.units import TURN
 
 TOUCHING = 3e-9
-"""What is covered by less than this fraction of |d| counts as touched: somewhat more than what does
-for `camgeo.outline.clearance`."""
+"""A point covered by less than this fraction of |d| counts as touched: somewhat more than in
+`camgeo.outline.clearance`."""
 
 AROUND, ACROSS = 720, 17
 """Cam angles over the turn, and between two crossings, at which covering is sought."""
 
 MOST = 120
-"""Most pairs that are taken of one place."""
+"""Most pairs taken from one place."""
 
 ZOOMS, GRID = 14, 5
-"""Each step of a refinement looks at so many cam angles on each side, in half the range."""
+"""Steps of a refinement, each in half the range, and cam angles that it tries on each side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +105,7 @@ def pairs_of(
 
 
 def no_pairs(task: Task) -> Covers:
-    """None yet."""
+    """No pairs at all."""
     return pairs_of(task, np.empty(0), np.empty(0), 0.0)
 
 
@@ -130,7 +130,7 @@ def covered(task: Task, place: complex) -> Covers:
             if not disc.outline(name).is_trimmed:
                 continue
             crossings = find_crossings(flank, disc.bends)
-        except GeometryError:  # nothing is left, or it cannot be decided what
+        except GeometryError:  # nothing is left, or what is left cannot be decided
             crossings = ()
         angles = sorted(angle for each in crossings for angle in (each.first, each.second))
         ends = [*angles[1:], *(angle + TURN for angle in angles[:1])]
@@ -146,7 +146,7 @@ def covered(task: Task, place: complex) -> Covers:
 def _of_stretch(task: Task, place: complex, distance: float, start: float, end: float) -> Covers:
     """Pairs of the flank between two of its crossings, which is covered as a whole or nowhere.
 
-    Each of some points with the nearest roller centre, and the deepest of them, enclosed.
+    Samples of its points, each with the nearest roller centre, and the deepest point, refined.
     """
     count = max(ACROSS, math.ceil(AROUND * (end - start) / (2.0 * TURN)))
     share = (np.arange(count) + 0.5) / count

@@ -1,4 +1,4 @@
-"""What a flat face asks of the place of the cam axis.
+"""The conditions of a flat face on the place of the cam axis.
 
 The face starts on the x axis of a guide, or at the height f = `face_offset` over it on a rocker,
 whose pivot is the origin; the cam axis lies below it, mirrored if the face lies clockwise of the
@@ -6,7 +6,7 @@ line pivot -> cam axis. So a place is -i r_G on a guide and P = l_1 exp(-i chi_0
 rocker, r_G = f + y.
 
 With theta the angle by which the rocker has turned, tau = 1 - sigma m theta' and w = 1/tau (see
-`camgeo.mechanism.face`), all that decides is linear in the place:
+`camgeo.mechanism.face`), all conditions are linear in the place:
 
 - distance of the face from the axis: h = f + x sin theta + y cos theta > 0;
 - its lever about the pivot: q = w (x cos theta - y sin theta) >= tan mu |f|, and above 0;
@@ -82,7 +82,7 @@ class FaceTask(Placing):
 
     def asked(self, angle: float, radius: float) -> Asked:
         """What is required: a transmission angle [rad] and a radius of curvature [mm], see
-        `size_for_face`; a cam with a cusp, or one that touches its axis, will not do.
+        `size_for_face`; a cam with a cusp, or one that touches its axis, is excluded.
         """
         least = 2.0 * SMALLEST * (self.follower.base_radius + abs(self.present))
         return Asked(math.tan(angle), max(radius, least), least)
@@ -105,7 +105,7 @@ class FaceTask(Placing):
         """The place with the smallest base circle that meets `known`; None if there is none."""
 
     def slack(self, curve: PitchCurve, name: str, asked: Asked) -> Extremes:
-        """Local extremes over the turn of what the condition `name` leaves [mm]."""
+        """Local extremes over the turn of the margin of the condition `name` [mm]."""
         lever = self.lever(asked)
 
         def value(phi: FloatArray, side: Side) -> FloatArray:

@@ -29,7 +29,7 @@ ACTIVE = 1e-9
 """A condition this close to its limit, as a fraction of the size of its terms, is active."""
 
 BESIDE = 1e-5
-"""A cam is asked for what lies between samples where it is larger by this fraction."""
+"""Fraction by which a cam is enlarged to prove that the samples missed nothing."""
 
 
 def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
@@ -66,7 +66,7 @@ def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
 
 
 def _hopeless(task: FaceTask) -> str | None:
-    """Why no size will do: the linkage, a face that turns back, a jump of its velocity; or None."""
+    """Why no size will do (the linkage, a face that turns back, a velocity jump), or None."""
     if task.hopeless is not None:
         return task.hopeless
     curve = task.pitch_curve_at(task.present)
@@ -132,7 +132,7 @@ def smallest_for_face(task: FaceTask, asked: Asked) -> tuple[complex | None, tup
 def _missed(task: FaceTask, place: complex) -> float | None:
     """Cam angle [rad] of a cusp or undercut between the samples of `slack`; None without one.
 
-    Asked of a cam that is larger by `BESIDE`: close to a cusp the proof takes ever smaller cells.
+    Of a cam that is larger by `BESIDE`: close to a cusp the proof takes ever smaller cells.
     """
     try:
         cam = task.cam.sized(base_radius=(1.0 + BESIDE) * task.base_radius_at(place))

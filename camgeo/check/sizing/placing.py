@@ -1,7 +1,7 @@
 """A cam whose axis is to be placed beside its follower, whatever touches the cam.
 
-A place is a complex number [mm] in axes in which the follower starts in a fixed position; each kind
-says in which.
+A place is a complex number [mm] in axes in which the follower starts in a fixed position, which
+each kind states.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Placing(ABC):
     second : the quantity that, with the base radius, determines a place.
     held : the pivot [mm]; None on a guide.
     present : place of the cam axis in the present design [mm].
-    seen : sense of x and of y of a picture, by the real and the imaginary part of a place.
+    seen : signs of x and y in a picture for the real and the imaginary part of a place.
     """
 
     cam: Cam
@@ -49,7 +49,7 @@ class Placing(ABC):
 
     @abstractmethod
     def second_of(self, place: complex) -> float:
-        """That quantity [mm] at `place`."""
+        """The `second` quantity [mm] at `place`."""
 
     @abstractmethod
     def base_radius_at(self, place: complex) -> float:
@@ -71,13 +71,13 @@ class Placing(ABC):
 
     @property
     def arm_side(self) -> int | None:
-        """That of a rocker; None on a guide."""
+        """The side of a rocker's arm; None on a guide."""
         side: int = self.follower.arm_side if self.held is not None else 0
         return side or None
 
     @property
     def hopeless(self) -> str | None:
-        """Why there is no cam of any size, where that is the linkage's fault."""
+        """Why no size will do, if the linkage is at fault; else None."""
         found = forbidding(linkage_findings(self.cam.drive, Limits()))
         return found[0].sentence if found else None
 
@@ -85,7 +85,7 @@ class Placing(ABC):
     def sides(self) -> tuple[Self, ...]:
         """The task itself, and a rocker also on the other side of the line pivot -> cam axis.
 
-        On a guide there is nothing more to be found: its mirror image is another offset.
+        On a guide there is nothing else to find: its mirror image is another offset.
         """
         if self.arm_side is None:
             return (self,)

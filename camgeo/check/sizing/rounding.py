@@ -2,7 +2,7 @@
 
 The base radius is the next one with a sensible number of decimals at which the checks find nothing
 wrong. Its second dimension is chosen in the middle of what the limits leave there, with as many
-decimals more as it takes.
+additional decimals as necessary.
 """
 
 from __future__ import annotations
@@ -29,34 +29,34 @@ from camgeo.lazy import Ledger
 from camgeo.outline.convex import contact_extremes, convexity
 
 DECIMALS: Final = 4
-"""Of a length from 1 to 10,000 mm, in mm: a tenth of what a good machine can tell."""
+"""Decimals of a length from 1 to 10,000 mm, in mm: a tenth of what a good machine resolves."""
 
 SMALL, LARGE = 4, 7
 """Decimals after the first digit of a smaller, and of a larger length."""
 
 STEPS: Final = (0, 1, 2, 5, 20, 100, 1000)
-"""Of the last digit by which the base radius is larger than the limit, tried in turn. The first is
-nearly always enough: the others are for a limit that lies within rounding of its decimals, or that
-leaves no room at all there."""
+"""Units of the last digit by which the base radius exceeds the limit, tried in turn. The first
+nearly always suffices: the others are for a limit that is within rounding of its decimals, or that
+leaves no room there at all."""
 
 OF_FACE: Final = 2
 """Decimals of the ends of a face, in mm."""
 
 MORE: Final = 5
-"""Most decimals more of the second dimension."""
+"""Most additional decimals of the second dimension."""
 
 TRIES: Final = 4
-"""Most places tried for a base radius: what breaks one is known to the next."""
+"""Most places tried for a base radius; each takes into account what the previous one broke."""
 
 NEAR: Final = 1e-11
-"""A limit that exceeds a number of that many decimals by less than this fraction is that number."""
+"""A limit that exceeds a number with so many decimals by less than this fraction counts as it."""
 
 WIDTH, ZOOM, ZOOMS, WAYS = 0.1, 8.0, 12, 65
-"""The direction with the most room: half the first range [rad], how much closer the next one is,
-how many there are, and how many directions each has."""
+"""Search for the direction with the most room: half the first range [rad], by how much the next one
+is narrower, the number of ranges, and the number of directions in each."""
 
 OF_SHOCKS: Final = ("tangent-closure", "lost-stroke")
-"""Findings on a motion whose velocity jumps, at any size."""
+"""Findings that a motion with jumps of its velocity has at any size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Made:
     Attributes
     ----------
     lengths : of the follower, by their scene's keys, in the scene's unit.
-    cam : with them.
+    cam : the cam with these lengths.
     """
 
     lengths: dict[str, float | list[float]]
@@ -126,7 +126,7 @@ def rounded(
             pairs = no_pairs(task) if made is None else covered(task, middle)
             now = with_more(task, now, phi, pairs)
             if now.room(np.array([middle]))[0] >= 0.0:
-                break  # nothing that is known breaks it
+                break  # no known condition is broken
     return None
 
 
@@ -140,7 +140,7 @@ def _with_second(
 ) -> Made | None:
     """With a base radius, in the unit, and the second dimension near that of `place`.
 
-    With as many decimals as it takes for what is `required` of angle and ratio; None if none do.
+    It has as many decimals as the `required` angle and ratio take; None if none suffice.
     """
     for more in range(MORE + 1):
         last = Decimal(1).scaleb(exponent - more)
@@ -162,7 +162,7 @@ def _near(length: float, last: Decimal, unit: float) -> float:
 
 
 def _within(cam: Cam, angle: float, ratio: float) -> bool:
-    """Whether `cam` keeps its transmission angle and r_R/r_K, which is soon known."""
+    """Whether `cam` keeps its transmission angle and r_R/r_K, which is quick to check."""
     task = task_of(cam)
     found = rate(task, task.present)
     return (
@@ -200,8 +200,8 @@ def rounded_face(
 ) -> Made | None:
     """The next base radius from that of `place` on; None if no rounded one is sound.
 
-    A face that a follower has is made as long as it must be. `least` is the smallest radius of
-    curvature that is allowed [mm].
+    A face with ends is made as long as the contact requires. `least` is the smallest radius of
+    curvature allowed [mm].
     """
     base = task.base_radius_at(place)
     exponent = exponent_of(base, unit)
@@ -219,7 +219,7 @@ def rounded_face(
 
 
 def _long_enough(made: Made, unit: float) -> Made:
-    """With the face, if it has ends, as long as the contact needs it."""
+    """`made` with its face, if that has ends, as long as the contact requires."""
     face = made.cam.follower.face
     if face is None:
         return made

@@ -21,7 +21,7 @@ GRAM_MM: Final = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """What the errors of all figures follow from.
+    """The data from which the errors of all figures follow.
 
     Attributes
     ----------

@@ -1,9 +1,9 @@
 """How far the figures of the steady state may be off, and the turn that makes them accurate enough.
 
 All follow from the error e of the speed. The torque of the motor is off by its slope times e, its
-work over a turn by 2 pi times that; both may be small beside the torque at standstill, so that the
-speed must be known better than they. Mean values are integrals over the nodes of the cells; on half
-as long cells they change by their own error.
+work over a turn by 2 pi times that; both may be small compared with the torque at standstill, so
+the speed must be the more accurate. Mean values are integrals over the nodes of the cells; halving
+the cells changes them by about their error.
 """
 
 from __future__ import annotations
@@ -73,16 +73,16 @@ class Steady:
 
     @property
     def speed(self) -> Bound:
-        """Of the speed [rad/s]."""
+        """Error of the speed [rad/s]."""
         return Bound((self.turn.error + ROUNDING) * self.fastest, self.fastest)
 
     @property
     def torque(self) -> Bound:
-        """Of the torque of the motor [N mm]."""
+        """Error of the torque of the motor [N mm]."""
         return Bound(self.slope * self.speed.error, self.largest)
 
     def figures(self) -> dict[str, Bound]:
-        """By the names of findings and columns."""
+        """The errors by the names of findings and columns."""
         # |d(1/omega)| <= e / omega^2, relative to the mean of 1/omega at most e / slowest.
         late = self.speed.error / self.slowest + self.period_error / self.period
         mean = Bound(self.mean * late, self.fastest)
@@ -107,8 +107,8 @@ def accurate(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -
     """The steady state; raises as `solve`.
 
     The speed is found to the tolerance, and so is the torque of the motor unless rounding of the
-    speed is larger: a stiff motor has almost no slip, from which its torque follows. Its error says
-    so then.
+    speed is larger: a stiff motor has almost no slip, from which its torque follows. The error of
+    the torque shows this.
     """
     for rough in ROUGH:
         switches = _switches(shaft, law, edges, solve(shaft, law, edges, max(rough, tolerance)))
@@ -145,7 +145,7 @@ def _worst(found: Steady) -> float:
 
 
 def _measured(shaft: Shaft, turn: SteadyTurn) -> Steady:
-    """The mean values and what their errors follow from."""
+    """The mean values, and the data from which their errors follow."""
     motor, mesh = shaft.motor, turn.mesh
     omega = np.sqrt(2.0 * (turn.state.base + turn.state.nodes))
     torque = motor.torque(omega)[0]

@@ -21,7 +21,7 @@ GENTLEST, SHARPEST = 0.5, 4.0
 """Turns that are tried, as multiples of the gentlest one with equally large accelerations."""
 
 STEPS = 12
-"""Of the search between these, which leaves 1 % of the turn."""
+"""Steps of the search between these; they leave 1 % of the turn."""
 
 GAIN = 1e-3
 """What a turn between those tried must gain, as a fraction of the cost, to be taken."""
@@ -83,13 +83,13 @@ def best_turn(
     ----------
     task : one with a turn, and none with general motion.
     v0, v1 : f' at the ends.
-    optimise : as of `best_law`, as pairs. The moment stands in for the velocity, which is least
+    optimise : as for `best_law`, in pairs. The moment stands in for the velocity, which is least
         with a turn as gentle or as sharp as it can be.
 
     Returns
     -------
-    None if no law of the task has accelerations that are equally large, for a size to begin with.
-    From turn to turn both are equal except for the sign.
+    None if no law for the task has equally large accelerations, from which the search starts. From
+    turn to turn both values are equal except for the sign.
     """
     if task[0] == "U" and task != "U-U":  # the mirror image
         mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)
@@ -125,7 +125,7 @@ def best_turn(
 
 
 def _own_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
-    """f'' at the end of a law whose accelerations are equally large; None if it has no such."""
+    """f'' at the end of the law with equally large accelerations; None if there is none."""
     family = FAMILIES[name]
     if family.parts is None or task not in family.tasks:
         return None
@@ -138,7 +138,7 @@ def _own_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
 
 
 def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
-    """Where `cost` is lowest between `low` and `high`, by sections in the golden ratio."""
+    """Where `cost` is lowest between `low` and `high`, by golden-section search."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     inner = [high - ratio * (high - low), low + ratio * (high - low)]
     costs = [cost(place) for place in inner]

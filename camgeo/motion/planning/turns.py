@@ -31,11 +31,11 @@ SAME = 1e-12
 def settle_turns(chain: Chain) -> tuple[set[int], dict[int, float]]:
     """Give turns of `chain` the acceleration that the laws beside them decide.
 
-    A law without a choice decides its turns. Between two laws that have a choice, each has a turn
-    that suits it best: a law whose inflection point is not stated the one with equally large
-    accelerations in both its parts, and "auto" that of its best law. A law meets any turn that is
-    sharper than its own, so the sharper one decides; between two of "auto" that mind the jerk, of
-    which a sharper turn costs more, the turn lies between their own.
+    A law without a choice decides its turns. Each law with a choice has a turn that suits it best:
+    for a law whose inflection point is not stated, the one with equally large accelerations in both
+    its parts; for "auto", that of its best law. A law meets any turn that is sharper than its own,
+    so between two such laws the sharper one decides. Between two "auto" moves that keep the jerk
+    small, which grows with the sharpness of a turn, the turn lies between their own.
 
     Returns
     -------
@@ -64,12 +64,12 @@ def settle_turns(chain: Chain) -> tuple[set[int], dict[int, float]]:
 
 
 def tied_turns(chain: Chain, undecided: Set[int]) -> dict[int, float]:
-    """What both turns of a move have, by their joints, if its law does not meet both as they are:
-    with one parameter left to choose, one turn decides the other.
+    """The accelerations of both turns of a move, by joint, if its law does not meet both as they
+    are: with one parameter left to choose, one turn determines the other.
 
-    A turn that is not `undecided`, by its joint, decides; else the gentler one, as a multiple of
-    the gentlest that the law can have, or the other one if the neighbour there cannot turn so
-    gently. Empty if there is no such move, or no turn of it is open.
+    A turn whose joint is not `undecided` decides; else the gentler one, as a multiple of the
+    gentlest that the law can have, or the other one if the neighbour there cannot turn so gently.
+    Empty if there is no such move, or neither of its turns is open.
     """
     for number, link in enumerate(chain.links):
         ends = number, (number + 1) % len(chain.joints)
@@ -141,7 +141,7 @@ def _decide(chain: Chain, gentlest: Mapping[int, float | None]) -> None:
     """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
 
     A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
-    turn than its own, as `gentlest` says by the joint.
+    turn than its own, according to `gentlest`, by joint.
     """
     deciding = [
         number
@@ -212,7 +212,7 @@ def _suited(chain: Chain, number: int) -> float | None:
     around = chain.around(number)
     if not any(map(_minds_jerk, around)):
         return max(found, key=abs)
-    # A turn that is sharper than the one of its own costs a law more jerk.
+    # A turn sharper than its own costs a law more jerk.
     return _compromise(chain, number, found) if all(map(is_auto, around)) else None
 
 
@@ -221,7 +221,7 @@ def _minds_jerk(link: Link) -> bool:
 
 
 def _compromise(chain: Chain, number: int, own: list[float]) -> float:
-    """The turn between two of "auto" that keeps small what both mind, between their `own` ones."""
+    """The turn between two "auto" moves that keeps small what both optimise, given their `own`."""
     from camgeo.motion.planning.auto import DEFAULT, sizes_at
 
     gentler, sharper = sorted(own, key=abs)
