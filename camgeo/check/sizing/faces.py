@@ -58,7 +58,10 @@ def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
     answer = None if place is None else rate_face(task, place)
     none_below = math.inf if answer is None else answer.base_radius
     return Sizing(
-        *(angle, 1.0, None, None, None, answer, active),
+        angle,
+        ratio=1.0,
+        answer=answer,
+        active=active,
         none_below=none_below,
         radius=radius,
         hopeless=hopeless,

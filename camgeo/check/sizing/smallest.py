@@ -126,11 +126,11 @@ class Sizing:
 
     angle: float
     ratio: float
-    construction: Flocke | None
-    flocke: Rating | None
-    for_angle: Rating | None
-    answer: Rating | None
-    active: tuple[Active, ...]
+    construction: Flocke | None = None
+    flocke: Rating | None = None
+    for_angle: Rating | None = None
+    answer: Rating | None = None
+    active: tuple[Active, ...] = ()
     nearest_angle: float | None = None
     nearest_ratio: float | None = None
     none_below: float = 0.0
@@ -168,18 +168,14 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         ratio = min(ratio, NO_CUSP * task.follower.roller_radius / task.cam.disc.flank_distance)
     tangent, hopeless = math.tan(angle), task.hopeless
     if hopeless is not None:
-        return Sizing(
-            *(angle, ratio, None, None, None, None, ()), none_below=math.inf, hopeless=hopeless
-        )
+        return Sizing(angle, ratio, none_below=math.inf, hopeless=hopeless)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
     place = smallest_place(task, tangent)
     if place is None:
         nearest = largest_angle(task)
         return Sizing(
-            *(angle, ratio, construction, proposal, None, None, ()),
-            nearest_angle=nearest,
-            none_below=math.inf,
+            angle, ratio, construction, proposal, nearest_angle=nearest, none_below=math.inf
         )
     base = abs(place - task.start)
     if not base > 0.0:
@@ -188,7 +184,12 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     if for_angle is not None and meets(task, place, tangent, ratio):
         now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
         return Sizing(
-            *(angle, ratio, construction, proposal, for_angle, for_angle),
+            angle,
+            ratio,
+            construction,
+            proposal,
+            for_angle,
+            answer=for_angle,
             active=active_conditions(task, for_angle, angle, ratio),
             none_below=base,
             examined=now,
@@ -200,7 +201,13 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
     least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
     return Sizing(
-        *(angle, ratio, construction, proposal, for_angle, answer, active),
+        angle,
+        ratio,
+        construction,
+        proposal,
+        for_angle,
+        answer,
+        active,
         nearest_ratio=least_ratio if answer is None else None,
         none_below=found.bound,
         reach=found.reach,
