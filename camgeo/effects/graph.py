@@ -175,9 +175,8 @@ class Effects:
                 cam_range=error.cam_range,
             )
             return (*not_made(self.effect(name), self.subject), refusal)
-        lost = result.lost_contact if isinstance(result, Touching) else None
-        if lost is None:
-            lost = self._lost_contact(name)
+        touching = isinstance(result, Touching)
+        lost = result.lost_contact if touching else self._lost_contact(name)
         return qualified(self.effect(name), result.findings, self.subject, lost, self.names)
 
     def _lost_contact(self, name: str) -> LostContact | None:
