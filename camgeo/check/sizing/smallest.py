@@ -5,7 +5,7 @@ cam that has no undercut, local or global.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -171,24 +171,19 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
         return Sizing(angle, ratio, none_below=math.inf, hopeless=hopeless)
     construction = flocke(task, tangent)
     proposal = None if construction.place is None else rate(task, construction.place)
+    begun = Sizing(angle, ratio, construction, proposal)
     place = smallest_place(task, tangent)
     if place is None:
-        nearest = largest_angle(task)
-        return Sizing(
-            angle, ratio, construction, proposal, nearest_angle=nearest, none_below=math.inf
-        )
+        return replace(begun, nearest_angle=largest_angle(task), none_below=math.inf)
     base = abs(place - task.start)
     if not base > 0.0:
         raise GeometryError("there is nothing to size: the follower does not move", key="motion")
     for_angle = rate(task, place)
     if for_angle is not None and meets(task, place, tangent, ratio):
         now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
-        return Sizing(
-            angle,
-            ratio,
-            construction,
-            proposal,
-            for_angle,
+        return replace(
+            begun,
+            for_angle=for_angle,
             answer=for_angle,
             active=active_conditions(task, for_angle, angle, ratio),
             none_below=base,
@@ -200,14 +195,11 @@ def size(task: Task, angle: float, ratio: float) -> Sizing:
     pairs = found.examined.covers
     active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
     least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
-    return Sizing(
-        angle,
-        ratio,
-        construction,
-        proposal,
-        for_angle,
-        answer,
-        active,
+    return replace(
+        begun,
+        for_angle=for_angle,
+        answer=answer,
+        active=active,
         nearest_ratio=least_ratio if answer is None else None,
         none_below=found.bound,
         reach=found.reach,
