@@ -256,8 +256,12 @@ def scenes(draw: st.DrawFn) -> Tables:
 def test_a_scene_in_inches_gets_its_cure_in_inches() -> None:
     values = loaded("lobe_after_no_rest")
     values["units"] = {"length": "inch"}
-    works = [cure for cure in check_cures(values) if cure.works]
-    assert {cure.unit for cure in works} == {"inch", "deg"}
+    found = check_cures(values)
+    assert {cure.unit for cure in found if cure.works} == {"inch", "deg"}
+    # Lengths that have no cure are stated in inches too.
+    (offset,) = (cure for cure in found if cure.knob == "offset")
+    assert (offset.works, offset.unit) == (False, "inch")
+    assert offset.sentence == "no other offset between -22 and 22 inch cures it"
 
 
 @settings(attack, max_examples=examples(5, long=200))

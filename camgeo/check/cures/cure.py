@@ -88,17 +88,15 @@ class Length:
     Attributes
     ----------
     limit : beyond which lengths cure [mm].
-    stated : a length beyond it with few digits, which cures, in `unit`.
+    stated : a length beyond it with few digits, which cures, in the unit of the scene.
     value : the same [mm].
     digits : number of significant digits that show the change to it.
-    unit : that of the scene, whose keys take it.
     """
 
     limit: float
     stated: float
     value: float
     digits: int
-    unit: LengthUnit
 
     @classmethod
     def beyond(
@@ -120,7 +118,7 @@ class Length:
             for steps in (0, 1):  # a rounded length may be the limit itself
                 stated = float(rounded_beyond(limit / mm, digits, upward=upward, steps=steps))
                 if cures(mm * stated):
-                    return cls(limit, stated, mm * stated, digits, unit)
+                    return cls(limit, stated, mm * stated, digits)
         return None
 
 
@@ -131,22 +129,23 @@ def length_cure(
     length: Length | None,
     scale: float,
     none: str,
+    unit: LengthUnit,
     bound: str = "",
 ) -> Cure:
-    """The cure by the `length` of the follower at `key` [mm], now `old`.
+    """The cure by the `length` of the follower at `key`, now `old` [mm], stated in `unit`.
 
     `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
     change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
     """
+    present = old / MM_PER[unit]
     if length is None:
-        return no_cure(knob, key, old, "mm", none)
-    limit, unit, present = length.limit, length.unit, old / MM_PER[length.unit]
-    cost = abs(limit - old) / scale
+        return no_cure(knob, key, present, unit, none)
+    cost = abs(length.limit - old) / scale
     sentence = (
         f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
         f" ({key}, a change by {percent(cost)})"
     )
-    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=limit)
+    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=length.limit)
 
 
 def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:

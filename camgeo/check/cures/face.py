@@ -45,7 +45,7 @@ def face_cures(cam: Cam, unit: LengthUnit = "mm") -> tuple[Cure, ...]:
     length = Length.beyond(old, old - found.radius[0], cures, unit, upward=True)
     first, *others = follower.raised_by
     none = f"no larger {' and '.join(follower.raised_by)} cures it"
-    cure = length_cure(KNOB, first, old, length, old, none, "at least ")
+    cure = length_cure(KNOB, first, old, length, old, none, unit, "at least ")
     if length is None or not others:
         return (cure,)
     lengths = raised(length.value)

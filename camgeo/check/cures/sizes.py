@@ -14,7 +14,7 @@ from camgeo.check.cures.search import BEYOND, Make, nearest_cure
 from camgeo.errors import GeometryError
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.units import LengthUnit
+from camgeo.units import MM_PER, LengthUnit
 
 MOST = 100.0
 """Largest base radius tried, as a multiple of the present one."""
@@ -33,13 +33,13 @@ def base_radius(discs: Discs, unit: LengthUnit) -> Cure:
     The return roller of a pair moves with the main one, perhaps towards the cam axis: there a
     smaller one may cure, whichever is the smaller change.
     """
-    knob, follower = "base radius", discs[0].follower
+    knob, follower, mm = "base radius", discs[0].follower, MM_PER[unit]
     old = follower.base_radius
     end, why = MOST * old, f"up to {MOST:g} times the present one"
     stretched = follower.farthest
     if stretched * (1.0 - INSIDE) < end:
         end = max(stretched * (1.0 - INSIDE), old)
-        why = f"up to {stretched:g} mm, where the rocker is stretched out,"
+        why = f"up to {stretched / mm:g} {unit}, where the rocker is stretched out,"
 
     def made(value: float) -> Discs:
         return sized(discs, base_radius=value)
@@ -48,12 +48,12 @@ def base_radius(discs: Discs, unit: LengthUnit) -> Cure:
     if len(discs) > 1:
         low = INSIDE * old if limit is None else max(2.0 * old - limit, INSIDE * old)
         down = nearest_cure(made, old, low, old)
-        limit, why = (limit if down is None else down), f"from {low:g} mm {why}"
+        limit, why = (limit if down is None else down), f"from {low / mm:g} {unit} {why}"
     length = _beyond(made, old, limit, unit)
     larger = "larger" if len(discs) == 1 else "other"
     none = f"no {larger} base radius {why} cures it"
     bound = "at least " if len(discs) == 1 else ""
-    return length_cure(knob, f"{TABLES[0]}.base_radius", old, length, old, none, bound)
+    return length_cure(knob, f"{TABLES[0]}.base_radius", old, length, old, none, unit, bound)
 
 
 def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
@@ -71,12 +71,13 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
         old, none = cam.follower.roller_radius, f"no smaller roller radius cures it ({key})"
         bends = bends_of(cam)
         if bends is None:
-            return no_cure(knob, key, old, "mm", f"there is no such mechanism for {key} to cure")
+            none = f"there is no such mechanism for {key} to cure"
+            return length_cure(knob, key, old, None, old, none, unit)
         extremes = bends.smallest()[0], bends.largest()[0]
         kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
         regular = min(old, 1.0 / kappa - 0.5 * cam.clearance) if kappa > 0.0 else old
         if regular <= BEYOND * old:
-            return no_cure(knob, key, old, "mm", _no_room(cam, kappa))
+            return length_cure(knob, key, old, None, old, _no_room(cam, kappa, unit), unit)
 
         alone = partial(_alone, discs, number)
         limit: float | None = regular
@@ -84,7 +85,7 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
         if not is_intact(alone(near)):
             limit = nearest_cure(alone, near, BEYOND * old, old)
         length = _beyond(alone, old, limit, unit)
-        cure = length_cure(knob, key, old, length, old, none, "at most ")
+        cure = length_cure(knob, key, old, length, old, none, unit, "at most ")
         if length is None:
             return cure
         found.append(cure)
@@ -92,12 +93,13 @@ def roller_radius(discs: Discs, unit: LengthUnit) -> Cure:
     return _together(found, intact=is_intact(made)) if len(discs) > 1 else found[0]
 
 
-def _no_room(cam: Cam, kappa: float) -> str:
+def _no_room(cam: Cam, kappa: float, unit: LengthUnit) -> str:
     """Why no roller at all fits a disc whose smallest r_K is 1/`kappa`."""
     if cam.follower.roller_radius == 0.0:
         return "a knife edge has no roller to make smaller"
     beside = " beside the play of the groove" if cam.clearance > 0.0 else ""
-    return f"the smallest radius of curvature, {1.0 / kappa:.3g} mm, is too small{beside}"
+    smallest = 1.0 / (kappa * MM_PER[unit])
+    return f"the smallest radius of curvature, {smallest:.3g} {unit}, is too small{beside}"
 
 
 def offset_or_arm(discs: Discs, unit: LengthUnit) -> Cure:
@@ -108,7 +110,8 @@ def offset_or_arm(discs: Discs, unit: LengthUnit) -> Cure:
     """
     number = 1 if len(discs) > 1 and is_intact(discs[:1]) else 0
     knob, old, low, high, scale = _knob(discs[number].follower)
-    none = f"no other {knob} between {low:g} and {high:g} mm cures it"
+    ends = f"{low / MM_PER[unit]:g} and {high / MM_PER[unit]:g} {unit}"
+    none = f"no other {knob} between {ends} cures it"
 
     def made(value: float) -> Discs:
         return sized(discs, number, **{knob: value})
@@ -119,7 +122,7 @@ def offset_or_arm(discs: Discs, unit: LengthUnit) -> Cure:
     down = nearest_cure(made, old, min(low, old), scale)
     limit = up if down is None else down
     length = _beyond(made, old, limit, unit)
-    return length_cure(knob, f"{TABLES[number]}.{knob}", old, length, scale, none)
+    return length_cure(knob, f"{TABLES[number]}.{knob}", old, length, scale, none, unit)
 
 
 def _alone(discs: Discs, number: int, radius: float) -> Discs:
