@@ -160,7 +160,7 @@ def check_text(data: bytes, limits: Limits, name: str) -> None:
 
 def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
     """The error for a file in which more was `found` than is `allowed`."""
-    return FileError(f"{name}: has {found}; allowed in a {limits.kind} are at most {allowed:,}")
+    return FileError(f"{name}: has {found}; at most {allowed:,} are allowed in a {limits.kind}")
 
 
 def lines_of(data: bytes, encoding: str = "utf-8") -> Iterator[str]:

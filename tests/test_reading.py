@@ -18,7 +18,7 @@ def test_a_file_within_its_limits_is_read(tmp_path: Path) -> None:
     path.write_bytes(b"x" * 20)
     assert reading.read_within(path, SMALL) == b"x" * 20
     path.write_bytes(b"x" * 21)
-    with pytest.raises(FileError, match=r"a.txt: has 21 bytes; allowed in a note are at most 20"):
+    with pytest.raises(FileError, match=r"a.txt: has 21 bytes; at most 20 are allowed in a note"):
         reading.read_within(path, SMALL)
 
 
@@ -33,7 +33,7 @@ def test_a_device_without_end_is_not_read_to_its_end() -> None:
 @pytest.mark.parametrize("end", [b"\n", b"\r", b"\r\n"])
 def test_lines_of_any_system_are_counted(end: bytes) -> None:
     reading.check_text(b"a" + end + b"b" + end + b"c" + end, SMALL, "a.txt")
-    with pytest.raises(FileError, match=r"a.txt: has 4 lines; allowed in a note are at most 3"):
+    with pytest.raises(FileError, match=r"a.txt: has 4 lines; at most 3 are allowed in a note"):
         reading.check_text(4 * (b"a" + end), SMALL, "a.txt")
     assert list(reading.lines_of(b"\xef\xbb\xbfa" + end + b"\xff" + end)) == ["a", "\ufffd"]
 

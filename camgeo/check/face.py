@@ -136,7 +136,7 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     if low > follower.least_place + slack:
         return (found,)
     statement = (
-        f"the contact comes to the pivot's foot on the face ({low:.6g} mm"
+        f"the contact reaches the pivot's foot on the face ({low:.6g} mm"
         f" {at(at_low)}): it has no lever about the pivot there, and the cam cannot move"
         " the rocker any further"
     )

@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     text = import_project(data, scene_name(source.stem), str(source))
     if ignored_answer(project_numbers(data)):
         notify(
-            "camgeo: question 25 is answered with negativ, which opticurv does not heed where"
+            "camgeo: question 25 is answered with negativ, which opticurv ignores if"
             ' question 21 is answered with nein: slider_side = "left" is what it computes'
         )
     return deliver(text, arguments, f"written; next: camgeo check {target}")

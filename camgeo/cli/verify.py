@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     if target is None:
         folders = {path.parent for path in paths}
         if len(folders) > 1:
-            raise CallError("the files lie in several folders: say with -o where to write")
+            raise CallError("the files are in several folders: say with -o where to write")
         target = folders.pop() / VERIFICATION
     wanted = Wanted(arguments.tolerance, arguments.layer, arguments.unit)
     found = verify(paths, wanted, scene=arguments.scene)

@@ -190,7 +190,7 @@ def _wrap(turned: FloatArray) -> int:
 
 
 NO_LEVER = (
-    "the contact comes to the pivot's foot on the face: the contour cannot move the rocker there"
+    "the contact reaches the pivot's foot on the face: the contour cannot move the rocker there"
 )
 
 

@@ -152,6 +152,5 @@ def _scale(path: Path, unit: str) -> float:
     if unit in SCALES:
         return SCALES[unit]
     raise CamgeoError(
-        f'{spelled(path)}: the x-unit "{unit}" of its schema is unknown; known are'
-        f" {', '.join(SCALES)}"
+        f'{spelled(path)}: the x-unit "{unit}" of its schema is unknown; known: {", ".join(SCALES)}'
     )

@@ -211,7 +211,7 @@ def _scene_text(numbers: dict[str, float], name: str) -> str:
 
     # The program multiplies s_0 by -1 in the branch "ja" of question 21 only (source line 961).
     side = "left" if ignored_answer(numbers) else answer("Q25", "left", "right")
-    noted = "; opticurv does not heed it" if ignored_answer(numbers) else ""
+    noted = "; opticurv ignores it" if ignored_answer(numbers) else ""
     return TEMPLATE.format(
         name=name,
         pivot=pivot,
@@ -237,7 +237,7 @@ ANSWERS: Final = {
 
 TEMPLATE: Final = """\
 # Imported from a project of opticurv 1.0.3. Comments name its numbers as the thesis does; answers
-# stand as they were given. beta = {beta}, x_H = {x_H} and y_H = {y_H} of the project
+# are as they were given. beta = {beta}, x_H = {x_H} and y_H = {y_H} of the project
 # have no effect on the cam and are not carried over.
 
 camgeo = 1

@@ -85,7 +85,7 @@ def write_set(
         place = name if name in files else "into it"
         outcome = "nothing was written"
         if interrupted(folder):
-            outcome = "what was there before is put back by the next camgeo build or verify there"
+            outcome = "the old files are put back by the next camgeo build or verify there"
         message = f"{folder}: cannot write {place}: {unreadable(error)}; {outcome}"
         raise OutputError(message) from error
     finally:  # after Ctrl-C too

@@ -248,7 +248,7 @@ def test_what_the_schema_or_the_effect_refuses_is_reported(
 def test_a_unit_that_does_not_exist_is_reported_with_the_units_that_do(register: Register) -> None:
     schema = {"type": "object", "properties": {"mass": {"type": "number", "x-unit": "stone"}}}
     register(NAME, fake(NAME, parse=parse, schema=schema))
-    message = r'effects\.noise\.mass: the x-unit "stone" of its schema is unknown; known are kg, '
+    message = r'effects\.noise\.mass: the x-unit "stone" of its schema is unknown; known: kg, '
     with pytest.raises(CamgeoError, match=message):
         parse_scene(with_noise("mass = 1"))
 

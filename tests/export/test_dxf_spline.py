@@ -123,7 +123,7 @@ def test_the_foreign_reader_takes_our_drawings(product: FlankProduct) -> None:
     assert isinstance(bore, Contour)
     assert spline_deviation(whole(flank("plate_translating", -1)), outline) <= TOLERANCE
     assert math.sqrt(bore.area / math.pi) == pytest.approx(10.0, abs=TOLERANCE)
-    with pytest.raises(FileError, match=r"SPLINE is not a line or arc; supported are LINE, ARC"):
+    with pytest.raises(FileError, match=r"SPLINE is not a line or arc; supported: LINE, ARC"):
         READER.read(data, "a.dxf", layer=None, unit=None, gap=1e-9)
 
 

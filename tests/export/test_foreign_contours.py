@@ -77,7 +77,7 @@ def test_the_unit_must_be_known_and_agree() -> None:
     assert contour.area == pytest.approx(STADIUM * 25.4**2, rel=1e-12)
     with pytest.raises(FileError, match="which is not inch"):
         read_dxf(drawn(stadium, units=4), unit="inch")
-    with pytest.raises(FileError, match=r"INSUNITS is 13; supported are inch"):
+    with pytest.raises(FileError, match=r"INSUNITS is 13; supported: inch"):
         read_dxf(drawn(stadium, units=13))
 
 
@@ -169,7 +169,7 @@ def test_curves_are_refused(kind: str) -> None:
         else:
             space.add_ellipse((0.0, 0.0), (5.0, 0.0), 0.5)
 
-    message = rf"line \d+: {kind} is not a line or arc; supported are LINE, ARC"
+    message = rf"line \d+: {kind} is not a line or arc; supported: LINE, ARC"
     with pytest.raises(FileError, match=message):
         read_dxf(drawn(draw))
 

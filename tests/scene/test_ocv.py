@@ -278,7 +278,7 @@ def test_an_answer_that_the_program_ignores_is_reported(tmp_path: Path, capsys: 
     assert main(["import", str(project)]) == 0
     reported = capsys.readouterr()
     assert "question 25" in reported.err
-    assert 'slider_side = "left"  # question 25: negativ; opticurv does not heed it' in reported.out
+    assert 'slider_side = "left"  # question 25: negativ; opticurv ignores it' in reported.out
     assert main(["import", str(PROJECTS / "setzhub.ocv")]) == 0
     assert "question 25" not in capsys.readouterr().err
 

@@ -83,7 +83,7 @@ def slotted_lever(
     if swing is not None:
         radius = crank_for_swing(distance, float(swing))
         if radius < LOWEST:
-            message = f"makes a crank of {radius:g} mm; from {LOWEST:g} mm is allowed"
+            message = f"makes a crank of {radius:g} mm; at least {LOWEST:g} mm is allowed"
             raise GeometryError(message, key="swing", value=str(swing))
     elif crank is not None:
         radius = _checked("crank", crank, "mm")

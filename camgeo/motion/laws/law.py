@@ -105,7 +105,7 @@ class Law:
 
     def __reduce__(self) -> Recipe:
         if self.recipe is None:
-            raise TypeError(f"the law {self.name} has no recipe to be made again by")
+            raise TypeError(f"the law {self.name} has no recipe from which to make it again")
         return self.recipe
 
     def __call__(self, z: FloatArray) -> Values:

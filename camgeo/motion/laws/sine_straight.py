@@ -49,7 +49,7 @@ def _from_accelerations(given: dict[str, float]) -> tuple[Decimal, float]:
     a0, a1 = given.pop("a0"), given.pop("a1")
     if not (a0 > 0.0 > a1):
         raise GeometryError(
-            "accelerates first and decelerates then: a0 must be positive, a1 negative",
+            "accelerates first, then decelerates: a0 must be positive, a1 negative",
             key="acceleration",
             value=f"{a0:g}, {a1:g}",
         )
@@ -82,7 +82,7 @@ def curved_for(product: float) -> float:
     """
     if not product >= LEAST:
         raise GeometryError(
-            "no sine-straight combination turns so gently: inflection times the normalised"
+            "no sine-straight combination turns as gently as this: inflection times the normalised"
             f" acceleration is {product:.6g}, it must be at least pi^2/4 = {LEAST:.6g}",
             key="acceleration",
             value=f"{product:.6g}",

@@ -98,7 +98,7 @@ class Drawing:
                 raise FileError(f"{name}: {message}")
             return MM_PER[unit]
         if code not in MM_PER_INSUNIT:
-            raise FileError(f"{name}: $INSUNITS is {code}; supported are inch, foot, mm, cm and m")
+            raise FileError(f"{name}: $INSUNITS is {code}; supported: inch, foot, mm, cm and m")
         if unit is not None and MM_PER[unit] != MM_PER_INSUNIT[code]:
             raise FileError(f"{name}: $INSUNITS is {code}, which is not {unit}")
         return MM_PER_INSUNIT[code]
@@ -147,7 +147,7 @@ class Drawing:
         chains, largest = _first_chained([run for run in runs if not run.closed], gaps)
         found = [*(run for run in runs if run.closed), *chains]
         if not found:
-            raise FileError(f"{self.name}: no contour found; supported are {', '.join(kinds)}")
+            raise FileError(f"{self.name}: no contour found; supported: {', '.join(kinds)}")
         if len(found) > CONTOURS:
             raise beyond(self.name, counted(len(found), "closed contour"), CONTOURS, DRAWING)
         return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area)), largest
@@ -161,7 +161,7 @@ class Drawing:
         chosen = [item for item in self.items if wanted is None or item.layer == wanted]
         for item in chosen:
             if item.kind in REFUSED and item.kind not in kinds:
-                raise item.fault(f"is not a line or arc; supported are {', '.join(kinds)}")
+                raise item.fault(f"is not a line or arc; supported: {', '.join(kinds)}")
         return [item for item in chosen if item.kind in kinds]
 
 
