@@ -19,6 +19,7 @@ from camgeo_export.gcode import reader
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.stl.writer import FACET, PREFIX
 from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.threemf.parts import packed, parts_of
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES_PATH,
     MODEL_PATH,
@@ -334,3 +335,23 @@ def test_a_package_that_is_changed(kind: str) -> None:
 def test_a_package_that_is_as_good(kind: str) -> None:
     assert not faults(THREEMF_VERIFIER, PRODUCT, HARMLESS_PACKAGES[kind])
     assert not faults(THREEMF_VERIFIER, PRODUCT, PACKAGE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("millimeter", "inch"), ('x="32.0"', 'x="32.1"')], ids=["unit", "mesh"]
+)
+def test_the_model_is_the_one_that_a_package_leads_to(old: str, new: str) -> None:
+    """It need not have the usual name, and another one may have that."""
+    parts = {path: part.decode() for path, part in parts_of(PACKAGE).items()}
+    good = parts[MODEL].replace("camgeo 0.0.test", "another program")
+    bad = good.replace(old, new, 1)
+    assert bad != good
+    elsewhere = "3D/other.model"
+    parts[RELATIONS] = parts[RELATIONS].replace(MODEL, elsewhere)
+    for led_to, other in ((good, bad), (bad, good)):
+        changed = parts | {MODEL: other, elsewhere: led_to}
+        data = packed({path: part.encode() for path, part in changed.items()})
+        assert not THREEMF_VERIFIER.origin(data).ours
+        reading = Reading("file", ours=False)
+        checks = checked(THREEMF_VERIFIER, PRODUCT, data, reading).values()
+        assert all(each.ok is not False for each in checks) == (led_to == good)

@@ -86,7 +86,7 @@ def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Ch
     `name`.
     """
     try:
-        path = _model_path(parts)
+        path = model_path(parts)
         if ours:
             _require_our_parts(parts, path)
         content = parts[path]
@@ -100,7 +100,7 @@ def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Ch
     return [*checks, Check("model", "", "valid", ok=True)]
 
 
-def _model_path(parts: Mapping[str, bytes]) -> str:
+def model_path(parts: Mapping[str, bytes]) -> str:
     """The part that holds the model; raises FileError unless the package leads to it."""
     for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
         if name not in parts:

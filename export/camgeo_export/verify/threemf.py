@@ -10,8 +10,9 @@ from camgeo.product.product import Product
 from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
+from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.verify.body import mesh_checks
-from camgeo_export.verify.package import package_checks
+from camgeo_export.verify.package import model_path, package_checks
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -59,14 +60,14 @@ class ThreeMfVerifier:
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))
-        return (*valid, check, *mesh_checks(product, packed(parts), scale, tolerance))
+        # A name that trimesh looks for, before all others, and that no part of a package has.
+        whole = packed({f"/{MODEL_PATH}": _model(parts), **parts})
+        return (*valid, check, *mesh_checks(product, whole, scale, tolerance))
 
 
 def _head(parts: Mapping[str, bytes]) -> tuple[str, dict[str, str]]:
     """Unit and metadata of the model; raises FileError or SyntaxError if there is none."""
-    model = next((part for name, part in parts.items() if name.lower().endswith(MODEL)), None)
-    if model is None:
-        raise FileError("it contains no model")
+    model = _model(parts)
     metadata: dict[str, str] = {}
     unit = "millimeter"
     for event, element in ET.iterparse(io.BytesIO(model), events=("start", "end")):
@@ -78,6 +79,19 @@ def _head(parts: Mapping[str, bytes]) -> tuple[str, dict[str, str]]:
         elif event == "end" and tag == "metadata":
             metadata[element.get("name", "")] = element.text or ""
     return unit, metadata
+
+
+def _model(parts: Mapping[str, bytes]) -> bytes:
+    """The model that the package leads to: there may be others, in other units. The first one of a
+    package that is not valid, which its checks report.
+    """
+    try:
+        return parts[model_path(parts)]
+    except FileError:
+        models = [part for name, part in parts.items() if name.lower().endswith(MODEL)]
+    if not models:
+        raise FileError("it contains no model")
+    return models[0]
 
 
 VERIFIER = ThreeMfVerifier()
