@@ -127,6 +127,8 @@ class Arc:
     def moment(self) -> float:
         """Half the integral of x dy - y dx along it [mm^2]: its share in the area."""
         chord = 0.5 * (self.start.conjugate() * self.end).imag
+        if not self.sweep:
+            return chord
         of_one = np.array([[abs(self.end - self.start)], [self.radius], [self.sweep]])
         return chord + float(segment_areas(*of_one)[0])
 
