@@ -19,7 +19,7 @@ from camgeo_export.gcode import reader
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.stl.writer import FACET, PREFIX
 from camgeo_export.stl.writer import WRITER as STL
-from camgeo_export.threemf.parts import packed, parts_of
+from camgeo_export.threemf.parts import PRODUCTION, packed, parts_of
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES_PATH,
     MODEL_PATH,
@@ -355,3 +355,16 @@ def test_the_model_is_the_one_that_a_package_leads_to(old: str, new: str) -> Non
         reading = Reading("file", ours=False)
         checks = checked(THREEMF_VERIFIER, PRODUCT, data, reading).values()
         assert all(each.ok is not False for each in checks) == (led_to == good)
+
+
+def test_an_item_of_another_part_is_not_taken_for_one_of_the_model() -> None:
+    """Both have an object of that number, and programs that know the extension build the other."""
+    parts = {path: part.decode() for path, part in parts_of(PACKAGE).items()}
+    good = parts[MODEL].replace("camgeo 0.0.test", "another program")
+    item = f'<item xmlns:p="{PRODUCTION}" p:path="/3D/other.model" '
+    other = re.sub("<build>.*</build>", "<build />", good)
+    changed = parts | {MODEL: good.replace("<item ", item), "3D/other.model": other}
+    data = packed({path: part.encode() for path, part in changed.items()})
+    assert not THREEMF_VERIFIER.origin(data).damage
+    checks = checked(THREEMF_VERIFIER, PRODUCT, data, Reading("file", ours=False))
+    assert "another part" in checks["model", ""].note

@@ -16,7 +16,7 @@ from xml.etree import ElementTree as ET
 
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.errors import FileError
-from camgeo_export.threemf.parts import PRODUCTION
+from camgeo_export.threemf.parts import PATH, PRODUCTION
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES,
     CONTENT_TYPES_PATH,
@@ -182,6 +182,8 @@ def _check_model(content: bytes, ours: bool, name: str) -> None:
     if len(root.findall(f"{{{CORE}}}build")) != 1 or not items:
         raise FileError("it builds nothing: its build has no item")
     for each in items:
+        if PATH in each.attrib:
+            raise FileError("it builds an object of another part, which is not read")
         if each.get("objectid", "") not in objects:
             raise FileError(f"it builds the object {each.get('objectid')!r}, which does not exist")
         found = objects[each.get("objectid", "")]
