@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Annotated, Any, get_args, get_type_hints
 
-from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant
+from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
 from camgeo.numeric.checked import check_fields, checks_of, instance, number, shown, whole
 from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.toolpath.machining_time import Dynamics
@@ -198,7 +198,7 @@ def load(machine: str) -> Machine:
     try:
         text = read_within(Path(machine), MACHINE).decode("utf-8")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
-        message = f"the profile cannot be read: {error}"
+        message = f"the profile cannot be read: {unreadable(error)}"
         raise SceneError([Fault(KEY, repr(machine), message)]) from None
     return parse(text, machine)
 
