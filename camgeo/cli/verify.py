@@ -11,7 +11,8 @@ from camgeo.answers.verify import verify
 from camgeo.cli.command import CallError, add_json, number, settle, show
 from camgeo.cli.streams import notify
 from camgeo.errors import Fault, SceneError, unreadable
-from camgeo.verifying.verify import VERIFICATION, Wanted, endings, files_in, write_verification
+from camgeo.verifying.verify import Wanted, endings, files_in, write_verification
+from camgeo.writing.write import VERIFICATION
 
 SUMMARY: Final = (
     "read DXF, G-code, STL and 3MF files back and measure them against the exact curves"

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.reading import number_of
 from camgeo.units import LengthUnit
-
-KIND: Final = "camgeo verification"
-"""Distinguishes a verification from any other JSON file."""
+from camgeo.writing.write import KIND
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,6 @@ from camgeo.reading import VERIFIED, read_within
 from camgeo.units import LengthUnit
 from camgeo.verifying.certificate import Certificate, certificate_in
 from camgeo.verifying.verification import (
-    KIND,
     Check,
     Origin,
     Reading,
@@ -29,12 +28,9 @@ from camgeo.verifying.verification import (
     reported,
 )
 from camgeo.writing.transaction import write_set
-from camgeo.writing.write import CERTIFICATE
+from camgeo.writing.write import CERTIFICATE, is_verification
 
 GROUP: Final = "camgeo.verifiers"
-
-VERIFICATION: Final = "verification.json"
-"""Default name of the file that a verification is written to."""
 
 LONGEST_NOTE: Final = 200
 """Characters of an unexpected error in a note."""
@@ -296,17 +292,9 @@ def write_verification(
         nothing has been changed.
     """
     text = json.dumps(document(version, verdicts), indent=2, allow_nan=False) + "\n"
-    replace = force or _is_verification(path)
+    replace = force or is_verification(path)
     (written,) = write_set(path.parent, {path.name: text.encode()}, force=replace)
     return written
-
-
-def _is_verification(path: Path) -> bool:
-    try:
-        found = json.loads(read_within(path, VERIFIED))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(found, dict) and found.get("kind") == KIND
 
 
 def scene_file(

@@ -3,10 +3,11 @@
 The new files are staged, safely on disk, in the hidden folder `STAGING` of the target folder, next
 to links to the files that they replace. Then a journal, the list of their names, is put there, and
 only then are they moved into place. The old version of the last file is removed first and the new
-one moved last, so a certificate never lies next to files of another set. Removing the journal makes
-the set valid. As long as the journal is there, the previous state can be restored, by the process
-itself after an error, or else by the next one that writes there or calls `settle`, which may be
-stopped as well.
+one moved last, so a certificate never lies next to files of another set. Whatever else describes
+the old set, as a verification does, is removed right after its certificate. Removing the journal
+makes the set valid. As long as the journal is there, the previous state can be restored, by the
+process itself after an error, or else by the next one that writes there or calls `settle`, which
+may be stopped as well.
 
 One process at a time writes into a folder; the system releases the lock of one that has died.
 """
@@ -22,6 +23,7 @@ import time
 from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from camgeo.errors import OutputError, unreadable
@@ -50,18 +52,30 @@ EVERY: Final = 0.02
 Progress = Callable[[str], None]
 
 
+Accounts = Mapping[str, Callable[[Path], bool]]
+"""Names of files that describe the set in their folder, and whether what lies there is one."""
+
+NO_ACCOUNTS: Final[Accounts] = MappingProxyType({})
+
+
 def silent(_: str) -> None:
     """Report progress to no one."""
 
 
 def write_set(
-    folder: Path, files: Mapping[str, bytes], *, force: bool, progress: Progress = silent
+    folder: Path,
+    files: Mapping[str, bytes],
+    *,
+    force: bool,
+    progress: Progress = silent,
+    accounts: Accounts = NO_ACCOUNTS,
 ) -> tuple[Path, ...]:
     """Write `files` (name -> content) into `folder`, which is created if necessary.
 
     The last of several files vouches for the others, as a certificate does. A file that already
     exists with the same content counts as written. A link is replaced, not what it points to.
-    `progress` is told if another process has to be waited for.
+    `accounts` of the set that was there are removed with it; they hold if nothing changes.
+    `progress` is told if another process has to be waited for, and of each file that is removed.
 
     Raises
     ------
@@ -77,7 +91,10 @@ def write_set(
         with _locked(folder, progress):
             _restore(folder)
             _refuse_overwriting(folder, files, force=force)
-            _replace(folder, files)
+            outdated = _outdated(folder, files, accounts)
+            _replace(folder, files, outdated)
+            for name in outdated:
+                progress(f"{name} of the files before: removed")
     except OutputError:
         raise
     except (OSError, ValueError) as error:
@@ -212,14 +229,22 @@ def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool
         )
 
 
+def _outdated(folder: Path, files: Mapping[str, bytes], accounts: Accounts) -> tuple[str, ...]:
+    """Those of the accounts in `folder` that do not hold with `files`."""
+    paths = [folder / name for name in files]
+    if all(path.is_file() and path.read_bytes() == files[path.name] for path in paths):
+        return ()
+    return tuple(name for name, is_one in accounts.items() if is_one(folder / name))
+
+
 # -- a set put in place, or taken back -------------------------------------------------------------
 
 
-def _replace(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Put the files in place, or leave everything as it was."""
+def _replace(folder: Path, files: Mapping[str, bytes], outdated: tuple[str, ...]) -> None:
+    """Put the files in place and remove what is outdated, or leave everything as it was."""
     try:
-        _stage(folder, files)
-        _move_into_place(folder, tuple(files))
+        _stage(folder, files, outdated)
+        _move_into_place(folder, tuple(files), outdated)
         with suppress(OSError):  # the next run removes what is left
             _clear(folder / STAGING)
     except BaseException:
@@ -227,7 +252,7 @@ def _replace(folder: Path, files: Mapping[str, bytes]) -> None:
         raise
 
 
-def _stage(folder: Path, files: Mapping[str, bytes]) -> None:
+def _stage(folder: Path, files: Mapping[str, bytes], outdated: tuple[str, ...]) -> None:
     """Make the new files, and links to the old ones; then the journal, which makes them count."""
     staging = folder / STAGING
     for place in (staging, staging / NEW, staging / OLD):
@@ -235,6 +260,7 @@ def _stage(folder: Path, files: Mapping[str, bytes]) -> None:
     (staging / WRITER).write_text(str(os.getpid()))
     for name, data in files.items():
         _write_durably(staging / NEW / name, data)
+    for name in (*files, *outdated):
         if os.path.lexists(folder / name):
             _keep(folder / name, staging / OLD / name)
     _sync(staging / NEW)
@@ -245,10 +271,10 @@ def _stage(folder: Path, files: Mapping[str, bytes]) -> None:
     _sync(folder)
 
 
-def _move_into_place(folder: Path, names: tuple[str, ...]) -> None:
+def _move_into_place(folder: Path, names: tuple[str, ...], outdated: tuple[str, ...]) -> None:
     *others, last = names
-    if others:
-        (folder / last).unlink(missing_ok=True)
+    for name in (*([last] if others else []), *outdated):
+        (folder / name).unlink(missing_ok=True)
     _sync(folder)
     for name in others:
         (folder / STAGING / NEW / name).replace(folder / name)
@@ -279,7 +305,8 @@ def _restore(folder: Path) -> str:
                     raise OSError(errno.EISDIR, reason, str(folder / name))
                 (folder / name).replace(staging / NEW / name)
         _sync(folder)
-        for name in names:
+        kept = sorted(path.name for path in (staging / OLD).glob("*"))
+        for name in (*(each for each in kept if each not in names), *names):
             if os.path.lexists(staging / OLD / name) and not os.path.lexists(folder / name):
                 (staging / OLD / name).replace(folder / name)
         _sync(folder)

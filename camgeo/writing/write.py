@@ -8,16 +8,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from camgeo.check.finding import forbidding
 from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
+from camgeo.reading import VERIFIED, read_within
 from camgeo.writing.transaction import Progress, silent, write_set
 from camgeo.writing.writer import Writer, Written, find_writer, with_companions, writer_names
 
-CERTIFICATE = "certificate.json"
+CERTIFICATE: Final = "certificate.json"
+
+VERIFICATION: Final = "verification.json"
+"""Default name of the file that a verification of a folder's files is written to."""
+
+KIND: Final = "camgeo verification"
+"""Distinguishes a verification from any other JSON file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +80,18 @@ def write_files(
         message = f"must be a length of {SMALLEST_TOLERANCE:g} mm to {LARGEST_TOLERANCE:g} mm"
         raise SceneError([Fault("tolerance", f"{tolerance:g}", message)])
     contents, reports = make_files(discs, formats, tolerance, progress=progress)
-    paths = write_set(Path(folder), contents, force=force, progress=progress)
+    accounts = {VERIFICATION: is_verification}
+    paths = write_set(Path(folder), contents, force=force, progress=progress, accounts=accounts)
     return Report(paths, reports)
+
+
+def is_verification(path: Path) -> bool:
+    """Whether a file is a verification of camgeo's."""
+    try:
+        found = json.loads(read_within(path, VERIFIED))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(found, dict) and found.get("kind") == KIND
 
 
 def make_files(

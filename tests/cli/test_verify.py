@@ -194,6 +194,20 @@ def test_changed_data_file_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFi
     assert "a file that the scene reads is not the one that certificate.json names" in out
 
 
+def test_a_new_set_takes_away_the_verification_of_the_old_one(folder: Path) -> None:
+    target = folder / "verification.json"
+    build = ["build", str(SCENE), "-o", str(folder), "--force", "--only", "dxf"]
+    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
+    assert main([*build, "--tolerance", "0.02"]) == 0
+    assert not target.exists()
+    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
+    assert main([*build, "--tolerance", "0.02"]) == 0
+    assert target.exists()  # the files are the same
+    target.write_text('{"kind": "a diary"}')
+    assert main(build) == 0
+    assert target.read_text() == '{"kind": "a diary"}'
+
+
 def test_only_verifications_are_replaced(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["verify", str(folder), "--scene", str(SCENE)]
     target = folder / "verification.json"

@@ -23,7 +23,18 @@ BEFORE = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
 WRITTEN = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
 FURTHER = stub_set(3, ("a.dxf", "c.stl"))
 
-FOLDERS = {"fresh": {}, "full": BEFORE}
+VERIFICATION = "verification.json"
+
+FOLDERS = {"fresh": {}, "full": BEFORE, "verified": BEFORE | {VERIFICATION: b"of the files before"}}
+
+
+def after(old: Files, files: Files = WRITTEN) -> Files:
+    """The state after writing `files` into a folder with `old`."""
+    return {name: data for name, data in (old | files).items() if name != VERIFICATION}
+
+
+def write(folder: Path, files: Files = WRITTEN) -> None:
+    write_set(folder, files, force=True, accounts={VERIFICATION: Path.exists})
 
 
 @pytest.fixture(autouse=True)
@@ -52,7 +63,7 @@ def stops(folder: Path, old: Files, steps: Iterator[Steps]) -> Iterator[BaseExce
         put(folder, old)
         try:
             with stepping(each):
-                write_set(folder, WRITTEN, force=True)
+                write(folder)
         except (OSError, Killed, Stopped) as error:
             yield error
         else:
@@ -65,20 +76,21 @@ def counted(error: BaseException, **options: bool) -> Iterator[Steps]:
 
 
 @Folder
-@pytest.mark.parametrize("after", [False, True])
-def test_killed_at_every_step(old: Files, after: bool, folder: Path) -> None:
+@pytest.mark.parametrize("done", [False, True])
+def test_killed_at_every_step(old: Files, done: bool, folder: Path) -> None:
     kills = 0
-    for _ in stops(folder, old, counted(Killed(), after=after, forever=True)):
+    for _ in stops(folder, old, counted(Killed(), after=done, forever=True)):
         kills += 1
-        assert is_safe(folder, old, old | WRITTEN)
+        assert is_safe(folder, old, after(old))
         settle(folder)
-        assert is_whole(folder, old, old | WRITTEN)
+        assert is_whole(folder, old, after(old))
     assert kills > 20
 
 
 def test_restoring_killed_at_every_step(folder: Path) -> None:
     """Wherever the first process was killed, the one that restores may be killed, too."""
-    left, old, new = folder.with_name("left"), BEFORE, BEFORE | WRITTEN
+    left, old = folder.with_name("left"), FOLDERS["verified"]
+    new = after(old)
     for _ in stops(folder, old, counted(Killed(), forever=True)):
         shutil.rmtree(left, ignore_errors=True)
         shutil.copytree(folder, left)
@@ -92,22 +104,22 @@ def test_restoring_killed_at_every_step(folder: Path) -> None:
                     settle(folder)
             except Killed:
                 assert is_safe(folder, old, new)
-                write_set(folder, FURTHER, force=True)
-                assert is_whole(folder, found | FURTHER)
+                write(folder, FURTHER)
+                assert is_whole(folder, after(found, FURTHER))
             else:
                 break
 
 
 @Folder
-@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("done", [False, True])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_stopped_at_every_step(number: int, after: bool, old: Files, folder: Path) -> None:
+def test_stopped_at_every_step(number: int, done: bool, old: Files, folder: Path) -> None:
     """A signal that is handled leaves nothing to the next run."""
     stopped = 0
-    for error in stops(folder, old, counted(Stopped(number), after=after)):
+    for error in stops(folder, old, counted(Stopped(number), after=done)):
         stopped += 1
         assert isinstance(error, Stopped)
-        assert is_whole(folder, old, old | WRITTEN)
+        assert is_whole(folder, old, after(old))
     assert stopped > 20
 
 
@@ -129,11 +141,11 @@ def test_each_step_and_all_later_ones_refused(old: Files, folder: Path) -> None:
     failing = counted(OSError(errno.EIO, "Input/output error"), forever=True)
     told = set()
     for error in stops(folder, old, failing):
-        assert is_safe(folder, old, old | WRITTEN)
+        assert is_safe(folder, old, after(old))
         told.add(str(error).rpartition("; ")[2])
         said = settle(folder)
         assert ("put back" in said) == ("put back" in str(error))
-        assert is_whole(folder, old, old | WRITTEN)
+        assert is_whole(folder, old, after(old))
     assert len(told) == 2
 
 
@@ -146,5 +158,5 @@ def test_full_disk(old: Files, folder: Path) -> None:
     for room in [*ends, *(source.randrange(most) for _ in range(100))]:
         put(folder, old)
         with full_after(room), pytest.raises(OutputError, match="No space left on device; nothing"):
-            write_set(folder, WRITTEN, force=True)
+            write(folder)
         assert is_whole(folder, old)

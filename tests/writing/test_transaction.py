@@ -54,6 +54,27 @@ def test_same_content_is_accepted(tmp_path: Path) -> None:
     assert _everything(tmp_path) == FILES
 
 
+def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None:
+    """Unless nothing changes, or it is something else of that name."""
+    told: list[str] = []
+
+    def write(content: bytes, *, ours: bool = True) -> list[str]:
+        write_set(
+            tmp_path, FILES | {"a.dxf": content}, force=True, progress=told.append,
+            accounts={"account.json": lambda path: ours and path.exists()},
+        )  # fmt: skip
+        return sorted(path.name for path in tmp_path.iterdir())
+
+    write(b"1")
+    (tmp_path / "account.json").write_bytes(b"of 1")
+    with_account = ["account.json", *FILES]
+    assert write(b"1") == sorted(with_account)
+    assert write(b"2", ours=False) == sorted(with_account)
+    assert told == []
+    assert write(b"3") == sorted(FILES)
+    assert told == ["account.json of the files before: removed"]
+
+
 def test_other_files_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_bytes(b"mine")
     write_set(tmp_path, FILES, force=False)
