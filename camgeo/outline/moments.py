@@ -11,11 +11,9 @@ integral of df/dconj(z), with f = conj(z) and f = z conj(z).
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -37,11 +35,8 @@ HALVINGS: Final = 60
 FLAT: Final = 0.1
 """Sweep [rad] below which the series of `segment_areas` is exact to rounding."""
 
-LONGEST: Final = math.pi / 16.0
-"""Longest part of a stretch [rad] for one quadrature of an area alone."""
-
-AREA_NODES: Final = 12
-"""Nodes of such a quadrature; eight give all digits of the longest part."""
+SHARE: Final = 1e-9
+"""Tolerance of an area alone, as for `path_moments`."""
 
 ROUNDING: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Tolerance of an integral, as a fraction of the integral of the magnitude."""
@@ -107,30 +102,8 @@ def path_moments(path: Path, tolerance: float) -> Moments:
 
 
 def area(path: Path) -> float:
-    """Signed area [mm^2] inside `path`, positive if it runs counter-clockwise."""
-    return math.fsum(
-        _area_of_turn(each) if isinstance(each, Pivot) else _area_of_stretch(each)
-        for each in path.elements
-    )
-
-
-def _area_of_stretch(stretch: Stretch) -> float:
-    """Half the integral of Im(conj(W) W') over the stretch."""
-    curve, marks = stretch.curve, stretch.marks
-    parts = np.maximum(1, np.ceil(np.diff(marks) / LONGEST)).astype(int)
-    cuts = [np.linspace(*ends, n + 1)[:-1] for ends, n in zip(pairwise(marks), parts, strict=True)]
-    marks = np.concatenate((*cuts, marks[-1:]))
-    places, half, weights = gauss(marks[:-1], marks[1:], AREA_NODES)
-    phi = places.ravel()
-    across = (np.conj(curve.point(phi)) * curve.tangent(phi)).imag * curve.pace(phi)
-    return 0.5 * math.fsum((half[:, None] * weights).ravel() * across)
-
-
-def _area_of_turn(pivot: Pivot) -> float:
-    """A sector about the centre, and the triangles that join it to the axis."""
-    sector = pivot.distance**2 * pivot.sweep
-    arm = pivot.distance * pivot.normal * (cmath.exp(1j * pivot.sweep) - 1.0)
-    return 0.5 * (sector + (pivot.centre.conjugate() * arm).imag)
+    """Signed area [mm^2] inside `path`, positive if it runs counter-clockwise; see `SHARE`."""
+    return path_moments(path, SHARE).area
 
 
 def _of_arcs(pivots: list[Pivot]) -> Moments:
