@@ -40,6 +40,20 @@ def test_a_move_of_the_scene_has_the_spectrum_of_its_law(damping: float) -> None
     )
 
 
+@pytest.mark.parametrize("span", [1e-2, 1e-4])
+def test_a_very_short_move_has_the_spectrum_of_its_law_as_far_as_doubles_resolve_it(
+    span: float,
+) -> None:
+    """The angle is rounded to some 1e-16; its series must not go after that in ever more pieces."""
+    short = (("span = 100", f"span = {span:.6f}"), ("dwell = 70", f"dwell = {170.0 - span:.6f}"))
+    rise = result("plate_translating", "", *short).spectra[0]
+    assert rise.move.shock.pieces.series.shape[1] < 100
+    resolved = 1e-15 * math.tau / math.radians(span)
+    assert rise.residual(RATIOS) == pytest.approx(
+        shock_spectrum(make_law("modified-sine"), RATIOS), rel=0.0, abs=100.0 * resolved
+    )
+
+
 @pytest.mark.parametrize("name", ["quadratic-parabola", "modified-sine", "straight-line"])
 def test_the_largest_residual_and_where_it_stays_small_are_those_of_a_fine_grid(name: str) -> None:
     grid = np.linspace(1.0, 40.0, 3901)

@@ -14,6 +14,8 @@ from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of, piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock, shock
+from camgeo.numeric.oscillator.steady import ROUNDINGS
+from camgeo.numeric.oscillator.train import EPS
 from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
 
@@ -125,4 +127,5 @@ def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Sho
     share = (times - times[0]) / duration
     share[-1] = 1.0
     end = float(way(edges[-1:])[0]) / stroke
-    return shock(lift, acceleration, share, jumps, end), stroke
+    rounding = ROUNDINGS * EPS * float(np.max(np.abs(edges))) / float(edges[-1] - edges[0])
+    return shock(lift, acceleration, share, jumps, end, rounding), stroke

@@ -57,6 +57,8 @@ TO_SERIES: Final = frozen(
 """(17, 17) from the values at the nodes to the coefficients, by the discrete orthogonality of the
 polynomials (Trefethen, Approximation Theory and Approximation Practice, chapter 3)."""
 
+ORDERS: Final = frozen(np.arange(DEGREE + 1), np.float64)
+
 TAIL: Final = 3
 """Number of last coefficients whose sum estimates the truncation."""
 
@@ -80,7 +82,10 @@ class Pieces:
 
 
 def interpolated(
-    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
+    function: Callable[[FloatArray], FloatArray],
+    edges: FloatArray,
+    tolerance: float,
+    rounding: float = 0.0,
 ) -> Pieces:
     """`function` as series.
 
@@ -90,6 +95,8 @@ def interpolated(
     edges : (m + 1,) ascending, m >= 1.
     tolerance : a piece is halved until the estimated integral of its truncation is below this
         fraction of the integral of the function's magnitude.
+    rounding : of the argument; what it changes, halving does not reduce, and it stays part of the
+        error.
     """
     low, high = edges[:-1], edges[1:]
     starts, rows = [], []
@@ -104,7 +111,8 @@ def interpolated(
             size = float(np.sum(2.0 * half * magnitude))
         series = values @ TO_SERIES.T
         lost = 2.0 * half * np.sum(np.abs(series[:, -TAIL:]), axis=1)
-        good = lost <= tolerance * size
+        steepest = np.abs(series) @ ORDERS**2 / half  # Markov: |T_k'| is at most k^2
+        good = (lost <= tolerance * size) | (lost <= 2.0 * half * rounding * steepest)
         if halving == MOST_HALVINGS:
             good[:] = True
         starts.append(low[good])

@@ -19,8 +19,8 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.oscillator.mode import NODES, Pieces, interpolated, series_values, solve
 from camgeo.numeric.oscillator.steady import FINEST, SOFT
 
-BLOCK: Final = 128
-"""Ratios evaluated at a time, so that the cells of a block stay below some ten megabytes."""
+BLOCK: Final = 16_384
+"""Pieces evaluated at a time, over all ratios, so that a block takes some tens of megabytes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,10 +47,12 @@ class Shock:
         frequency = 2.0 * math.pi * ratios
         rates = frequency * complex(-damping, root)
         gain = np.empty(len(rates), dtype=np.complex128)
-        for first in range(0, len(rates), BLOCK):
-            block = rates[first : first + BLOCK]
+        pieces = max(self.lift.series.shape[1], self.pieces.series.shape[1])
+        count = max(1, BLOCK // pieces)
+        for first in range(0, len(rates), count):
+            block = rates[first : first + count]
             soft = np.abs(block) < SOFT
-            part = gain[first : first + BLOCK]
+            part = gain[first : first + count]
             part[~soft] = self._gain(block[~soft])
             part[soft] = self._soft_gain(block[soft])
         remains: FloatArray = np.abs(gain) / (frequency * root)
@@ -88,16 +90,17 @@ def shock(
     edges: FloatArray,
     jumps: FloatArray,
     end: float = 1.0,
+    rounding: float = 0.0,
 ) -> Shock:
     """The move with that `lift`, which is smooth between `edges` (m + 1,) from 0 to 1.
 
     `acceleration` is its second derivative, `jumps` (m + 1,) are those of its first one at the
-    edges, `end` is the lift at the end.
+    edges, `end` is the lift at the end, `rounding` the error with which they take their argument.
     """
-    pieces = interpolated(lambda z: -acceleration(z), edges, FINEST)
+    pieces = interpolated(lambda z: -acceleration(z), edges, FINEST, rounding)
     kicks = np.zeros(len(pieces.edges))
     kicks[np.searchsorted(pieces.edges, edges)] = -jumps
-    return Shock(interpolated(lift, edges, FINEST), end, pieces, kicks)
+    return Shock(interpolated(lift, edges, FINEST, rounding), end, pieces, kicks)
 
 
 def _gains(pieces: Pieces, rates: ComplexArray) -> ComplexArray:

@@ -89,7 +89,10 @@ def forcing_of(train: Train, base: Base, tolerance: float) -> Forcing:
     soft = float(np.min(np.abs(train.rates))) * base.period < SOFT
     order, sign = (0, 1.0) if soft else (2, -1.0)
     pieces = interpolated(
-        lambda t: sign * base.jet(t, "right")[order], base.edges, max(tolerance, FINEST)
+        lambda t: sign * base.jet(t, "right")[order],
+        base.edges,
+        max(tolerance, FINEST),
+        ROUNDINGS * EPS * base.period,
     )
     jumps = np.zeros(pieces.series.shape[1])
     if not soft:
