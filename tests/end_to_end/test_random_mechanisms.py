@@ -212,7 +212,10 @@ def _uncured(answer: Any, scene: Scene, folder: Path) -> list[str]:
 
 @pytest.mark.parametrize("number", range(0, STRIDE * COUNT, STRIDE))
 def test_no_verdict_is_contradicted(number: int, tmp_path: Path) -> None:
-    assert not complaints(number, tmp_path)
+    wrong = complaints(number, tmp_path)
+    test = f"tests/end_to_end/test_random_mechanisms.py::test_no_verdict_is_contradicted[{number}]"
+    count = number // STRIDE + 1
+    assert not wrong, f"repeat with: CAMGEO_RANDOM_SCENES={count} python -m pytest '{test}'"
 
 
 # What is wrong is found ---------------------------------------------------------------------------

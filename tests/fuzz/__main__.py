@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import secrets
 import sys
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from tests.fuzz.cases import KINDS
 from tests.fuzz.runner import fuzz
 
 
-def main() -> int:
-    """Run; 1 if something failed."""
+def call(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """What the words of a call ask for, those of this process by default."""
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("--minutes", type=float, default=1.0, help="how long; default 1")
     parser.add_argument("--seed", type=int, help="of all that is drawn; default a fresh one")
@@ -24,9 +25,17 @@ def main() -> int:
     parser.add_argument(
         "--keep", type=Path, default=CORPUS, help="folder for cases that fail; default the corpus"
     )
-    given = parser.parse_args()
+    return parser.parse_args(words)
+
+
+def main() -> int:
+    """Run; 1 if something failed."""
+    given = call()
     seed = secrets.randbelow(10**9) if given.seed is None else given.seed
-    print(f"seed {seed}", flush=True)
+    if given.case is None:
+        words = ["--minutes", f"{given.minutes:g}", "--seed", str(seed)]
+        words += ["--kind", given.kind] if given.kind else []
+        print(f"the same cases again: python -m tests.fuzz {' '.join(words)}", flush=True)
     report = fuzz(
         seed,
         seconds=60.0 * given.minutes,

@@ -20,6 +20,7 @@ class Report:
     """Counts of a run, and its failures."""
 
     seed: int
+    kind: str | None = None
     cases: Counter[str] = field(default_factory=Counter)
     accepted: int = 0
     builds: int = 0
@@ -29,6 +30,11 @@ class Report:
     slowest: tuple[float, int, tuple[str, ...]] = (0.0, -1, ())
     found: dict[str, list[int]] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
+
+    def repeated(self, number: int) -> str:
+        """The command that runs one of the cases again."""
+        kind = f" --kind {self.kind}" if self.kind else ""
+        return f"python -m tests.fuzz --seed {self.seed}{kind} --case {number}"
 
     @property
     def text(self) -> str:
@@ -40,7 +46,7 @@ class Report:
             f"seed {self.seed}: {self.cases.total()} cases ({counts}) in {self.cpu:.0f} s of CPU",
             f"{100 * self.accepted / scenes:.0f}% of the scenes were accepted",
             f"{self.built} of {self.builds} builds wrote files; {self.verified} were verified",
-            f"slowest step {seconds:.1f} s: case {number}, {' '.join(step)[:100]}",
+            f"slowest step {seconds:.1f} s of CPU: case {number}, {' '.join(step)[:100]}",
         ]
         for signature, cases in self.found.items():
             lines.append(f"{len(cases)} x {signature}: cases {', '.join(map(str, cases[:8]))}")
@@ -70,7 +76,7 @@ def fuzz(
     The smallest case of each new failure goes into the folder `keep`, found within `minimise`
     seconds. What is told of it is passed to `say` at once.
     """
-    report, worker, known = Report(seed), Worker(), known_failures()
+    report, worker, known = Report(seed, kind), Worker(), known_failures()
     began, number = time.monotonic(), first
     try:
         while (report.cpu if by_cpu else time.monotonic() - began) < seconds:
@@ -116,7 +122,7 @@ def _explained(
         return any(each.signature == failure.signature for each in found)
 
     smallest = minimised(case, fails, seconds)
-    repeat = f"python -m tests.fuzz --seed {report.seed} --case {number}"
+    repeat = report.repeated(number)
     lines = [f"FAILED: {failure.signature}", f"repeat with: {repeat}", failure.detail.rstrip()]
     lines += [f"call: {' '.join(step)}" for step in smallest.steps]
     if keep is not None:

@@ -12,11 +12,13 @@ import pytest
 from camgeo.cli.main import COMMANDS
 from camgeo.errors import SceneError
 from camgeo.scene.load import load_scene
+from tests.fuzz.__main__ import call
 from tests.fuzz.case import SCENE, SCENE_STEPS, Case, restore, store, toml
 from tests.fuzz.cases import KINDS, draw
 from tests.fuzz.files import damaged
 from tests.fuzz.lines import line
 from tests.fuzz.minimise import minimised
+from tests.fuzz.runner import Report
 from tests.fuzz.scenes import fixtures, scene_case
 
 
@@ -95,3 +97,12 @@ def test_lines_that_do_not_matter_are_left_out() -> None:
     case = Case({"a.dxf": data}, (("verify", "a.dxf"),))
     smallest = minimised(case, lambda each: b"57" in each.files.get("a.dxf", b""))
     assert smallest.files == {"a.dxf": b"57\n"} or smallest.files == {"a.dxf": b"57"}
+
+
+@pytest.mark.parametrize("kind", [None, *KINDS])
+def test_the_command_that_repeats_a_case_draws_it_again(kind: str | None) -> None:
+    for number in (3, 4, 7):
+        words = Report(11, kind).repeated(number).split()
+        assert words[:3] == ["python", "-m", "tests.fuzz"]
+        given = call(words[3:])
+        assert draw(given.seed, given.case, given.kind) == draw(11, number, kind)
