@@ -9,12 +9,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Final, Literal, Self
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, grouped
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen, grouped
 from camgeo.outline.moments import Moments, piece_moments, segment_areas
+
+EPS: Final = float(np.finfo(np.float64).eps)
+
+
+def is_straight(
+    start: ComplexArray | complex, end: ComplexArray | complex, sweep: FloatArray | float
+) -> BoolArray:
+    """(n,) which pieces from `start` to `end` (n,) [mm] that turn by `sweep` (n,) [rad] are lines.
+
+    Those that leave their chord by less than their ends are rounded: no centre could be stated.
+    """
+    sagitta = 0.5 * np.abs(end - start) * np.tan(0.25 * np.abs(sweep))
+    return np.asarray(sagitta <= EPS * np.maximum(np.abs(start), np.abs(end)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from camgeo.contour.bezier import CUBIC, area, beziers_of_spline, length
+from camgeo.contour.contour import is_straight
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.outline.moments import segment_areas
 
@@ -151,8 +152,10 @@ class Arc:
 
     def between(self, start: complex, end: complex) -> Self:
         """The same turn between `start` and `end` [mm]; the centre follows."""
-        if not self.sweep or abs(self.sweep) == 2.0 * math.pi:
+        if abs(self.sweep) == 2.0 * math.pi:
             return type(self)(start, end, self.sweep, self.centre)
+        if is_straight(start, end, self.sweep):
+            return type(self)(start, end, 0.0, 0j)
         # Half a chord times cot(sweep/2) left of the chord's middle; the pole of tan gives zero.
         cot = math.cos(0.5 * self.sweep) / math.sin(0.5 * self.sweep)
         centre = 0.5 * (start + end) + 0.5j * (end - start) * cot

@@ -15,6 +15,7 @@ from ezdxf.path import make_path
 
 import camgeo
 from camgeo.contour.contour import Contour
+from camgeo.contour.spline import Arc
 from camgeo.formats.dxf import DxfSpec
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER, LengthUnit
@@ -117,6 +118,23 @@ def test_chain_gives_back_a_contour() -> None:
     contour = Contour.circle(3.0, 1.0 + 2.0j).split(1.0)
     again = chain(contour.vertices, contour.sweeps)
     np.testing.assert_allclose(again.centres, contour.centres, atol=1e-14)
+
+
+@pytest.mark.parametrize("sweep", [5e-324, 1e-300, 1e-160, -1e-17])
+def test_an_arc_that_is_straight_except_for_rounding_is_a_line(sweep: float) -> None:
+    """Its centre would lie where doubles have no squares, or no digits."""
+    vertices = np.array([10.0, 10.0 + 8.0j, 3.0j])
+    contour = chain(vertices, np.array([sweep, 1.0, -sweep]))
+    assert contour.sweeps.tolist() == [0.0, 1.0, 0.0]
+    polygon = chain(vertices, np.array([0.0, 1.0, 0.0]))
+    assert contour.area == polygon.area
+    assert Arc(0j, 1j, sweep, 0j).between(0j, 2j) == Arc(0j, 2j, 0.0, 0j)
+
+
+def test_a_flat_arc_and_one_that_is_nearly_a_circle_stay_arcs() -> None:
+    nearly = 2.0 * math.pi - 1e-9
+    contour = chain(np.array([10.0, 10.0 + 1e-9j, 20.0j]), np.array([nearly, 1e-12, 0.0]))
+    assert contour.sweeps.tolist() == [nearly, 1e-12, 0.0]
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e5])

@@ -243,8 +243,9 @@ def sound_call(words: Step, given: str = "") -> tuple[int, str, str]:
     """
     code, out, err = _call(words)
     if code == CRASHED:
-        error = re.findall(r"internal error \((\w+)", err)
-        raise Broken(f"{error[-1]} at {_place(err)}", err)
+        error = re.findall(r"internal error \((\w+)", out + err)[-1]
+        traced = "Traceback (most" in err  # not where one file of several is at fault
+        raise Broken(f"{error} at {_place(err)}" if traced else error, out + err)
     if code not in DOCUMENTED:
         raise Broken(f"exit code {code}", err)
     if "Traceback (most" in err or "Warning:" in err:
