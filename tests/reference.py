@@ -176,6 +176,15 @@ def _rocker_of(params: dict[str, Any], roller: float, direction: int | None) -> 
     return OscillatingRoller(pivot, arm, float(params["r_G"]), roller, 1, direction)
 
 
+THESIS_CAMS = {
+    "querhub": "T4_querhub_ASSUMED",
+    "schnitt": "T5_schnitt",
+    "setzhub": "T6_setzhub",
+    "vorschub": "T7_vorschub",
+}
+"""The cams of the thesis, by the names of their scenes: keys of `thesis_examples.toml`."""
+
+
 def thesis_params(name: str, sigma: int) -> dict[str, Any]:
     """Parameters of a cam of `thesis_examples.toml` in the form of `mechanism_values.json`."""
     params = dict(reference("thesis_examples.toml")[name]["params"])

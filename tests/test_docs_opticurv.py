@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 
 from tests.pages import page_maker
-from tests.reference import reference
+from tests.reference import THESIS_CAMS, reference
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 PAGE = page_maker("opticurv_page")
-
-EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub": "T6_setzhub",
-            "vorschub": "T7_vorschub"}  # fmt: skip
 
 PUBLISHED = {"schnitt": 6.7, "setzhub": 5.1, "vorschub": 1.3}
 """Largest error of the working curves [mm] as the reference collection has it (section 8)."""
@@ -26,7 +23,7 @@ def test_the_page_is_made_by_its_script() -> None:
     assert PAGE.page() == written, "run python docs/opticurv_page.py"
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_the_program_with_its_faults_mended_agrees_with_camgeo(name: str) -> None:
     """So the port is faithful, and there are no other faults, except for mue."""
     found, true = PAGE.opticurv(PAGE.numbers_of(name), ()), PAGE.right(name)
@@ -62,10 +59,10 @@ def test_mue_of_the_program_is_90_degrees_in_a_dwell() -> None:
     assert abs(columns["mue"][first] - 90.0).max() < np.degrees(np.sqrt(32.0 * 2.0**-52))
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_the_right_columns_have_the_extremes_of_the_reference(name: str) -> None:
     """At steps of 0.5 degrees, so on the far side of the extremes and near them."""
-    expected = reference("thesis_examples.toml")[EXAMPLES[name]]["results_sigma_minus1"]
+    expected = reference("thesis_examples.toml")[THESIS_CAMS[name]]["results_sigma_minus1"]
     true = PAGE.right(name)
     swing = true["psi"][abs(true["psi"]).argmax()]
     assert swing == pytest.approx(expected["psi_extreme"], abs=1e-12)

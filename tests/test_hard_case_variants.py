@@ -43,7 +43,7 @@ from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.reference import POLYNOMIAL, inner_of, shift
-from tests.strategies import attack, signs
+from tests.strategies import attack, signs, with_roller
 
 Number = Any
 """mpmath's numbers have no types."""
@@ -302,13 +302,6 @@ def cams(draw: st.DrawFn, part: float = 0.5, translating: bool | None = None) ->
     distance, arm = base * draw(st.floats(1.5, 2.0)), base * draw(st.floats(1.2, 1.5))
     rocker = OscillatingRoller(complex(-distance, 0.1 * base), arm, base, roller, draw(signs()), 1)
     return PitchCurve(polynomials(spans, share * base / arm), rocker, sigma)
-
-
-def with_roller(curve: PitchCurve, radius: float) -> PitchCurve:
-    """The same pitch curve with another roller."""
-    follower = curve.follower
-    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
-    return replace(curve, follower=replace(follower, roller_radius=radius))
 
 
 def spread(count: int) -> FloatArray:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,16 +14,13 @@ from camgeo.motion.laws import make_law
 from camgeo.motion.laws.characteristic import characteristic
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
+from camgeo.motion.planning.request import PointsRequest, Request, TableRequest
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray
+from tests.motion.planning.wishes import move
 from tests.strategies import SMOOTH, attack, plans
 
 STROKE, SPAN = 20.0, math.radians(100.0)
-
-
-def move(span: int, to: float, law: str, **also: Any) -> MoveRequest:
-    return MoveRequest(Decimal(span), to, law, **also)
 
 
 def there_and_back(law: str) -> MotionPlan:

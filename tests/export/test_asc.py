@@ -21,12 +21,9 @@ from camgeo.scene.ocv import import_project
 from camgeo.writing.write import make_files
 from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
 from camgeo_export.errors import FileError
-from tests.reference import pitch_curve_of, reference, thesis_params
+from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
-
-EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub": "T6_setzhub",
-            "vorschub": "T7_vorschub"}  # fmt: skip
 
 
 @cache
@@ -41,7 +38,7 @@ def numbers(data: bytes) -> FloatArray:
     return np.array([[float(cell) for cell in row.split(",")] for row in data.decode().split()])
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 @pytest.mark.parametrize("writer", [WRITER, SECOND], ids=["1", "2"])
 def test_a_file_reads_back_to_the_bit(name: str, writer: AscWriter) -> None:
     product = design(name)
@@ -68,11 +65,11 @@ def test_the_columns_stand_as_in_the_source() -> None:
     assert np.array_equal(first[:, 8:14], second)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_the_values_are_those_of_the_mechanism(name: str) -> None:
     """Against the geometry itself: closed triangle, roller on the rocker, offset by the roller."""
     product = design(name)
-    params = reference("thesis_examples.toml")[EXAMPLES[name]]["params"]
+    params = reference("thesis_examples.toml")[THESIS_CAMS[name]]["params"]
     values = dict(zip(COLUMNS, numbers(WRITER.write(product, 1.0).data).T, strict=True))
     assert np.array_equal(values["phi"], 0.5 * np.arange(720))
     cam = values["x_B_vers"] + 1j * values["y_B_vers"]
@@ -94,10 +91,10 @@ def test_the_values_are_those_of_the_mechanism(name: str) -> None:
         assert np.all(side * ((point - cam) * along.conj()).imag > 0.0)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_the_values_are_those_of_the_formulas(name: str) -> None:
     product = design(name)
-    curve = pitch_curve_of(thesis_params(EXAMPLES[name], -1))
+    curve = pitch_curve_of(thesis_params(THESIS_CAMS[name], -1))
     values = dict(zip(COLUMNS, numbers(WRITER.write(product, 1.0).data).T, strict=True))
     phi = np.radians(values["phi"])
     jet = curve.motion.jet(phi)

@@ -16,14 +16,12 @@ from camgeo.motion.plan import MotionPlan, Move
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.units import TURN
-from tests.strategies import attack, plans
+from tests.strategies import FAMILY_TASKS, attack, plans
 
 VALUES = {"v0": 0.25, "a0": 1.5, "j0": 2.0, "v1": 0.5, "a1": -1.0, "j1": 3.0}
 
-KINDS = [(name, task) for name, family in FAMILIES.items() for task in family.tasks]
 
-
-@pytest.mark.parametrize(("name", "task"), KINDS)
+@pytest.mark.parametrize(("name", "task"), FAMILY_TASKS)
 def test_laws_that_differ_by_numbers_have_equal_formulas(name: str, task: str) -> None:
     taken = FAMILIES[name].parameters[task]
     found = []

@@ -21,14 +21,11 @@ from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
-from tests.reference import pitch_curve_of, reference, thesis_params
+from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 PROJECTS = FIXTURES / "reference" / "ocv"
-
-EXAMPLES = {"querhub": "T4_querhub_ASSUMED", "schnitt": "T5_schnitt", "setzhub": "T6_setzhub",
-            "vorschub": "T7_vorschub"}  # fmt: skip
 
 ORDER = ("phi_H01", "phi_H12", "phi_H23", "phi_H34", "phi_H45", "l_3", "s_H", "alpha_sk", "l_sk",
          "l_4", "x_H", "y_H", "r_R", "x_A0", "y_A0", "beta", "r_G", "n")  # fmt: skip
@@ -53,13 +50,13 @@ def changed(place: int, number: float, name: str = "setzhub") -> bytes:
     return bytes(data)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_the_fixtures_are_the_tables_of_the_thesis(name: str) -> None:
-    params = reference("thesis_examples.toml")[EXAMPLES[name]]["params"]
+    params = reference("thesis_examples.toml")[THESIS_CAMS[name]]["params"]
     assert (PROJECTS / f"{name}.ocv").read_bytes() == packed(params)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_a_project_is_the_scene_that_was_made_from_its_table(name: str) -> None:
     text = import_project((PROJECTS / f"{name}.ocv").read_bytes(), name)
     made = parse_scene(text)
@@ -74,10 +71,10 @@ def test_a_project_is_the_scene_that_was_made_from_its_table(name: str) -> None:
     assert np.array_equal(made.plan.jet(phi), written.plan.jet(phi))
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", THESIS_CAMS)
 def test_its_cam_is_the_one_of_the_reference(name: str) -> None:
     design = Design(parse_scene(import_project((PROJECTS / f"{name}.ocv").read_bytes(), name)))
-    curve = pitch_curve_of(thesis_params(EXAMPLES[name], -1))
+    curve = pitch_curve_of(thesis_params(THESIS_CAMS[name], -1))
     phi = np.linspace(0.0, 2.0 * math.pi, 361)
     points = curve.point(phi)
     assert np.array_equal(

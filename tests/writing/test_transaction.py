@@ -14,17 +14,9 @@ import pytest
 from camgeo.errors import OutputError
 from camgeo.writing import transaction
 from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING, settle, write_set
+from tests.kill.sets import everything
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
-
-
-def _everything(folder: Path) -> dict[str, bytes]:
-    """All files below a folder, hidden ones too."""
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
 
 
 def _fails_at(number: int, original: Callable[..., Any], error: BaseException) -> Any:
@@ -45,13 +37,13 @@ def test_writes_into_a_new_folder(tmp_path: Path) -> None:
     folder = tmp_path / "not" / "there"
     paths = write_set(folder, FILES, force=False)
     assert paths == tuple(folder / name for name in FILES)
-    assert _everything(tmp_path) == {f"not/there/{name}": data for name, data in FILES.items()}
+    assert everything(tmp_path) == {f"not/there/{name}": data for name, data in FILES.items()}
 
 
 def test_same_content_is_accepted(tmp_path: Path) -> None:
     write_set(tmp_path, FILES, force=False)
     write_set(tmp_path, FILES, force=False)
-    assert _everything(tmp_path) == FILES
+    assert everything(tmp_path) == FILES
 
 
 def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None:
@@ -78,16 +70,16 @@ def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None
 def test_other_files_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_bytes(b"mine")
     write_set(tmp_path, FILES, force=False)
-    assert _everything(tmp_path) == FILES | {"notes.txt": b"mine"}
+    assert everything(tmp_path) == FILES | {"notes.txt": b"mine"}
 
 
 def test_differing_file_is_kept_unless_forced(tmp_path: Path) -> None:
     (tmp_path / "b.ngc").write_bytes(b"old b")
     with pytest.raises(OutputError, match=r"b\.ngc would be overwritten; allow it with --force"):
         write_set(tmp_path, FILES, force=False)
-    assert _everything(tmp_path) == {"b.ngc": b"old b"}
+    assert everything(tmp_path) == {"b.ngc": b"old b"}
     write_set(tmp_path, FILES, force=True)
-    assert _everything(tmp_path) == FILES
+    assert everything(tmp_path) == FILES
 
 
 @pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "No space left on device"),
@@ -112,7 +104,7 @@ def test_failing_write_leaves_nothing(
         write_set(folder, FILES, force=True)
     if isinstance(error, OSError):
         assert "No space left on device; nothing was written" in str(caught.value)
-    assert _everything(tmp_path) == before
+    assert everything(tmp_path) == before
     assert folder.exists() == existing
 
 
@@ -128,7 +120,7 @@ def test_failing_move_puts_everything_back(
     monkeypatch.setattr(os, "replace", _fails_at(number, os.replace, error))
     with pytest.raises(OutputError if isinstance(error, OSError) else KeyboardInterrupt):
         write_set(tmp_path, FILES, force=True)
-    assert _everything(tmp_path) == before
+    assert everything(tmp_path) == before
 
 
 def test_interrupt_right_after_a_move(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,7 +141,7 @@ def test_interrupt_right_after_a_move(tmp_path: Path, monkeypatch: pytest.Monkey
         calls, wanted = 0, {number}
         with pytest.raises(KeyboardInterrupt):
             write_set(tmp_path, FILES, force=True)
-        assert _everything(tmp_path) == {"a.dxf": b"old a"}
+        assert everything(tmp_path) == {"a.dxf": b"old a"}
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
@@ -158,7 +150,7 @@ def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
         write_set(tmp_path, FILES, force=False)
     assert (tmp_path / "a.dxf").is_symlink()
     write_set(tmp_path, FILES, force=True)
-    assert _everything(tmp_path) == FILES
+    assert everything(tmp_path) == FILES
     assert not (tmp_path / "a.dxf").is_symlink()
 
 
@@ -195,7 +187,7 @@ def test_a_parent_that_cannot_be_synchronised(
 
     monkeypatch.setattr(transaction, "_sync", refused)
     write_set(tmp_path / "out", FILES, force=False)
-    assert _everything(tmp_path / "out") == FILES
+    assert everything(tmp_path / "out") == FILES
 
 
 # -- one at a time ---------------------------------------------------------------------------------
@@ -225,7 +217,7 @@ def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.Monkey
         assert not written.wait(0.1)
     thread.join()
     assert set(messages) == {f"waiting for process 4711, which is writing into {tmp_path}"}
-    assert _everything(tmp_path) == FILES
+    assert everything(tmp_path) == FILES
 
 
 # -- what an interrupted run leaves ----------------------------------------------------------------
@@ -246,18 +238,18 @@ def test_settle_restores_and_says_so(tmp_path: Path) -> None:
     assert settle(tmp_path) == settle(tmp_path / "none") == ""
     _interrupted(tmp_path)
     assert "interrupted here; the files from before it have been put back" in settle(tmp_path)
-    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
+    assert everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
     assert settle(tmp_path) == ""
     (tmp_path / STAGING).mkdir()
     assert "interrupted here before it had replaced anything" in settle(tmp_path)
-    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
+    assert everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"old"}
 
 
 def test_what_the_user_put_there_meanwhile_is_kept(tmp_path: Path) -> None:
     _interrupted(tmp_path)
     (tmp_path / "b.ngc").write_bytes(b"mine")
     settle(tmp_path)
-    assert _everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"mine"}
+    assert everything(tmp_path) == {"a.dxf": b"old", "b.ngc": b"mine"}
 
 
 def test_a_folder_in_the_way_is_kept(tmp_path: Path) -> None:
@@ -272,7 +264,7 @@ def test_a_folder_in_the_way_is_kept(tmp_path: Path) -> None:
             write_set(tmp_path, FILES, force=True)
     (tmp_path / "a.dxf").rename(tmp_path / "elsewhere")
     settle(tmp_path)
-    assert _everything(tmp_path) == {
+    assert everything(tmp_path) == {
         "a.dxf": b"old", "b.ngc": b"old", "elsewhere/notes": b"mine",
     }  # fmt: skip
 
@@ -282,24 +274,24 @@ def test_a_damaged_journal_is_not_followed(journal: str, tmp_path: Path) -> None
     folder = tmp_path / "out"
     _interrupted(folder, journal)
     (tmp_path / "a.dxf").write_bytes(b"mine")
-    before = _everything(tmp_path)
+    before = everything(tmp_path)
     with pytest.raises(OutputError, match=f"which are in {STAGING}, cannot be put back"):
         settle(folder)
     with pytest.raises(OutputError, match="put back by the next camgeo build or verify there"):
         write_set(folder, FILES, force=True)
-    assert _everything(tmp_path) == before
+    assert everything(tmp_path) == before
 
 
 def test_a_link_in_place_of_the_staging_folder_is_not_followed(tmp_path: Path) -> None:
     folder, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
     _interrupted(elsewhere)
-    before = _everything(elsewhere)
+    before = everything(elsewhere)
     folder.mkdir()
     (folder / STAGING).symlink_to(elsewhere / STAGING)
     assert settle(folder) == ""
     with pytest.raises(OutputError, match="File exists"):
         write_set(folder, FILES, force=True)
-    assert _everything(elsewhere) == before
+    assert everything(elsewhere) == before
 
 
 def test_folder_that_is_a_file(tmp_path: Path) -> None:
@@ -309,14 +301,14 @@ def test_folder_that_is_a_file(tmp_path: Path) -> None:
         write_set(place, FILES, force=True)
     with pytest.raises(OutputError, match=r"nothing was written"):
         write_set(place / "below", FILES, force=True)
-    assert _everything(tmp_path) == {"taken": b"mine"}
+    assert everything(tmp_path) == {"taken": b"mine"}
 
 
 def test_target_that_is_a_folder(tmp_path: Path) -> None:
     (tmp_path / "b.ngc").mkdir()
     with pytest.raises(OutputError, match=r"b\.ngc: is a folder"):
         write_set(tmp_path, FILES, force=True)
-    assert _everything(tmp_path) == {}
+    assert everything(tmp_path) == {}
 
 
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no /proc")
@@ -336,4 +328,4 @@ def test_read_only_folder(tmp_path: Path) -> None:
             write_set(tmp_path, FILES, force=False)
     finally:
         tmp_path.chmod(0o700)
-    assert _everything(tmp_path) == {}
+    assert everything(tmp_path) == {}
