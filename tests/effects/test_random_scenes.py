@@ -324,7 +324,7 @@ def fault_of(design: Design, name: str) -> str:
         reported = str(error)
     else:
         return ""
-    *qualifying, refusal = findings  # what a trimmed disc does not make stands first
+    *qualifying, refusal = findings  # what a trimmed disc does not make comes first
     assert all(each.name == "trimmed-motion" for each in qualifying)
     assert reported in refusal.sentence
     assert refusal.severity == "broken"

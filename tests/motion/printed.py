@@ -1,7 +1,7 @@
 """The laws of VDI 2143-1 for all tasks as the guideline prints them, errata corrected.
 
-A law is a tuple of pieces, each with one formula in z for f, f', f'' and f''', next to which
-stand the guideline's equation numbers. Corrected equations carry a prime. Evaluate with
+A law is a tuple of pieces, each with one formula in z for f, f', f'' and f''', followed by the
+guideline's equation numbers. Corrected equations carry a prime. Evaluate with
 `tests.motion.oracle.DIGITS` digits: the printed forms lose most of them near the ends.
 
 Parameters are mpmath numbers under the names of `camgeo.motion.laws.make_law`; all formulas write

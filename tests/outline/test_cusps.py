@@ -1,4 +1,4 @@
-"""Undercut that the known extremes of the curvature do not show is found all the same."""
+"""Undercut is found even where the known extremes of the curvature do not show it."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ import camgeo
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.face import FlatFollower
 from camgeo.mechanism.face_path import face_path_of
@@ -231,8 +232,6 @@ def test_a_fit_gives_the_motion_back(scene: Path, tolerance: float) -> None:
 @attack
 @given(curve=convex_curves())
 def test_a_whole_outline_gives_the_motion_back(curve: PitchCurve) -> None:
-    from camgeo.curve.working_curve import WorkingCurve
-
     found = replay_outline(curve, whole(WorkingCurve(curve, -0.0)))
     assert np.all(found.actual == found.demanded)
     assert found.largest_loss.value == 0.0

@@ -80,8 +80,8 @@ def check_against_half_planes(pitch: PitchCurve, outline: Outline) -> None:
     kept = np.zeros(len(phi), dtype=np.bool_)
     kept[hull.vertices] = True
     size = float(np.max(distance))
-    # No face that a stretch is left of may be cut off, none in a range that is left out be kept:
-    # but next to the ends of the ranges, and where the outline is as good as straight.
+    # No face of a stretch that is left may be cut off, and none in a range that is left out kept,
+    # except next to the ends of the ranges and where the outline is practically straight.
     for start, end in outline.dropped:
         inside = (phi - start) % TURN
         within = (inside > 2.0 * STEP) & (inside < end - start - 2.0 * STEP)
