@@ -122,6 +122,11 @@ def test_a_broken_command_is_found(
     assert found.startswith(expected)
 
 
+def test_json_may_go_into_a_file_and_a_scene_may_have_any_name() -> None:
+    steps = (("table", SCENE, "-o", "o.txt"), ("new", "translating-roller", "-o", "o.json"))
+    assert signatures(Case({SCENE: TAPPET}, steps)) == []
+
+
 def busy_for_a_while(arguments: argparse.Namespace) -> int:
     end = time.process_time() + 0.3
     while time.process_time() < end:
