@@ -47,10 +47,12 @@ PROJECT: Final = Limits("project", 2_000_000)
 
 CERTIFICATE: Final = Limits("certificate", 2_000_000)
 
-DRAWING: Final = Limits("DXF drawing", 32_000_000, lines=800_000)
+DRAWING_LINES: Final = 800_000
+DRAWING: Final = Limits("DXF drawing", 32_000_000, DRAWING_LINES)
 """A polyline takes four lines for each vertex, a single line or arc about twenty."""
 
-PROGRAM: Final = Limits("milling program", 16_000_000, lines=200_000)
+PROGRAM_LINES: Final = 200_000
+PROGRAM: Final = Limits("milling program", 16_000_000, PROGRAM_LINES)
 
 STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
 """Lines are those of a text, seven for each facet."""

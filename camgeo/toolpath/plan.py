@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 from camgeo.contour.contour import Effort
 from camgeo.contour.spline import Arc
+from camgeo.errors import FileError
+from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
@@ -29,12 +32,28 @@ def plan_toolpath(
     ------
     GeometryError
         With key "output.gcode.tool_diameter", if a cutter is too large for its cut.
+    FileError
+        If there are more moves than lines are allowed in a program that is read.
     """
-    operations = []
+    operations: list[Operation] = []
+    left = PROGRAM_LINES
     for cut in cuts:
         moves = STRATEGIES[cut.strategy](cut, safe_height, tolerance, effort)
-        operations.append(Operation(cut, tuple(divided(moves, limits.largest_turn))))
+        of_cut = islice(divided(moves, limits.largest_turn), left + 1)
+        operation = Operation(cut, tuple(of_cut))
+        left -= len(operation.moves)
+        if left < 0:
+            raise too_long()
+        operations.append(operation)
     return Toolpath(safe_height, tuple(operations))
+
+
+def too_long() -> FileError:
+    """The error for a program that would not be read back."""
+    return FileError(
+        f"the program would have more than {PROGRAM_LINES:,} lines, the limit for a program that is"
+        " read; a larger tolerance or output.gcode.pass_depth needs fewer"
+    )
 
 
 def divided(moves: Iterable[Move], largest: float) -> Iterator[Move]:

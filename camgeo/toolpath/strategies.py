@@ -7,7 +7,7 @@ traverse at the safe height.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -23,7 +23,7 @@ HALF_TURN = math.pi
 """No arc of a program exceeds half a turn: controllers are strict beyond that."""
 
 
-def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
+def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> Iterator[Move]:
     """Along one boundary, outside material or inside a hole, with tangential leads.
 
     At each depth: down next to the path, onto it and once around, off it and up.
@@ -38,20 +38,16 @@ def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> l
     lead = quarter_circle_lead(contour, cut.room)
     centre = (lead.centre.real, lead.centre.imag)
     feed = cut.tool.feed
-    found: list[Move] = []
     for z in cut.depths:
-        found += (
-            Rapid((lead.start.real, lead.start.imag, safe_height)),
-            Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed),
-            ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed),
-            *once_round(contour, z, feed),
-            ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed),
-            Rapid((lead.end.real, lead.end.imag, safe_height)),
-        )
-    return found
+        yield Rapid((lead.start.real, lead.start.imag, safe_height))
+        yield Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed)
+        yield ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed)
+        yield from once_round(contour, z, feed)
+        yield ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed)
+        yield Rapid((lead.end.real, lead.end.imag, safe_height))
 
 
-def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
+def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> Iterator[Move]:
     """One round between two boundaries, with a cutter as wide as the gap.
 
     Down on the path itself, once around at each depth, and up at the end.
@@ -63,14 +59,15 @@ def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list
     """
     contour = fitted(cut, tolerance, effort)
     x, y = float(contour.vertices[0].real), float(contour.vertices[0].imag)
-    found: list[Move] = [Rapid((x, y, safe_height))]
+    yield Rapid((x, y, safe_height))
     for z in cut.depths:
-        found += (Feed((x, y, z), cut.tool.plunge_feed), *once_round(contour, z, cut.tool.feed))
-    return [*found, Rapid((x, y, safe_height))]
+        yield Feed((x, y, z), cut.tool.plunge_feed)
+        yield from once_round(contour, z, cut.tool.feed)
+    yield Rapid((x, y, safe_height))
 
 
-Strategy = Callable[[Cut, float, float, Effort], list[Move]]
-"""Gives the moves of a cut from it, the safe height [mm], the tolerance of its path [mm] and the
+Strategy = Callable[[Cut, float, float, Effort], Iterable[Move]]
+"""Yields the moves of a cut from it, the safe height [mm], the tolerance of its path [mm] and the
 effort of fitting."""
 
 STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType({"profile": profile, "slot": slot})

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.check.finding import forbidding
-from camgeo.errors import Fault, SceneError, ToleranceError, UndercutError
+from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.reading import VERIFIED, read_within
@@ -138,17 +138,25 @@ def make_files(
 def _make(
     disc: Product, name: str, writer: Writer, tolerance: float, progress: Progress
 ) -> tuple[Written, float | None]:
-    """One file of one disc, and its deviation as read back [mm]; `name` is for messages."""
+    """One file of one disc, and its deviation as read back [mm]; `name` is for messages.
+
+    What is read has limits (`camgeo.reading`); a file beyond them is not written.
+    """
     progress(f"{name}: computing")
     try:
         written = disc.ledger.run(f"{name} file", partial(writer.write, disc, tolerance))
     except ToleranceError as error:
         # The writer used a share of the tolerance; the user knows the whole.
         raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
+    except FileError as error:
+        raise FileError(f"{name}: {error}") from error
     progress(f"{name}: reading back")
-    deviation = disc.ledger.run(
-        f"{name} file, measured", partial(writer.measure, disc, written.data)
-    )
+    try:
+        deviation = disc.ledger.run(
+            f"{name} file, measured", partial(writer.measure, disc, written.data)
+        )
+    except FileError as error:
+        raise FileError(f"{name}: the file cannot be read back: {error}") from error
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
     return written, deviation

@@ -27,11 +27,14 @@ from camgeo.formats.dxf import FORMAT
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.product.product import Product
+from camgeo.reading import DRAWING_LINES
 from camgeo.units import MM_PER, LengthUnit
+from camgeo.wording import counted
 from camgeo.writing.writer import Written
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
 from camgeo_export.dxf.view import show
+from camgeo_export.errors import FileError
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
@@ -47,6 +50,9 @@ for the slack of the bound by which the file is measured."""
 
 POLYLINE_SHARES = (0.6, 0.3)
 """Shares of the fit and of its chords where arcs are to be drawn as straight pieces."""
+
+LINES = 4
+"""Lines of the file for a vertex or a control point, at least."""
 
 PLANAR = 8
 """Bit of group 70 that marks a SPLINE as planar."""
@@ -68,6 +74,7 @@ class DxfWriter:
         cut = [_cut(boundary, product, share) for boundary in product.drawn.part.boundaries]
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
+        _limit(sum(map(len, (*cut, *([] if pitch is None else [pitch])))))
         # ezdxf stamps time and random identifiers on a file when creating and when writing it
         with _fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
@@ -85,6 +92,16 @@ class DxfWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
         return measure(product, data)
+
+
+def _limit(pieces: int) -> None:
+    """Raise FileError if a drawing of so many pieces would not be read back."""
+    if LINES * pieces > DRAWING_LINES:
+        raise FileError(
+            f"the drawing would have {counted(pieces, 'piece')} of at least {LINES} lines of text;"
+            f" at most {DRAWING_LINES:,} are allowed in a drawing that is read; a larger tolerance"
+            " needs fewer"
+        )
 
 
 def _cut(boundary: Boundary, product: Product, share: float) -> Curve:

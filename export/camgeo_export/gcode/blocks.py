@@ -11,9 +11,11 @@ import math
 from dataclasses import dataclass, field
 
 from camgeo.errors import ToleranceError
+from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.machine import MOST_DECIMALS, ArcLimits, Machine
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.toolpath.plan import too_long
 from camgeo.units import MM_PER, LengthUnit
 
 FEED_DECIMALS = 4
@@ -93,7 +95,7 @@ class Speller:
         self._at = (self._at[0], self._at[1], z)
 
     def move(self, move: Move) -> None:
-        """Write one move."""
+        """Write one move; FileError if the program becomes too long to be read."""
         end = complex(move.end[0], move.end[1])
         if isinstance(move, Rapid):
             self._straight("G0", self._steps(move.end), "")
@@ -121,6 +123,8 @@ class Speller:
         if words:
             self._write(" ".join((word, *words)), feed)
             self.lines += word == "G1"
+            if self.lines > PROGRAM_LINES:
+                raise too_long()
         self._at = end
 
     def _arc(self, move: ArcFeed, end: complex) -> None:

@@ -14,9 +14,11 @@ import manifold3d
 import numpy as np
 import shapely
 
-from camgeo.errors import ToleranceError
+from camgeo.errors import FileError, ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Level, Part
+from camgeo.reading import FACETS
+from camgeo.wording import counted
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
@@ -52,10 +54,12 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
     `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
-    the key of the height that the scene does not give.
+    the key of the height that the scene does not give, and FileError if the body would have more
+    facets than `camgeo.reading` allows.
     """
     levels = part.levels
     rings = {each.name: _ring(each, tolerance, rounding) for each in part.boundaries}
+    _limit(sum(2 * len(rings[wall.boundary.name]) for wall in part.walls), "at least ")
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
     for heights, walls in groupby(part.walls, lambda wall: (wall.z0, wall.z1)):
@@ -72,6 +76,15 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     for level in others:
         mesh.faces_of(level, rings, corners)
     return mesh.close()
+
+
+def _limit(facets: int, least: str = "") -> None:
+    """Raise FileError if a body of so many facets would not be read back."""
+    if facets > FACETS:
+        raise FileError(
+            f"the body would have {least}{counted(facets, 'facet')}; at most {FACETS:,} are allowed"
+            " in a file that is read; a larger tolerance needs fewer"
+        )
 
 
 def _ring(boundary: Boundary, tolerance: float, rounding: Rounding) -> ComplexArray:
@@ -175,9 +188,12 @@ class _Mesh:
         self.faces.append(np.column_stack((lower, upper_next, upper)))
 
     def close(self) -> Body:
-        """The body; raises ArithmeticError if the triangles do not enclose one."""
+        """The body; raises ArithmeticError if the triangles do not enclose one, FileError if there
+        are too many.
+        """
         vertices = np.concatenate(self.points)
         triangles = np.concatenate(self.faces)
+        _limit(len(triangles))
         mesh = manifold3d.Mesh64(vertices, np.ascontiguousarray(triangles, dtype=np.uint64))
         solid = manifold3d.Manifold(mesh)
         if solid.status() != manifold3d.Error.NoError or not solid.volume() > 0.0:
