@@ -14,9 +14,6 @@ from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour, Effort, Fit
-from camgeo.contour.cubics.deviation import bound_by_arcs, spline_deviation
-from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
@@ -66,6 +63,9 @@ class CurveBoundary(Pickled):
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs; raises like `arcs`."""
+        from camgeo.contour.cubics.fits import fewest_cubics, fit_spline  # few files have splines
+        from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
+
         fit = fit_spline if effort == "fast" else fewest_cubics
         return self._fitted(
             "cubics",
@@ -92,6 +92,8 @@ class CurveBoundary(Pickled):
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved bound [mm], see `camgeo.contour.proof.deviation`."""
         if isinstance(contour, SplineContour):
+            from camgeo.contour.cubics.deviation import spline_deviation  # few files have splines
+
             return spline_deviation(self.path, contour)
         return _once(self.known, contour, lambda: deviation(self.path, contour))
 
@@ -179,6 +181,8 @@ class ExactBoundary(Pickled):
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Bound [mm] in closed form, see `camgeo.contour.exact`; for a spline by its arcs."""
         if isinstance(contour, SplineContour):
+            from camgeo.contour.cubics.deviation import bound_by_arcs  # few files have splines
+
             return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
         return _once(self.known, contour, lambda: distance_between(self.exact, contour))
 

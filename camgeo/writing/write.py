@@ -16,7 +16,7 @@ from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.reading import VERIFIED, read_within
 from camgeo.writing.transaction import Progress, silent, write_set
-from camgeo.writing.writer import Writer, Written, find_writer, with_companions, writer_names
+from camgeo.writing.writer import Writer, Written, find_writers, with_companions, writer_names
 
 CERTIFICATE: Final = "certificate.json"
 
@@ -111,7 +111,7 @@ def make_files(
     product = discs[0]
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
-    found = {name: find_writer(name) for name in dict.fromkeys(formats)}
+    found = find_writers(formats)
     faults = [
         Fault("format", name, message)
         for name, writer in found.items()

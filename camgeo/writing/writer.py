@@ -6,6 +6,7 @@ format's name on the command line and in the scene, and it loads an object that 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -67,11 +68,18 @@ def with_companions(writer: Writer) -> tuple[Writer, ...]:
 
 def find_writer(name: str) -> Writer:
     """Load the writer of format `name`; SceneError if there is none."""
-    entry = writer_entries().get(name)
-    if entry is None:
-        names = writer_names()
-        message = f"no writer for this format; there are {', '.join(names)}"
-        hint = NO_FORMATS.get(name) or meant(name, names, '"')
-        raise SceneError([Fault("format", name, message, hint)])
-    writer: Writer = format_of(entry)[0]
-    return writer
+    return find_writers((name,))[name]
+
+
+def find_writers(names: Iterable[str]) -> dict[str, Writer]:
+    """As `find_writer`, for several: what is installed is looked through once."""
+    entries = writer_entries()
+    found: dict[str, Writer] = {}
+    for name in names:
+        if name not in entries:
+            known = sorted(entries)
+            message = f"no writer for this format; there are {', '.join(known)}"
+            hint = NO_FORMATS.get(name) or meant(name, known, '"')
+            raise SceneError([Fault("format", name, message, hint)])
+        found[name] = format_of(entries[name])[0]
+    return found

@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -14,10 +15,12 @@ import pytest
 import camgeo
 from camgeo.errors import SceneError, ToleranceError
 from camgeo.formats.format import Format, no_options
+from camgeo.formats.registry import writer_entries
 from camgeo.product.product import Product
 from camgeo.writing import write as write_module
+from camgeo.writing import writer as writer_module
 from camgeo.writing.write import write_files
-from camgeo.writing.writer import Written, find_writer, writer_names
+from camgeo.writing.writer import Written, find_writer, find_writers, writer_names
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -74,12 +77,26 @@ def test_no_tolerance(tolerance: float, tmp_path: Path) -> None:
     assert not any(tmp_path.iterdir())
 
 
+def test_what_is_installed_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[dict[str, EntryPoint]] = []
+
+    def counted() -> dict[str, EntryPoint]:
+        calls.append(writer_entries())
+        return calls[-1]
+
+    monkeypatch.setattr(writer_module, "writer_entries", counted)
+    found = find_writers(FORMATS)
+    assert [*found] == [*FORMATS]
+    assert all(found[name] is find_writer(name) for name in FORMATS)
+    assert len(calls) == 1 + len(FORMATS)
+
+
 @pytest.mark.parametrize("deviation", [0.0011, float("nan"), float("inf")])
 def test_file_that_is_off_is_not_kept(
     deviation: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The certificate's own check, deliberately broken: a writer that misses its tolerance."""
-    monkeypatch.setattr(write_module, "find_writer", lambda name: Claims(deviation))
+    monkeypatch.setattr(write_module, "find_writers", lambda _: {"odd": Claims(deviation)})
     design = camgeo.load(SCENES / "vorschub.toml")
     with pytest.raises(ToleranceError, match="the odd file, read back, is off"):
         write_files(design.discs, tmp_path / "out", ("odd",), 0.001)
