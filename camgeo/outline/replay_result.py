@@ -177,15 +177,15 @@ class Replay:
             return Extreme(0.0, self._place(index))
         before = np.flatnonzero(self.phi < self.phi[index])[-1:]
         after = np.flatnonzero(self.phi > self.phi[index])[:1]
-        for low, high in ((before, [index]), ([index], after)):
-            ends = self.phi[low], self.phi[high]
-            slopes = [self._loss_velocity(end)[:1] for end in ends if len(end)]
-            if len(slopes) == 2 and slopes[0] * slopes[1] < 0.0:
-                phi = bracketed_roots(self._loss_velocity, *ends)
-                apart = self.lift.at(phi) - self.lift.motion.jet(phi, "right", 1)[0]
-                value = self.press * self.lift.outward * float(apart[0])
-                if value > lost[index]:
-                    return Extreme(value, float(phi[0]) % TURN)
+        near = self.phi[[*before, index, *after]]
+        slopes = self._loss_velocity(near)
+        for k in np.flatnonzero(slopes[:-1] * slopes[1:] < 0.0).tolist():
+            ends = slopes[k : k + 2, np.newaxis]
+            phi = bracketed_roots(self._loss_velocity, near[[k]], near[[k + 1]], ends=ends)
+            apart = self.lift.at(phi) - self.lift.motion.jet(phi, "right", 1)[0]
+            value = self.press * self.lift.outward * float(apart[0])
+            if value > lost[index]:
+                return Extreme(value, float(phi[0]) % TURN)
         return Extreme(float(lost[index]), self._place(index))
 
     def _loss_velocity(self, phi: FloatArray) -> FloatArray:
