@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.build import build
-from camgeo.cli.command import add_scene, opened, settle, show
+from camgeo.cli.command import add_scene, number, opened, settle, show
 from camgeo.cli.streams import notify
 
 SUMMARY: Final = "write the files of a scene, with certificate.json"
@@ -24,7 +24,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--only", metavar="FORMATS", help="comma-separated: dxf,gcode,stl,3mf,...")
     parser.add_argument(
-        "--tolerance", metavar="MM", type=float, help="largest deviation, instead of the scene's"
+        "--tolerance", metavar="MM", type=number, help="largest deviation, instead of the scene's"
     )
     parser.add_argument("--force", action="store_true", help="overwrite existing files that differ")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")

@@ -7,7 +7,7 @@ import math
 from typing import Final
 
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
-from camgeo.cli.command import CallError, add_json, show, write_files
+from camgeo.cli.command import CallError, add_json, number, show, write_files
 from camgeo.cli.law_options import (
     DEFAULT_TASK,
     EVERY_TASK,
@@ -47,7 +47,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         " inertia of 1 kg on the follower",
     )
     for name, (metavar, text) in RUNNING.items():
-        group.add_argument(f"--{name}", metavar=metavar, type=float, help=text)
+        group.add_argument(f"--{name}", metavar=metavar, type=number, help=text)
     parser.add_argument("--places", action="store_true", help="also print z of the extremes")
     add_json(parser)
     add_picture(parser, "draw a picture")

@@ -13,6 +13,7 @@ from camgeo.cli.command import (
     add_json,
     add_scene,
     notify_main_disc,
+    number,
     opened,
     require_beside,
     show,
@@ -40,19 +41,19 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transmission-angle",
         metavar="DEG",
-        type=float,
+        type=number,
         help="smallest allowed, in degrees; default: the scene's",
     )
     parser.add_argument(
         "--radius-ratio",
         metavar="RATIO",
-        type=float,
+        type=number,
         help="largest allowed r_R/r_K, above 0 to 1; default: the scene's",
     )
     parser.add_argument(
         "--radius-of-curvature",
         metavar="LENGTH",
-        type=float,
+        type=number,
         default=0.0,
         help="smallest allowed for the cam of a flat face, in the scene's unit; default 0",
     )
@@ -60,7 +61,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--arm",
         nargs=2,
         metavar=("LOW", "HIGH"),
-        type=float,
+        type=number,
         help="also choose the arm of a rocker, between two lengths in the scene's unit",
     )
     parser.add_argument(

@@ -186,7 +186,6 @@ motion = [{ dwell = 360 }]
     [
         (["--transmission-angle", "0"], "transmission_angle = 0: must be above 0"),
         (["--transmission-angle", "90"], "transmission_angle = 90"),
-        (["--transmission-angle", "nan"], "transmission_angle = nan"),
         (["--radius-ratio", "0"], "radius_ratio = 0: must be above 0"),
         (["--radius-ratio", "2"], "radius_ratio = 2"),
     ],
