@@ -37,20 +37,29 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if module not in QUICK and not module.startswith(BUILDS) else None
 
 
-@pytest.hookimpl(tryfirst=True)  # before marks are asked for and groups are read
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the quick tests; group tests as their module says, by the scene that is built for them,
-    or by their module.
-    """
+@pytest.hookimpl(tryfirst=True)  # before marks are asked for
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark the quick tests; in a process of several, put them in the order of `tests.dealing`."""
     for item in items:
         call: Any = getattr(item, "callspec", None)
         built = Path(call.params["built"]).stem if call and "built" in call.params else None
-        module = item.path.relative_to(TESTS).as_posix()
-        if built == BUILT or (built is None and module in QUICK):
+        if built == BUILT or (built is None and item.path.relative_to(TESTS).as_posix() in QUICK):
             item.add_marker(pytest.mark.quick)
-        if item.get_closest_marker("xdist_group") is None:
-            group = module if built is None else f"built {built}"
-            item.add_marker(pytest.mark.xdist_group(group))
+    if hasattr(config, "workerinput"):
+        from tests.dealing import longest_first
+
+        items[:] = [items[number] for number in longest_first([item.nodeid for item in items])]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
+    """Groups of tests, in their order, to whichever process is free."""
+    if config.getoption("dist") != "loadscope":
+        return None
+    from tests.dealing import Dealing
+
+    config.option.loadscopereorder = False
+    return Dealing(config, log)
 
 
 @pytest.hookimpl(wrapper=True)

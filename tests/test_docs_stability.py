@@ -11,7 +11,7 @@ import pytest
 from camgeo.stability.measure import Reading
 from camgeo.stability.suite import GROUPS, LIMIT, Row
 from tests.pages import page_maker
-from tests.stability.quick import CASES, quick, together
+from tests.stability.quick import CASES, quick
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "stability.md").read_text(encoding="utf-8")
@@ -23,8 +23,6 @@ ROW = re.compile(
 )
 
 CLAIMS = {row["quantity"]: row for row in ROW.finditer(PAGE)}
-
-pytestmark = together
 
 MEASURED = re.compile(r"\| \d+ \| <= [\de.]+ \| [\de.]+ \| <= [\de.]+ \| .+ \|$", re.MULTILINE)
 """What differs between a quick run and a whole one."""

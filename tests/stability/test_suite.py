@@ -31,9 +31,7 @@ from camgeo.stability.suite import (
 )
 from camgeo.units import TURN
 from tests.reference import reference
-from tests.stability.quick import CASES, quick, together
-
-pytestmark = together
+from tests.stability.quick import CASES, quick
 
 
 def spec(name: str) -> CamSpec:
