@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
@@ -37,6 +38,7 @@ ROUGH: Final = {"measured"}
 an arc does not follow the limit's law; what holds is that the count comes down to it."""
 
 
+@lru_cache(maxsize=1)  # of a scene for all forms, one after the other
 def flanks(scene: Path) -> list[CurveBoundary]:
     part = camgeo.load(scene).disc.drawn.part
     return [each for each in part.boundaries if isinstance(each, CurveBoundary)]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 import pytest
 
@@ -27,8 +27,6 @@ from tests.long_form import LONG
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5)
 
-Given = TypeVar("Given")
-
 FORMATS: Final[dict[Form, tuple[str, ...]]] = {
     "arcs": ("dxf", "gcode", "stl", "3mf"),
     "polyline": ("dxf",),
@@ -37,12 +35,24 @@ FORMATS: Final[dict[Form, tuple[str, ...]]] = {
 """Only the drawing knows the form."""
 
 
+USUAL: Final[tuple[tuple[Form, float], ...]] = (
+    ("arcs", min(TOLERANCES)),
+    ("polyline", max(TOLERANCES)),
+    ("arcs", max(TOLERANCES)),
+    ("spline", min(TOLERANCES)),
+    ("arcs", min(TOLERANCES)),
+    ("polyline", min(TOLERANCES)),
+    ("arcs", max(TOLERANCES)),
+    ("spline", max(TOLERANCES)),
+)
+"""The form and the tolerance of a scene, by turns."""
+
+
 def _written(number: int) -> list[tuple[Form, float]]:
     """The forms and tolerances in which a scene is written."""
-    loose, tight = max(TOLERANCES), min(TOLERANCES)
     if not LONG:
-        one, other = (loose, tight) if number % 2 else (tight, loose)
-        return [("arcs", one), (_either(number, "polyline", "spline"), other)]
+        return [USUAL[number % len(USUAL)]]
+    loose, tight = max(TOLERANCES), min(TOLERANCES)
     between = [
         (FORMS[(number + step) % len(FORMS)], tolerance)
         for step, tolerance in enumerate(TOLERANCES)
@@ -51,17 +61,11 @@ def _written(number: int) -> list[tuple[Form, float]]:
     return [(form, tolerance) for tolerance in (loose, tight) for form in FORMS] + between
 
 
-def _either(number: int, one: Given, other: Given) -> Given:
-    """In turn two scenes with the one and two with the other, so that each meets both ends."""
-    return other if number % 4 < 2 else one
-
-
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None:
     base = camgeo.load(scene)
     number = SCENES.index(scene)
-    written = _written(number)
-    for place, (form, tolerance) in enumerate(written):
+    for form, tolerance in _written(number):
         design = drawn_as(base, form, "fewest")
         folder = tmp_path / f"{form}-{tolerance:g}"
         formats = _formats(design, form, number)
@@ -71,8 +75,7 @@ def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None
             assert file.deviation is not None
             # Of what may be used, most is: pieces are paid for.
             assert 0.2 * tolerance < file.deviation <= tolerance, f"{form} {tolerance:g}"
-        if LONG or place == number // 4 % len(written):
-            _verify(design, folder, tolerance, report)
+        _verify(design, folder, tolerance, report)
 
 
 def _verify(design: Design, folder: Path, tolerance: float, report: Report) -> None:
@@ -98,5 +101,5 @@ def _against(found: Against, _folder: Path, _hash: str) -> Against:
 def _formats(design: Design, form: Form, number: int) -> tuple[str, ...]:
     asked = {"dxf", *design.scene.output.formats}
     if not LONG:
-        asked -= {_either(number, "stl", "3mf")}
+        asked -= {"stl" if number // 4 % 2 else "3mf"}
     return tuple(name for name in FORMATS[form] if name in asked)
