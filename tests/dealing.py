@@ -21,6 +21,9 @@ from tests.quick import BUILDS, EXPENSIVE, TESTS
 SCENES: Final = {path.stem for path in (TESTS.parent / "fixtures" / "scenes").glob("*.toml")}
 
 SHARING: Final = {
+    "answers/test_check.py": "answers",
+    "answers/test_explain.py": "answers",
+    "answers/test_table.py": "answers",
     "stability/test_suite.py": "stability",
     "test_docs_stability.py": "stability",
 }

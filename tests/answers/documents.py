@@ -10,13 +10,23 @@ from typing import Any
 from jsonschema_rs import Draft202012Validator, meta
 
 from camgeo.answers.answer import Answer
+from camgeo.answers.explain import Explanation, explain
 from camgeo.answers.render import schema_of, to_json
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 FOLDERS = ("effects", "refused", "scenes")
 
 SCENES = [path for name in FOLDERS for path in sorted((FIXTURES / name).glob("*.toml"))]
+
+
+@cache
+def explained(scene: Path) -> tuple[Design, Explanation]:
+    """The design of a scene with all that a check computes, and the answer that says so."""
+    design = Design(load_scene(scene))
+    return design, explain(design)
 
 
 @cache

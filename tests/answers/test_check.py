@@ -11,14 +11,14 @@ from camgeo.answers.check import check
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
-from tests.answers.documents import FIXTURES, SCENES, document
+from tests.answers.documents import FIXTURES, SCENES, document, explained
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
-    design = Design(load_scene(scene))
+    design = explained(scene)[0]
     found = check(design)
     reported = document(found)
     assert len(reported["findings"]) == len(design.findings)

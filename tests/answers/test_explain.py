@@ -11,7 +11,7 @@ from camgeo.answers.explain import GOALS, explain
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
-from tests.answers.documents import FIXTURES, SCENES, document
+from tests.answers.documents import FIXTURES, SCENES, document, explained
 
 SPRUNG = FIXTURES / "effects" / "press.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
@@ -19,7 +19,7 @@ PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
-    document(explain(Design(load_scene(scene))))
+    document(explained(scene)[1])
 
 
 @pytest.mark.parametrize("scene", [SPRUNG, PAIR], ids=lambda path: path.stem)

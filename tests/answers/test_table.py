@@ -11,11 +11,9 @@ import pytest
 
 from camgeo.answers.render import table, text
 from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
-from camgeo.design import Design
 from camgeo.motion.laws import make_law
 from camgeo.product.value_table import Table
-from camgeo.scene.load import load_scene
-from tests.answers.documents import SCENES, document
+from tests.answers.documents import SCENES, document, explained
 
 
 def changed(found: ValueTable) -> ValueTable:
@@ -26,7 +24,7 @@ def changed(found: ValueTable) -> ValueTable:
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_text_and_document_are_of_one_result(scene: Path) -> None:
-    design = Design(load_scene(scene))
+    design = explained(scene)[0]
     if any(finding.severity == "invalid" for finding in design.findings):
         pytest.skip("there is no such mechanism")
     found = table_of_scene(design, Decimal(45))
