@@ -210,10 +210,10 @@ def test_a_whole_disc_has_no_such_entries() -> None:
     }
 
 
-@pytest.mark.parametrize("suffix", [".svg", ".png"])
-def test_the_same_bytes_each_time(suffix: str) -> None:
+def test_the_same_bytes_each_time() -> None:
+    """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
     first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))
-    assert render(cam.figure(first.disc), suffix) == render(cam.figure(second.disc), suffix)
+    assert render(cam.figure(first.disc), ".svg") == render(cam.figure(second.disc), ".svg")
 
 
 @attack
