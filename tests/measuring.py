@@ -67,8 +67,8 @@ class Outline:
         each = max(2, -(-count // len(self.starts)))
         part = np.arange(each) / each
         start, end = self.starts[:, None], self.ends[:, None]
-        turned = np.exp(1j * self.sweeps[:, None] * part)
-        arcs = self.centres[:, None] + (start - self.centres[:, None]) * turned
+        # From the start, not from the centre, which may be a million kilometres away.
+        arcs = start + (start - self.centres[:, None]) * np.expm1(1j * self.sweeps[:, None] * part)
         lines = start + (end - start) * part
         return np.where(self.sweeps[:, None] != 0.0, arcs, lines).ravel()
 
@@ -109,7 +109,11 @@ class Outline:
         first = np.where(sweeps != 0.0, starts - centres, 1.0)
         turned = np.angle(arm * np.conj(first)) * np.sign(sweeps)
         within = np.mod(turned, 2.0 * np.pi) <= np.abs(sweeps)
-        from_arc = np.where(within, np.abs(np.abs(arm) - np.abs(first)), at_ends)
+        # The difference of both radii, without their rounding: by that of their squares.
+        away = p - starts
+        squares = (away * np.conj(away + 2.0 * first)).real
+        from_radius = np.abs(squares) / (np.abs(arm) + np.abs(first))
+        from_arc = np.where(within, from_radius, at_ends)
         found: FloatArray = np.where(sweeps != 0.0, from_arc, from_line)
         return found
 
