@@ -9,6 +9,8 @@ import pytest
 
 from camgeo.effects.shock_spectrum.result import QUIET, ShockSpectrum, measured
 from camgeo.motion.laws import make_law
+from camgeo.numeric.oscillator import spectrum
+from camgeo.numeric.oscillator.mode import NODES, Pieces, most_cells, solve
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 from tests.laws import LAWS
@@ -165,3 +167,22 @@ def test_what_stays_small_is_small_for_good(law: str, highest: int) -> None:
     beyond = np.linspace(highest if quiet is None else quiet, 60.0, 6001)
     largest = float(np.max(move.residual(beyond, 0.0)))
     assert (largest > QUIET * (1.0 + 1e-9)) == (quiet is None)
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 40, 700])
+@pytest.mark.parametrize("rate", [0.1, 30.0, 2000.0, 1e5])
+def test_no_more_cells_are_made_than_blocks_are_counted_in(pieces: int, rate: float) -> None:
+    steps = np.random.default_rng(pieces).uniform(0.01, 1.0, pieces)
+    edges = np.concatenate(([0.0], np.cumsum(steps) / np.sum(steps)))
+    made = Pieces(edges, np.ones((len(NODES), pieces)), 0.0, 1.0)
+    rates = np.full(pieces, complex(-0.3, 1.0) * rate)
+    cells = len(solve(made, np.arange(pieces), rates).problem)
+    assert cells <= most_cells(pieces, rates[:1])[0]
+
+
+def test_blocks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    move = shock_of(LAWS["straight-line"])
+    ratios = np.linspace(1e-3, 300.0, 500)
+    found = move.residual(ratios)
+    monkeypatch.setattr(spectrum, "BLOCK", 100)
+    assert move.residual(ratios).tolist() == found.tolist()

@@ -195,6 +195,12 @@ class Cells:
         return at_end - self.growth * self.at_start
 
 
+def most_cells(pieces: int, rate: ComplexArray) -> FloatArray:
+    """(q,) bounds of the number of cells over `pieces` of length 1 in all, for each lambda."""
+    cut = np.minimum(np.abs(rate) * (0.5 / SMALL), pieces * (LARGE / SMALL))
+    return np.asarray(pieces + cut)
+
+
 def solve(pieces: Pieces, piece: IntArray, rate: ComplexArray) -> Cells:
     """Q of the problems (q,): the `piece` of `pieces` and the lambda `rate` of each."""
     width = np.diff(pieces.edges)[piece]

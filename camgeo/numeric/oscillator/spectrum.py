@@ -11,16 +11,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.oscillator.mode import NODES, Pieces, interpolated, series_values, solve
+from camgeo.numeric.oscillator.mode import (
+    NODES,
+    Pieces,
+    interpolated,
+    most_cells,
+    series_values,
+    solve,
+)
 from camgeo.numeric.oscillator.steady import FINEST, SOFT
 
 BLOCK: Final = 16_384
-"""Pieces evaluated at a time, over all ratios, so that a block takes some tens of megabytes."""
+"""Cells evaluated at a time, over all ratios, so that a block takes some tens of megabytes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,14 +53,15 @@ class Shock:
         ratios = np.asarray(ratios, dtype=np.float64)
         root = math.sqrt((1.0 - damping) * (1.0 + damping))
         frequency = 2.0 * math.pi * ratios
-        rates = frequency * complex(-damping, root)
+        rates = np.asarray(frequency * complex(-damping, root), dtype=np.complex128)
         gain = np.empty(len(rates), dtype=np.complex128)
         pieces = max(self.lift.series.shape[1], self.pieces.series.shape[1])
-        count = max(1, BLOCK // pieces)
-        for first in range(0, len(rates), count):
-            block = rates[first : first + count]
+        blocks = np.cumsum(most_cells(pieces, rates)) // BLOCK
+        ends = np.append(np.flatnonzero(np.diff(blocks)) + 1, len(rates))
+        for first, end in pairwise((0, *ends.tolist())):
+            block = rates[first:end]
             soft = np.abs(block) < SOFT
-            part = gain[first : first + count]
+            part = gain[first:end]
             part[~soft] = self._gain(block[~soft])
             part[soft] = self._soft_gain(block[soft])
         remains: FloatArray = np.abs(gain) / (frequency * root)
