@@ -39,15 +39,18 @@ class Report:
     @property
     def text(self) -> str:
         """The counts, a line each."""
-        scenes = max(self.cases["scenes"], 1)
+        scenes = self.cases["scenes"]
         counts = ", ".join(f"{count} {kind}" for kind, count in self.cases.items())
         seconds, number, step = self.slowest
         lines = [
             f"seed {self.seed}: {self.cases.total()} cases ({counts}) in {self.cpu:.0f} s of CPU",
-            f"{100 * self.accepted / scenes:.0f}% of the scenes were accepted",
-            f"{self.built} of {self.builds} builds wrote files; {self.verified} were verified",
             f"slowest step {seconds:.1f} s of CPU: case {number}, {' '.join(step)[:100]}",
         ]
+        if scenes:
+            lines += [
+                f"{100 * self.accepted / scenes:.0f}% of the scenes were accepted",
+                f"{self.built} of {self.builds} builds wrote files; {self.verified} were verified",
+            ]
         for signature, cases in self.found.items():
             lines.append(f"{len(cases)} x {signature}: cases {', '.join(map(str, cases[:8]))}")
         return "\n".join(lines)
