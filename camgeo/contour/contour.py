@@ -18,6 +18,10 @@ from camgeo.outline.moments import Moments, piece_moments, segment_areas
 
 EPS: Final = float(np.finfo(np.float64).eps)
 
+POINTS: Final = 500_000
+"""Points of a full turn: their chords lie within 2e-11 of the radius of it, a fifth of the finest
+tolerance of a cam of that size. Files have arcs of any size."""
+
 
 def is_straight(
     start: ComplexArray | complex, end: ComplexArray | complex, sweep: FloatArray | float
@@ -132,10 +136,12 @@ class Contour:
     def points(self, sagitta: float) -> ComplexArray:
         """(m,) complex [mm] points on the contour, chords at most `sagitta` [mm] off its arcs.
 
-        For topology and pictures only; no geometry is derived from these points.
+        For topology and pictures only; no geometry is derived from these points. There are at most
+        `POINTS` of them a turn.
         """
         radii = np.maximum(self.radii, sagitta)
         step = 2.0 * np.arccos(np.clip(1.0 - sagitta / radii, 0.0, 1.0))
+        step = np.maximum(step, 2.0 * np.pi / POINTS)
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / step)).astype(int)
         index, number = grouped(counts)
         part = number / counts[index]
