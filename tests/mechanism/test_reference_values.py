@@ -82,7 +82,7 @@ def _of_the_motion(curve: PitchCurve, phi: FloatArray, name: str) -> dict[str, Q
     if "s" in case["rows"][0]:
         found |= dict(zip(("s", "s1", "s2", "s3"), stroke_of(curve).jet(phi), strict=True))
     if isinstance(curve.follower, OscillatingRoller):
-        swing = motion.jet(phi)
+        swing = np.array(motion.jet(phi))
         found["psi_t"] = np.degrees(curve.follower.rocker_angle(swing[0]))
         if not isinstance(motion, LinkedMotion):  # there lift is counted outward or inward
             swing = case["params"]["kappa"] * swing
