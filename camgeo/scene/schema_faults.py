@@ -8,19 +8,11 @@ from typing import Any, Final
 
 from jsonschema_rs import ValidationError
 
+from camgeo.declared import allowed
 from camgeo.errors import Fault, meant, nearest
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, quoted
 from camgeo.scene.schema import Node, definition, node_at, resolved, schema, schema_for
-
-TYPES: Final = {
-    "array": "a list in square brackets",
-    "boolean": "true or false, without quotes",
-    "integer": "a whole number",
-    "number": "a number",
-    "object": "a table",
-    "string": "text in quotes",
-}
 
 UNKNOWN: Final = "additionalProperties"
 """What the validator calls an unknown key."""
@@ -109,27 +101,6 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
         "type",
     } & node.keys()  # a declaration of another distribution may have none
     return scene.fault(path, allowed(node) if known else str(error.message), hint)
-
-
-def allowed(node: Node) -> str:
-    """Return what a node of the schema allows, in words: "must be ..."."""
-    if "x-allowed" in node:
-        return str(node["x-allowed"])
-    if "enum" in node:
-        return "must be one of " + ", ".join(f'"{item}"' for item in node["enum"])
-    text = "must be " + TYPES[node["type"]]
-    lowest = node.get("minimum", node.get("exclusiveMinimum"))
-    highest = node.get("maximum", node.get("exclusiveMaximum"))
-    if lowest is not None and highest is not None:
-        above = " above" if "exclusiveMinimum" in node else " from"
-        below = " to" if "maximum" in node else " and below"
-        text += f"{above} {lowest:g}{below} {highest:g}"
-    elif lowest is not None:
-        text += f", {'above' if 'exclusiveMinimum' in node else 'at least'} {lowest:g}"
-    elif highest is not None:
-        text += f", {'at most' if 'maximum' in node else 'below'} {highest:g}"
-    unit = node.get("x-unit")
-    return f"{text} ({unit})" if unit else text
 
 
 def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fault, str, bool]:

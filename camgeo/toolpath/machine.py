@@ -2,187 +2,110 @@
 
 from __future__ import annotations
 
-import math
+import functools
 import tomllib
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from string import Formatter
-from typing import Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
 
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
-from camgeo.numeric.checked import check_fields, checks_of, instance, number, shown, whole
+from camgeo.numeric.checked import check_fields, instance, instances, one_of, shown
 from camgeo.reading import MACHINE, check_toml, read_within
+from camgeo.toolpath.machine_fields import Text, WorkOffsets
+from camgeo.toolpath.machine_schema import faults_of
+from camgeo.toolpath.machine_tables import (
+    ArcLimits,
+    Compensation,
+    Coolant,
+    Dwell,
+    Evidence,
+    NumberForm,
+    ProgramFrame,
+    Retract,
+    Smoothing,
+    Spindle,
+    TextForm,
+    ToolChange,
+    UnitWords,
+    Words,
+)
 from camgeo.toolpath.machining_time import Dynamics
-from camgeo.units import LengthUnit
 
-KEY = "output.gcode.machine"
+KEY: Final = "output.gcode.machine"
 """Key of the scene that names the profile."""
 
-SMALLEST_SWEEP, LARGEST_SWEEP = 1.0, 180.0
-"""No arc of a program exceeds half a turn [degrees], beyond which controllers are strict. No
-controller needs finely divided arcs."""
-
-MOST_DECIMALS = 10
-"""More decimals than a controller's double holds for a length of metres."""
-
-FILLED = ("unit", "tool", "speed", "p")
-"""Names in braces that blocks may have."""
-
-MOST_SHOWN = 60
-"""Characters shown of a block."""
-
-LONGEST_LINE = 10_000
-"""Characters; no controller accepts as many."""
+DIALECTS: Final = ("iso", "klartext")
 
 
-def _blocks(key: str, given: Any) -> tuple[str, ...]:
-    if isinstance(given, list | tuple) and all(isinstance(line, str) for line in given):
-        return tuple(given)
-    raise GeometryError("must be a list of texts", key, shown(given))
-
-
-Text = Annotated[str, partial(instance, kind=str, what="a text")]
-Blocks = Annotated[tuple[str, ...], _blocks]
-Size = Annotated[float, partial(number, least=0.0)]
-LineLength = Annotated[int, partial(whole, least=1, most=LONGEST_LINE)]
-DecimalCount = Annotated[int, partial(whole, least=1, most=MOST_DECIMALS)]
-Sweep = Annotated[float, partial(number, least=SMALLEST_SWEEP, most=LARGEST_SWEEP)]
-
-
-@dataclass(frozen=True, slots=True)
-class UnitWords:
-    """Words that switch to a unit of length."""
-
-    mm: Text
-    inch: Text
-
-    def __post_init__(self) -> None:
-        check_fields(self, "unit.")
-
-
-@dataclass(frozen=True, slots=True)
-class CommentStyle:
-    """Brackets of a comment (`close` may be empty) and the longest line, in characters."""
-
-    open: Text
-    close: Text
-    line_length: LineLength
-
-    def __post_init__(self) -> None:
-        check_fields(self, "comment.")
-        brackets = len(self.open) + len(self.close)
-        whole("comment.line_length", self.line_length, brackets + 1, LONGEST_LINE)
-
-
-@dataclass(frozen=True, slots=True)
-class Decimals:
-    """Least number of decimals of a coordinate, by unit."""
-
-    mm: DecimalCount
-    inch: DecimalCount
-
-    def __post_init__(self) -> None:
-        check_fields(self, "decimals.")
-
-
-@dataclass(frozen=True, slots=True)
-class ArcLimits:
-    """Arcs that the controller accepts, in mm.
-
-    Attributes
-    ----------
-    smallest_radius, largest_radius : arcs beyond are written as chords.
-    radius_tolerance : largest difference of an arc's radii at its two ends.
-    largest_sweep : [degrees] from 1 to 180; larger arcs are divided.
-    interpolation : how far the path that the controller runs departs from the arc.
-    """
-
-    smallest_radius: Size
-    largest_radius: Size
-    radius_tolerance: Size
-    largest_sweep: Sweep = 180.0
-    interpolation: Size = 0.0
-
-    def __post_init__(self) -> None:
-        check_fields(self, "arcs.")
-
-    @property
-    def largest_turn(self) -> float:
-        """`largest_sweep` [rad]."""
-        return math.radians(self.largest_sweep)
-
-
-@dataclass(frozen=True, slots=True)
-class Blending:
-    """Path blending: `on` with {p} in program units, or `off` for the exact path.
-
-    Attributes
-    ----------
-    share : P as a share of the tolerance.
-    smallest : P [mm] below which the exact path is programmed instead.
-    """
-
-    on: Text
-    off: Text
-    share: Size
-    smallest: Size
-
-    def __post_init__(self) -> None:
-        check_fields(self, "blending.")
+def _evidence(key: str, given: Any) -> tuple[Evidence, ...]:
+    instance(key, given, tuple, "a tuple of `Evidence`")
+    return instances(key, given, (Evidence,), "`Evidence`")
 
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """One controller; its blocks are written with {unit}, {tool} and {speed} filled in.
+    """One controller: what programs for it look like, and what it accepts.
 
-    `dynamics` is None if a profile does not give it: then there is no machining time. Like all
-    its tables it raises GeometryError, with the key of the profile, for a value of another type,
-    a negative number, or a block that cannot be filled in.
+    The tables and their keys are those of a profile, see docs/machines.md. `compensation` and
+    `smoothing` are None if the controller has none, `dynamics` if the profile does not give them:
+    then there is no machining time.
+
+    Attributes
+    ----------
+    name : in messages and in the comments of a program.
+    controller : for which controllers it is meant, in one sentence.
+    dialect : "iso", of G and M words, or "klartext".
+    extension : ending of the program's file, with its point.
+    evidence : what the profile rests on.
+    work_offsets : words that select a work offset, by its name in scenes; the first is the default.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the profile, for an invalid value.
     """
 
     name: Text
-    preamble: Blocks
-    tool_change: Blocks
-    spindle_on: Blocks
-    end: Blocks
+    controller: Text
+    dialect: Annotated[str, partial(one_of, choices=DIALECTS)]
+    extension: Text
+    text: TextForm
+    numbers: NumberForm
     unit: UnitWords
-    comment: CommentStyle
-    decimals: Decimals
+    program: ProgramFrame
+    work_offsets: WorkOffsets
+    tool_change: ToolChange
+    retract: Retract
+    spindle: Spindle
+    coolant: Coolant
+    dwell: Dwell
     arcs: ArcLimits
-    blending: Blending
+    words: Words
+    evidence: Annotated[tuple[Evidence, ...], _evidence] = ()
+    compensation: Compensation | None = None
+    smoothing: Smoothing | None = None
     dynamics: Dynamics | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
-        lists = ("preamble", "tool_change", "spindle_on", "end")
-        texts = [(key, block) for key in lists for block in getattr(self, key)]
-        for key, text in (*texts, ("blending.on", self.blending.on)):
-            try:
-                found = [each for each in Formatter().parse(text) if each[1] is not None]
-            except ValueError:
-                found = [("", None, None, None)]
-            if any(name not in FILLED or form or kind for _, name, form, kind in found):
-                message = "must hold no braces but {unit}, {tool}, {speed} and, for blending, {p}"
-                raise GeometryError(message, key, repr(text[:MOST_SHOWN]))
-
-    def unit_word(self, unit: LengthUnit) -> str:
-        """Word that switches to `unit`."""
-        return self.unit.mm if unit == "mm" else self.unit.inch
-
-    def least_decimals(self, unit: LengthUnit) -> int:
-        """Least number of decimals in `unit`."""
-        return self.decimals.mm if unit == "mm" else self.decimals.inch
+        if not (self.extension.startswith(".") and self.extension[1:].isalnum()):
+            message = "must be a point and up to eight letters or digits"
+            raise GeometryError(message, "extension", shown(self.extension))
 
 
-def names() -> list[str]:
+@functools.cache
+def names() -> tuple[str, ...]:
     """Names of the profiles in the package."""
     folder = files("camgeo.toolpath").joinpath("machines")
-    return sorted(
-        entry.name.removesuffix(".toml")
-        for entry in folder.iterdir()
-        if entry.name.endswith(".toml")
+    return tuple(
+        sorted(
+            entry.name.removesuffix(".toml")
+            for entry in folder.iterdir()
+            if entry.name.endswith(".toml")
+        )
     )
 
 
@@ -214,36 +137,31 @@ def parse(text: str, file: str) -> Machine:
         raise SceneError([Fault("", "", "is nested too deeply for a profile")], file) from None
     except ValueError as error:  # also of an integer of thousands of digits
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
-    faults: list[Fault] = []
-    machine: Machine | None = _build(Machine, table, "", faults)
+    if faults := faults_of(table):
+        raise SceneError(faults, file)
+    faults = []
+    machine: Machine | None = _build(Machine, table, faults)
     if machine is None or faults:
         raise SceneError(faults, file)
     return machine
 
 
-def _build(kind: Any, table: dict[str, Any], path: str, faults: list[Fault]) -> Any:
-    """An object of the dataclass `kind` from a TOML table; faults are added to `faults`."""
+def _build(kind: Any, table: Mapping[str, Any], faults: list[Fault]) -> Any:
+    """An object of the dataclass `kind` from a table that fits the schema; None with `faults`."""
     hints = get_type_hints(kind)
-    for key, given in table.items():
-        if key not in hints:
-            faults.append(Fault(path + key, shown(given), "unknown key", meant(key, hints)))
     values: dict[str, Any] = {}
     for field in fields(kind):
-        key, kinds = field.name, hints[field.name]
-        if key not in table:
-            if field.default is MISSING:
-                faults.append(Fault(path + key, "", "missing"))
+        if field.name not in table:
             continue
-        inner = next((each for each in (kinds, *get_args(kinds)) if is_dataclass(each)), None)
-        try:
-            if inner is None:
-                check, _, _ = checks_of(kind)[key]
-                values[key] = check(path + key, table[key])
-            else:
-                inside = instance(path + key, table[key], dict, "a table")
-                values[key] = _build(inner, inside, f"{path}{key}.", faults)
-        except GeometryError as error:
-            faults.append(Fault(error.key, error.value, error.message))
+        given, hint = table[field.name], hints[field.name]
+        kinds = (hint, *get_args(hint))
+        inner = next((each for each in kinds if is_dataclass(each)), None)
+        if inner is not None and get_origin(hint) is tuple:
+            values[field.name] = tuple(_build(inner, each, faults) for each in given)
+        elif inner is None:
+            values[field.name] = tuple(given) if isinstance(given, list) else given
+        else:
+            values[field.name] = _build(inner, given, faults)
     if faults:
         return None
     try:

@@ -11,7 +11,7 @@ from camgeo.contour.spline import Arc
 from camgeo.errors import FileError
 from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.machine import ArcLimits
+from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Move, Operation, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES

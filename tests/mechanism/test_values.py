@@ -66,6 +66,12 @@ CUT = Cut("bore", "profile", TOOL, BORE, "bore", "", (-1.0, -2.0), 1.0)
 HOME = Rapid((0.0, 0.0, 5.0))
 MACHINE = load("linuxcnc")
 
+
+def is_table(name: str) -> bool:
+    """Whether a field of a machine is one of its tables."""
+    return is_dataclass(getattr(MACHINE, name))
+
+
 EXAMPLES: tuple[Any, ...] = (
     ROLLER,
     ROCKER,
@@ -98,12 +104,10 @@ EXAMPLES: tuple[Any, ...] = (
     Operation(CUT, (HOME,)),
     Toolpath(5.0, (Operation(CUT, (HOME,)),)),
     MACHINE,
-    MACHINE.unit,
-    MACHINE.comment,
-    MACHINE.decimals,
-    MACHINE.arcs,
-    MACHINE.blending,
-    MACHINE.dynamics,
+    *(getattr(MACHINE, each.name) for each in fields(MACHINE) if is_table(each.name)),
+    MACHINE.numbers.decimals,
+    load("fanuc").numbers.increment,
+    MACHINE.evidence[0],
 )
 """One valid object of each class."""
 
@@ -115,7 +119,7 @@ SIGNED = {
 
 NOT_NEGATIVE = {
     "room", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation", "share",
-    "smallest",
+    "smallest", "largest", "spin_up",
 }  # fmt: skip
 """Numbers that may be as near to 0 as doubles are."""
 

@@ -9,13 +9,13 @@ from typing import Any
 import jsonschema_rs
 
 from camgeo.check.limits import Limits
+from camgeo.declared import allowed
 from camgeo.formats.csv import CsvSpec
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import OutputSpec
 from camgeo.motion.laws import ALIASES, FAMILIES
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.schema import Node, definition, resolved, schema
-from camgeo.scene.schema_faults import allowed
 from camgeo.scene.whole_schema import whole_schema
 from camgeo.toolpath.spec import GcodeSpec
 

@@ -70,5 +70,5 @@ def test_no_more_passes_than_sense() -> None:
 
 def test_blocks_of_a_machine_can_be_filled_in() -> None:
     with pytest.raises(GeometryError, match="no braces but") as caught:
-        replace(load("linuxcnc"), end=("M5", "M{two}"))
-    assert caught.value.key == "end"
+        replace(load("linuxcnc").program, end=("M{two}",))
+    assert caught.value.key == "program.end"

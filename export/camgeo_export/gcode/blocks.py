@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 from camgeo.errors import ToleranceError
 from camgeo.reading import PROGRAM_LINES
-from camgeo.toolpath.machine import MOST_DECIMALS, ArcLimits, Machine
+from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 from camgeo.toolpath.plan import too_long
@@ -242,16 +243,18 @@ class Budget:
 def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     """The shares of `tolerance` [mm] on `machine`."""
     finest = ROUNDING_SHARE * tolerance / (ROUNDING_UNITS * MM_PER[unit])
-    decimals = max(machine.least_decimals(unit), math.ceil(-math.log10(finest)))
-    if decimals > MOST_DECIMALS:
-        least = ROUNDING_UNITS * MM_PER[unit] / 10.0**MOST_DECIMALS / ROUNDING_SHARE
-        message = f"{MOST_DECIMALS} decimals in a program are too coarse"
+    decimals = max(machine.numbers.decimals.of(unit), math.ceil(-math.log10(finest)))
+    most = machine.numbers.most_decimals.of(unit)
+    if decimals > most:
+        least = ROUNDING_UNITS * MM_PER[unit] / 10.0**most / ROUNDING_SHARE
+        message = f"{most} decimals in a program are too coarse"
         raise ToleranceError(message, tolerance, least)
     step = 10.0**-decimals
     rounding = ROUNDING_UNITS * step * MM_PER[unit]
     chord = CHORD_SHARE * tolerance
-    blending = machine.blending.share * tolerance
-    if blending < machine.blending.smallest * (1.0 - 1e-9):
+    smoothing = machine.smoothing
+    blending = 0.0 if smoothing is None else min(smoothing.share * tolerance, smoothing.largest)
+    if smoothing is None or blending < smoothing.smallest * (1.0 - 1e-9):
         blending = 0.0
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.machine import CommentStyle, Machine
+from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine_tables import TextForm
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import length_of
 from camgeo_export.gcode.blocks import Budget, Grid, number
@@ -65,14 +66,14 @@ def about_operation(cut: Cut, grid: Grid) -> list[str]:
     return [f"operation {cut.name}", f"depths {depths}", cut.note]
 
 
-def commented(texts: Iterable[str], style: CommentStyle) -> list[str]:
+def commented(texts: Iterable[str], form: TextForm) -> list[str]:
     """`texts` as comment lines, without characters that the controller cannot read in one."""
-    return [style.open + line + style.close for line in wrapped(texts, style)]
+    return [form.comment_open + line + form.comment_close for line in wrapped(texts, form)]
 
 
-def wrapped(texts: Iterable[str], style: CommentStyle) -> list[str]:
+def wrapped(texts: Iterable[str], form: TextForm) -> list[str]:
     """`texts` in lines that fit into comments, as plain ASCII without round brackets."""
-    width = style.line_length - len(style.open) - len(style.close)
+    width = form.line_length - len(form.comment_open) - len(form.comment_close)
     plain = (text.encode("ascii", "replace").decode("ascii") for text in texts)
     square = str.maketrans("()", "[]")
     return [line for text in plain for line in textwrap.wrap(text.translate(square), width)]

@@ -6,6 +6,7 @@ from camgeo.errors import Fault, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.machine import KEY, Machine, load
+from camgeo.toolpath.machine_tables import filled
 from camgeo.toolpath.machining_time import toolpath_time
 from camgeo.toolpath.spec import Tool
 from camgeo.units import MM_PER
@@ -29,7 +30,7 @@ class GcodeWriter:
         speller = Speller(grid, shares, machine.arcs)
         cuts = [operation.cut for operation in toolpath.operations]
         about = about_program(product, machine, shares, cuts, product.scene_hash)
-        lines = commented(about, machine.comment)
+        lines = commented(about, machine.text)
         lines += _frame(product, machine, shares)
         tool: Tool | None = None
         for operation in toolpath.operations:
@@ -39,13 +40,13 @@ class GcodeWriter:
                 speller.retract(toolpath.safe_height)
                 lines += (*change, *speller.take())
             tool = cut.tool
-            lines += commented(about_operation(cut, grid), machine.comment)
+            lines += commented(about_operation(cut, grid), machine.text)
             for move in operation.moves:
                 speller.move(move)
             lines += speller.take()
         speller.retract(toolpath.safe_height)
         lines += speller.take()
-        lines += machine.end
+        lines += (*machine.spindle.off, *machine.program.end)
         _check_length(lines, machine)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
@@ -70,23 +71,26 @@ class GcodeWriter:
 
 def _frame(product: Product, machine: Machine, shares: Budget) -> list[str]:
     """Modal state and path blending."""
-    unit = machine.unit_word(product.unit)
-    blending = machine.blending.off
+    offset = next(iter(machine.work_offsets.values()))
+    unit = machine.unit.of(product.unit)
+    state = filled(machine.program.safe_start, unit=unit, work_offset=offset)
+    if machine.smoothing is None:
+        return state
     if shares.blending > 0.0:
         printed = f"{shares.blending / MM_PER[product.unit]:.{shares.decimals}f}"
-        blending = machine.blending.on.format(p=printed)
-    return [*(block.format(unit=unit) for block in machine.preamble), blending]
+        return [*state, *filled(machine.smoothing.on, p=printed)]
+    return [*state, *machine.smoothing.off]
 
 
 def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
     """From one tool and its speed to the next; the cutter is at the safe height."""
     blocks: tuple[str, ...] = ()
     if before is None or before.number != tool.number:
-        blocks += machine.tool_change
+        blocks += machine.tool_change.change + machine.tool_change.length_offset
     if blocks or before is None or before.spindle_speed != tool.spindle_speed:
-        blocks += machine.spindle_on
+        blocks += machine.spindle.clockwise
     words = {"tool": str(tool.number), "speed": number(tool.spindle_speed)}
-    return [block.format(**words) for block in blocks]
+    return filled(blocks, **words)
 
 
 def _short(length: float) -> float:
@@ -96,8 +100,8 @@ def _short(length: float) -> float:
 
 def _check_length(lines: list[str], machine: Machine) -> None:
     for line in lines:
-        if len(line) > machine.comment.line_length:
-            message = f"its comment.line_length is too short for the block {line}"
+        if len(line) > machine.text.line_length:
+            message = f"its text.line_length is too short for the block {line}"
             raise SceneError([Fault(KEY, repr(machine.name), message)])
 
 

@@ -125,7 +125,7 @@ def _comments(product: Product, program: Program, stated: Stated, machine: Machi
     texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
     for cut in product.milled.cuts:
         texts += about_operation(cut, grid)
-    expected = [line.strip() for line in wrapped(texts, machine.comment)]
+    expected = [line.strip() for line in wrapped(texts, machine.text)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
         if found != wanted:
             return failed("comments", f"'{found}' where '{wanted}' is expected")

@@ -1,0 +1,377 @@
+"""The tables of a machine profile. machine.schema.json next to it describes every key."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.checked import check_fields, number, one_of, whole
+from camgeo.toolpath.machine_fields import (
+    EVIDENCE,
+    MOST_DECIMALS,
+    Codes,
+    DecimalCount,
+    Flag,
+    LineLength,
+    Meanings,
+    Plain,
+    Seconds,
+    Share,
+    Size,
+    Sweep,
+    Text,
+    Texts,
+    blocks_of,
+    blocks_with,
+)
+from camgeo.units import LengthUnit
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What a part of a profile rests on.
+
+    Attributes
+    ----------
+    kind : one of `EVIDENCE`.
+    about : keys or tables of the profile, e.g. "arcs.radius_tolerance".
+    text : what it says, in our words; for kind "none" what is not confirmed.
+    source : manual with page or section, public page, program and revision; empty for "none".
+    """
+
+    kind: Annotated[str, partial(one_of, choices=EVIDENCE)]
+    about: Texts
+    text: Text
+    source: Text = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, "evidence.")
+        if not self.source and self.kind != "none":
+            raise GeometryError('must name one, unless kind is "none"', "evidence.source", "")
+
+
+@dataclass(frozen=True, slots=True)
+class TextForm:
+    """`[text]`: the form of a program as a text.
+
+    Attributes
+    ----------
+    comment_open, comment_close : around a comment; `comment_close` may be empty.
+    line_length : characters of the longest line that is written.
+    longest_line : of the longest line that the controller reads.
+    letters : "upper" if comments, too, are written in capitals; else "any".
+    nested_comments : whether the controller reads brackets within a comment.
+    line_ending : "lf" or "crlf".
+    line_numbers : step of the numbers of the blocks; None for none.
+    """
+
+    comment_open: Text
+    comment_close: Text
+    line_length: LineLength
+    longest_line: LineLength
+    letters: Annotated[str, partial(one_of, choices=("any", "upper"))] = "any"
+    nested_comments: Flag = False
+    line_ending: Annotated[str, partial(one_of, choices=("lf", "crlf"))] = "lf"
+    line_numbers: Annotated[int, partial(whole, least=1, most=1000)] | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "text.")
+        brackets = len(self.comment_open) + len(self.comment_close)
+        whole("text.line_length", self.line_length, brackets + 1, self.longest_line)
+
+
+@dataclass(frozen=True, slots=True)
+class Decimals:
+    """A number of decimals in each unit of length."""
+
+    mm: DecimalCount
+    inch: DecimalCount
+
+    def __post_init__(self) -> None:
+        check_fields(self, "numbers.")
+
+    def of(self, unit: LengthUnit) -> int:
+        """That of `unit`."""
+        return self.mm if unit == "mm" else self.inch
+
+
+@dataclass(frozen=True, slots=True)
+class Increments:
+    """What 1 means in a coordinate without a decimal point, in the unit itself."""
+
+    mm: Annotated[float, partial(number, above=0.0, most=1.0)]
+    inch: Annotated[float, partial(number, above=0.0, most=1.0)]
+
+    def __post_init__(self) -> None:
+        check_fields(self, "numbers.increment.")
+
+
+@dataclass(frozen=True, slots=True)
+class NumberForm:
+    """`[numbers]`: how coordinates are written and read.
+
+    Attributes
+    ----------
+    point : "required" if a coordinate without a decimal point counts in `increment`s.
+    decimals : fewest that are written; a finer tolerance takes more.
+    most_decimals : that the controller resolves.
+    increment : only if `point` is "required".
+    largest : magnitude of a coordinate that the controller reads, in either unit.
+    """
+
+    point: Annotated[str, partial(one_of, choices=("required", "optional"))]
+    decimals: Decimals
+    most_decimals: Decimals
+    largest: Annotated[float, partial(number, above=0.0)]
+    increment: Increments | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "numbers.")
+        for unit in ("mm", "inch"):
+            least = getattr(self.decimals, unit)
+            whole(f"numbers.most_decimals.{unit}", getattr(self.most_decimals, unit), least,
+                  MOST_DECIMALS)  # fmt: skip
+        if (self.increment is None) != (self.point == "optional"):
+            message = 'must be given if point is "required", and only then'
+            raise GeometryError(message, "numbers.increment", "")
+
+
+@dataclass(frozen=True, slots=True)
+class UnitWords:
+    """`[unit]`: words that switch to a unit of length; None if the controller has none."""
+
+    mm: Text
+    inch: Text
+
+    def __post_init__(self) -> None:
+        check_fields(self, "unit.")
+
+    def of(self, unit: LengthUnit) -> str:
+        """That of `unit`."""
+        return self.mm if unit == "mm" else self.inch
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramFrame:
+    """`[program]`: blocks around the operations.
+
+    Attributes
+    ----------
+    start : the first lines, before any comment; with {name}, {number} and {unit}.
+    safe_start : the modal state, stated at each operation; with {unit} and {work_offset}.
+    end : the last lines, the spindle still running; with {name} and {unit}.
+    stop : halt until the operator starts again.
+    """
+
+    safe_start: Annotated[tuple[str, ...], blocks_with("unit", "work_offset")]
+    end: Annotated[tuple[str, ...], blocks_with("name", "unit")]
+    stop: Plain
+    start: Annotated[tuple[str, ...], blocks_with("name", "number", "unit")] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self, "program.")
+
+
+@dataclass(frozen=True, slots=True)
+class ToolChange:
+    """`[tool_change]`: how a tool comes into the spindle.
+
+    Attributes
+    ----------
+    change : blocks, with {tool} and {speed}.
+    length_offset : blocks that put the tool's length into force, with {tool} and {z}, the clearance
+        height; with {z} they move there.
+    by_hand : the operator changes the tool, and sets its length: the first one is in the spindle.
+    repeat : whether the tool is called at each operation, also if it is in the spindle.
+    approach : "z-first": to the clearance height, then across; "xy-first": across where the retract
+        has left the tool, then down to the clearance height.
+    """
+
+    change: Annotated[tuple[str, ...], blocks_with("tool", "speed")]
+    length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
+    by_hand: Flag = False
+    repeat: Flag = False
+    approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "tool_change.")
+
+
+@dataclass(frozen=True, slots=True)
+class Retract:
+    """`[retract]`: away from the part before a tool change, a stop and the end.
+
+    Attributes
+    ----------
+    blocks : up along Z alone; with {z}, the clearance height.
+    """
+
+    blocks: Annotated[tuple[str, ...], blocks_with("z")]
+
+    def __post_init__(self) -> None:
+        check_fields(self, "retract.")
+
+
+@dataclass(frozen=True, slots=True)
+class Spindle:
+    """`[spindle]`: blocks that start it clockwise, with {speed}, and stop it.
+
+    `spin_up` is the dwell [s] after starting it, unless the scene states another.
+    """
+
+    clockwise: Annotated[tuple[str, ...], blocks_with("speed")]
+    off: Plain
+    spin_up: Seconds = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "spindle.")
+
+
+@dataclass(frozen=True, slots=True)
+class Coolant:
+    """`[coolant]`: blocks that switch it; None for what the controller does not have."""
+
+    off: Plain
+    flood: Plain | None = None
+    mist: Plain | None = None
+    through: Plain | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "coolant.")
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Those that the controller has, "off" first."""
+        names = ("flood", "mist", "through")
+        return ("off", *(name for name in names if getattr(self, name) is not None))
+
+    def blocks(self, kind: str) -> tuple[str, ...]:
+        """Of one of `kinds`; GeometryError for another."""
+        found: tuple[str, ...] = getattr(self, one_of("coolant", kind, self.kinds))
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """`[dwell]`: blocks of a pause, with {dwell} in `unit`, "s" or "ms"."""
+
+    blocks: Annotated[tuple[str, ...], blocks_with("dwell")]
+    unit: Annotated[str, partial(one_of, choices=("s", "ms"))]
+
+    def __post_init__(self) -> None:
+        check_fields(self, "dwell.")
+
+
+@dataclass(frozen=True, slots=True)
+class ArcLimits:
+    """`[arcs]`: arcs that the controller accepts, lengths in mm.
+
+    Attributes
+    ----------
+    smallest_radius, largest_radius : arcs beyond are written as chords.
+    radius_tolerance : largest difference of an arc's radii at its two ends that is written.
+    centre : "incremental" from the start of the arc, "absolute", or "block": a block of its own.
+    helical : whether Z may change along an arc.
+    full_circle : whether an arc that ends where it begins is a full circle.
+    largest_sweep : [degrees] from 1 to 180; larger arcs are divided.
+    interpolation : how far the path that the controller runs departs from the arc.
+    """
+
+    smallest_radius: Size
+    largest_radius: Size
+    radius_tolerance: Size
+    centre: Annotated[str, partial(one_of, choices=("incremental", "absolute", "block"))] = (
+        "incremental"
+    )
+    helical: Flag = True
+    full_circle: Flag = True
+    largest_sweep: Sweep = 180.0
+    interpolation: Size = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "arcs.")
+
+    @property
+    def largest_turn(self) -> float:
+        """`largest_sweep` [rad]."""
+        return math.radians(self.largest_sweep)
+
+
+@dataclass(frozen=True, slots=True)
+class Compensation:
+    """`[compensation]`: words of the controller's own radius compensation, with {tool}.
+
+    `modes` are those of camgeo that it allows: "wear" and "control".
+    """
+
+    left: Text
+    right: Text
+    off: Text
+    modes: Texts
+
+    def __post_init__(self) -> None:
+        check_fields(self, "compensation.")
+        for name in ("left", "right", "off"):
+            blocks_of(f"compensation.{name}", (getattr(self, name),), ("tool",))
+        for mode in self.modes:
+            one_of("compensation.modes", mode, ("wear", "control"))
+
+
+@dataclass(frozen=True, slots=True)
+class Smoothing:
+    """`[smoothing]`: smoothing of the path, whose error counts against the tolerance.
+
+    Attributes
+    ----------
+    on : blocks with {p}, the largest deviation, in the program's unit.
+    off : blocks of the exact path.
+    end : blocks before the end of the program.
+    share : the deviation as a share of the tolerance; 0 for the exact path always.
+    smallest : deviation [mm] below which the exact path is programmed instead.
+    largest : deviation [mm] above which no more is asked for.
+    """
+
+    on: Annotated[tuple[str, ...], blocks_with("p")]
+    off: Plain
+    share: Share
+    smallest: Size
+    end: Plain = ()
+    largest: Size = 1.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "smoothing.")
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """`[words]`: all words that the controller accepts.
+
+    Attributes
+    ----------
+    g, m : codes.
+    letters : that may begin a word.
+    names : of cycles and keywords of more than one letter.
+    meaning : of words whose meaning is not the common one, one of `MEANINGS`.
+    """
+
+    g: Codes
+    m: Codes
+    letters: Text
+    names: Texts = ()
+    meaning: Meanings | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "words.")
+
+    def meaning_of(self, word: str) -> str | None:
+        """That of a word, e.g. "G70", if it is not the common one."""
+        return None if self.meaning is None else self.meaning.get(word)
+
+
+def filled(blocks: Iterable[str], **words: str) -> list[str]:
+    """`blocks` with `words` in place of the names in braces."""
+    return [block.format(**words) for block in blocks]
