@@ -13,7 +13,7 @@ from camgeo.toolpath.spec import GcodeSpec
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
-    numbers = {"tool_number": int, "spindle_speed": float}
+    numbers = {"tool_number": int, "program_number": int, "spindle_speed": float}
     converted = {key: make(table[key]) for key, make in numbers.items() if key in table}
     return GcodeSpec(**{**table, **converted})
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import instance, number, one_of, shown, whole
+from camgeo.toolpath.spec import LONGEST_SPIN_UP
 
 SMALLEST_SWEEP, LARGEST_SWEEP = 1.0, 180.0
 """No arc of a program exceeds half a turn [degrees], beyond which controllers are strict. No
@@ -23,9 +24,6 @@ MOST_SHOWN: Final = 60
 
 LONGEST_LINE: Final = 10_000
 """Characters; no controller accepts as many."""
-
-LONGEST_SPIN_UP: Final = 600.0
-"""Seconds."""
 
 EVIDENCE: Final = ("manual", "source code", "interpreter", "machine", "post", "none")
 """What a statement of a profile rests on, the best first."""

@@ -64,6 +64,7 @@ class TextForm:
     line_length : characters of the longest line that is written.
     longest_line : of the longest line that the controller reads.
     letters : "upper" if comments, too, are written in capitals; else "any".
+    forbidden : characters that must not stand in a comment; "_" takes their place.
     nested_comments : whether the controller reads brackets within a comment.
     line_ending : "lf" or "crlf".
     line_numbers : step of the numbers of the blocks; None for none.
@@ -74,6 +75,7 @@ class TextForm:
     line_length: LineLength
     longest_line: LineLength
     letters: Annotated[str, partial(one_of, choices=("any", "upper"))] = "any"
+    forbidden: Text = ""
     nested_comments: Flag = False
     line_ending: Annotated[str, partial(one_of, choices=("lf", "crlf"))] = "lf"
     line_numbers: Annotated[int, partial(whole, least=1, most=1000)] | None = None
@@ -208,9 +210,11 @@ class Retract:
     Attributes
     ----------
     blocks : up along Z alone; with {z}, the clearance height.
+    first : whether it also stands before the first tool change.
     """
 
     blocks: Annotated[tuple[str, ...], blocks_with("z")]
+    first: Flag = False
 
     def __post_init__(self) -> None:
         check_fields(self, "retract.")
@@ -220,12 +224,14 @@ class Retract:
 class Spindle:
     """`[spindle]`: blocks that start it clockwise, with {speed}, and stop it.
 
-    `spin_up` is the dwell [s] after starting it, unless the scene states another.
+    `spin_up` is the dwell [s] after starting it, unless the scene states another; `whole_speed`
+    whether {speed} is rounded to a whole number.
     """
 
     clockwise: Annotated[tuple[str, ...], blocks_with("speed")]
     off: Plain
     spin_up: Seconds = 0.0
+    whole_speed: Flag = False
 
     def __post_init__(self) -> None:
         check_fields(self, "spindle.")

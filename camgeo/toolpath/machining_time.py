@@ -90,7 +90,7 @@ def toolpath_time(toolpath: Toolpath, dynamics: Dynamics) -> float:
     radii: list[float] = []
     feeds: list[float] = []
     for operation in toolpath.operations:
-        for move in operation.moves:
+        for move in operation.travel:
             if at is None:
                 at = move.end
                 continue
@@ -112,7 +112,7 @@ def _measures(start: Point, move: Feed | ArcFeed) -> tuple[float, float]:
         return math.dist(start, move.end), 0.0
     arm = complex(start[0], start[1]) - complex(*move.centre)
     turn = arc_sweep(arm, complex(move.end[0], move.end[1]) - complex(*move.centre), ccw=move.ccw)
-    return abs(arm) * abs(turn), abs(arm)
+    return math.hypot(abs(arm) * turn, move.end[2] - start[2]), abs(arm)
 
 
 def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:

@@ -48,9 +48,10 @@ class Feed:
 
 @dataclass(frozen=True, slots=True)
 class ArcFeed:
-    """Circular cut in the XY plane to `end` [mm] around `centre` (x, y) [mm] at `feed` [mm/min].
+    """Circular cut to `end` [mm] around the axis through `centre` (x, y) [mm] at `feed` [mm/min].
 
-    At constant Z, at most half a turn; `ccw` seen from +Z.
+    At most half a turn; `ccw` seen from +Z. If `end` has another Z, it is a helix of constant
+    pitch.
     """
 
     end: Point
@@ -63,6 +64,19 @@ class ArcFeed:
         _require(self.centre, 2)
         instance("toolpath", self.ccw, bool, "true or false")
         positive("toolpath", self.feed, "mm/min")
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A halt for the operator, at the clearance height, with the spindle off.
+
+    `note` says what has to be done.
+    """
+
+    note: str
+
+    def __post_init__(self) -> None:
+        instance("toolpath", self.note, str, "a text")
 
 
 Move = Rapid | Feed | ArcFeed
@@ -84,7 +98,7 @@ class Operation:
     """
 
     cut: Cut
-    moves: tuple[Move, ...]
+    moves: tuple[Move | Stop, ...]
 
     def __post_init__(self) -> None:
         instance("toolpath", self.cut, Cut, "a cut")
@@ -92,6 +106,11 @@ class Operation:
         if not self.moves or not isinstance(self.moves[0], Rapid):
             message = f"the operation {self.cut.name} must begin with a traverse"
             raise GeometryError(message, "toolpath", shown(self.moves[:1]))
+
+    @property
+    def travel(self) -> tuple[Move, ...]:
+        """The moves without the halts between them."""
+        return tuple(move for move in self.moves if not isinstance(move, Stop))
 
 
 @dataclass(frozen=True, slots=True)

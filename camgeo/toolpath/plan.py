@@ -13,7 +13,7 @@ from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Move, Operation, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Move, Operation, Point, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES
 
 
@@ -58,20 +58,23 @@ def too_long() -> FileError:
 
 def divided(moves: Iterable[Move], largest: float) -> Iterator[Move]:
     """The same with each arc cut into equal parts of at most `largest` [rad]."""
-    at = None
+    at: Point | None = None
     for move in moves:
         if isinstance(move, ArcFeed):
             if at is None:
                 raise ValueError("an arc must start at a known point")
-            yield from _parts(complex(at[0], at[1]), move, largest)
+            yield from _parts(at, move, largest)
         else:
             yield move
         at = move.end
 
 
-def _parts(start: complex, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
-    centre, end = complex(*move.centre), complex(move.end[0], move.end[1])
+def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
+    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
+    centre = complex(*move.centre)
     sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
-    for arc in Arc(start, end, sweep, centre).split(largest)[:-1]:
-        yield replace(move, end=(arc.end.real, arc.end.imag, move.end[2]))
+    parts = Arc(start, end, sweep, centre).split(largest)
+    rise = (move.end[2] - at[2]) / len(parts)
+    for count, arc in enumerate(parts[:-1], start=1):
+        yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
     yield move

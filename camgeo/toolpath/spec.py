@@ -7,14 +7,21 @@ from functools import partial
 from typing import Annotated, Final
 
 from camgeo.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, instance, positive, whole
+from camgeo.numeric.checked import check_fields, instance, number, positive, whole
 
 LARGEST_NUMBER: Final = 99_999
 """Of a tool in a controller's tool table."""
 
+LONGEST_SPIN_UP: Final = 600.0
+"""Seconds that a spindle may take."""
+
 ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
 SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
 FeedRate = Annotated[float, partial(positive, unit="mm/min")]
+
+SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP, unit="s")]
+Name = Annotated[str, partial(instance, kind=str, what="a text")]
+ProgramNumber = Annotated[int, partial(whole, least=1, most=9999)]
 
 Profile = Annotated[
     str, partial(instance, kind=str, what="the name or the file of a machine profile")
@@ -65,6 +72,10 @@ class GcodeSpec:
     feed, plunge_feed : in the plane and along Z.
     pass_depth : largest depth of one pass; None for a single pass.
     safe_height : Z of traverses above the upper face.
+    coolant : "off" or another kind that the machine has.
+    work_offset : its name in the machine's profile; empty for the first there.
+    spin_up : dwell behind the start of the spindle [s]; None for the machine's own.
+    program_number : on controllers that number programs.
 
     Raises
     ------
@@ -80,6 +91,10 @@ class GcodeSpec:
     plunge_feed: FeedRate = 100.0
     pass_depth: Length | None = None
     safe_height: Length = 5.0
+    coolant: Name = "off"
+    work_offset: Name = ""
+    spin_up: SpinUp | None = None
+    program_number: ProgramNumber = 1
 
     def __post_init__(self) -> None:
         check_fields(self, "output.gcode.")

@@ -307,10 +307,12 @@ def leave_out_line(start: str) -> Damage:
     return leave_out
 
 
-def replaced(old: bytes, new: bytes) -> Damage:
+def replaced(old: bytes, new: bytes, count: int = 1) -> Damage:
+    """The first `count` occurrences replaced, all of them for -1."""
+
     def replace(data: bytes) -> bytes:
         assert old in data
-        return data.replace(old, new, 1)
+        return data.replace(old, new, count)
 
     return replace
 

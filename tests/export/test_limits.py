@@ -12,7 +12,7 @@ from camgeo.cli.main import main
 from camgeo.errors import FileError
 from camgeo.toolpath import plan
 from camgeo_export.dxf import writer as dxf_writer
-from camgeo_export.gcode import blocks
+from camgeo_export.gcode import speller
 from camgeo_export.solid import prism
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
@@ -25,7 +25,12 @@ SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
         ("3mf", prism, "FACETS", "3mf: the body would have at least "),
         ("dxf", dxf_writer, "DRAWING_LINES", "dxf: the drawing would have "),
         ("gcode", plan, "PROGRAM_LINES", "gcode: the program would have more than 20 lines"),
-        ("gcode", blocks, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
+        (
+            "gcode",
+            speller,
+            "PROGRAM_LINES",
+            "gcode: the program would have more than 200,000 lines",
+        ),
     ],
 )
 def test_a_file_that_would_not_be_read_is_refused_before_anything_is_written(
@@ -37,7 +42,7 @@ def test_a_file_that_would_not_be_read_is_refused_before_anything_is_written(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(module, limit, 1 if module is blocks else 20)
+    monkeypatch.setattr(module, limit, 1 if module is speller else 20)
     assert main(["build", str(SCENE), "-o", str(tmp_path / "out"), "--only", name]) == 2
     said = capsys.readouterr().err
     assert message in said

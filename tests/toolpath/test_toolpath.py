@@ -94,7 +94,7 @@ def _without_leads(path: Outline) -> Outline:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_path_is_the_tool_radius_from_the_flank(contact: Contact, tool: float) -> None:
     operation = _operations(_toolpath(contact, tool))["outline"]
-    path = _outline(operation.moves)
+    path = _outline(operation.travel)
     loop = _without_leads(path)
     assert abs(loop.starts[0] - loop.ends[-1]) == 0.0
     flank = dense(FLANKS[contact])
@@ -111,7 +111,7 @@ def test_path_is_the_tool_radius_from_the_flank(contact: Contact, tool: float) -
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_leads(contact: Contact, tool: float) -> None:
     operation = _operations(_toolpath(contact, tool))["outline"]
-    path = _outline(operation.moves)
+    path = _outline(operation.travel)
     whole = DensePath(dense(FLANKS[contact])).distances(path.dense(5_000))
     assert np.min(whole) >= tool / 2.0 - TOLERANCE - SAGITTA
     for lead, neighbour, place in ((0, 1, path.ends[0]), (-1, -2, path.starts[-1])):
@@ -134,7 +134,7 @@ def test_groove_in_two_rounds(tool: float) -> None:
     flanks = {name: DensePath(dense(curve)) for name, curve in FLANKS.items()}
     cleared = []
     for side in ("inner", "outer"):
-        path = _outline(operations[f"{side} flank"].moves)
+        path = _outline(operations[f"{side} flank"].travel)
         points = path.dense(4_000)
         for other in ("inner", "outer"):  # leads too stay off both flanks
             assert np.min(flanks[other].distances(points)) >= tool / 2.0 - TOLERANCE - SAGITTA
@@ -151,12 +151,12 @@ def test_groove_in_two_rounds(tool: float) -> None:
 
 def test_groove_with_a_tool_like_the_roller() -> None:
     operation = _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pass_depth=2.0))["groove"]
-    path = _outline(operation.moves)
+    path = _outline(operation.travel)
     pitch = DensePath(dense(WorkingCurve(PITCH, 0.0)))
     assert np.max(pitch.distances(path.dense(4_000))) <= TOLERANCE + SAGITTA
     assert abs(path.starts[0] - path.ends[-1]) == 0.0
     # It plunges on the path itself from pass to pass and goes up once, at the end.
-    assert sum(isinstance(move, Rapid) for move in operation.moves) == 2
+    assert sum(isinstance(move, Rapid) for move in operation.travel) == 2
 
 
 def test_groove_with_side_clearance() -> None:
@@ -229,12 +229,12 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
     toolpath = _toolpath(contact, tool, pass_depth=2.5, safe_height=7.0, feed=250, plunge_feed=40)
     assert toolpath.safe_height == 7.0
     for operation in toolpath.operations:
-        first = operation.moves[0]
+        first = operation.travel[0]
         assert isinstance(first, Rapid)
         assert first.end[2] == 7.0
-        assert isinstance(operation.moves[-1], Rapid)
+        assert isinstance(operation.travel[-1], Rapid)
         depths = set()
-        for before, after in pairwise(operation.moves):
+        for before, after in pairwise(operation.travel):
             if isinstance(after, Rapid):
                 # Straight up, or over the part at the safe height.
                 assert after.end[2] == 7.0
@@ -254,7 +254,7 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer", "groove"])
 def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
     for operation in _toolpath(contact, 10.0).operations:
-        path = _outline(operation.moves)
+        path = _outline(operation.travel)
         assert np.max(np.abs(path.sweeps)) <= math.pi * (1.0 + 1e-12)
         arcs = path.sweeps != 0.0
         mismatch = np.abs(path.starts - path.centres) - np.abs(path.ends - path.centres)
@@ -264,10 +264,10 @@ def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
 def test_bore_is_cut_first_and_inside() -> None:
     operation = _toolpath(Contact.INNER, 6.0).operations[0]
     assert operation.cut.name == "bore"
-    points = _outline(operation.moves).dense(1_000)
+    points = _outline(operation.travel).dense(1_000)
     # Radius 12.5 less the tool's 3; the keyway is left to a broach.
     assert np.max(np.abs(points)) == pytest.approx(9.5, rel=1e-12)
-    assert _outline(operation.moves).area > 0.0
+    assert _outline(operation.travel).area > 0.0
 
 
 @pytest.mark.parametrize(
@@ -303,7 +303,7 @@ def test_cuts_know_what_is_on_either_side(
     toolpath = plan_toolpath(cuts, 5.0, LIMITS, TOLERANCE)
     for cut, operation in zip(cuts, toolpath.operations, strict=True):
         assert operation.cut is cut
-        path = _outline(operation.moves)
+        path = _outline(operation.travel)
         loop = _without_leads(path) if cut.room else path
         along = loop.starts[0] - loop.ends[-2]
         for name, side in ((cut.right, -1j), (cut.left, 1j)):
@@ -338,4 +338,4 @@ def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPat
     bore = ExactBoundary("bore", hole=True, exact=Contour.circle(3.0))
     cut = Cut("hole", "drill", GcodeSpec().tool, bore, "bore", "", (-8.0,))
     (operation,) = plan_toolpath((cut,), 5.0, LIMITS, TOLERANCE).operations
-    assert operation.moves[1] == Feed((0.0, 0.0, -8.0), 100.0)
+    assert operation.travel[1] == Feed((0.0, 0.0, -8.0), 100.0)

@@ -51,7 +51,7 @@ def _cuts_of(
 def _cuts(operation: Operation) -> Outline:
     """The cuts in the plane, of one pass, with the leads."""
     found: list[tuple[complex, complex, float, complex]] = []
-    for before, after in pairwise(operation.moves):
+    for before, after in pairwise(operation.travel):
         if isinstance(after, Rapid) or before.end[2] != after.end[2]:
             continue
         at, end = complex(*before.end[:2]), complex(*after.end[:2])

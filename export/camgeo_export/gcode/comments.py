@@ -18,13 +18,18 @@ from camgeo_export.gcode.blocks import Budget, Grid, number
 
 NUMBER = r"([-+.\de]+)"
 
-TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm")
+TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
 
-TOOL = re.compile(rf"\btool (\d+): end mill, diameter (?:{NUMBER} inch, )?{NUMBER} mm")
+TOOL = re.compile(
+    rf"\btool (\d+): end mill, diameter (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE
+)
 
-SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)")
+SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)", re.IGNORECASE)
 
 HASH_DIGITS = 64
+
+NUMBER_ROOM = 8
+"""Characters of a line left for the number of its block."""
 
 
 def about_program(
@@ -67,16 +72,26 @@ def about_operation(cut: Cut, grid: Grid) -> list[str]:
 
 
 def commented(texts: Iterable[str], form: TextForm) -> list[str]:
-    """`texts` as comment lines, without characters that the controller cannot read in one."""
-    return [form.comment_open + line + form.comment_close for line in wrapped(texts, form)]
+    """`texts` as comment lines."""
+    before, after = form.comment_open, form.comment_close
+    return [before + line + after for line in comment_texts(texts, form)]
 
 
-def wrapped(texts: Iterable[str], form: TextForm) -> list[str]:
-    """`texts` in lines that fit into comments, as plain ASCII without round brackets."""
+def comment_texts(texts: Iterable[str], form: TextForm) -> list[str]:
+    """`texts` as the controller can read them in comments, wrapped: plain ASCII without brackets.
+
+    Characters that it cannot read are replaced.
+    """
     width = form.line_length - len(form.comment_open) - len(form.comment_close)
-    plain = (text.encode("ascii", "replace").decode("ascii") for text in texts)
-    square = str.maketrans("()", "[]")
-    return [line for text in plain for line in textwrap.wrap(text.translate(square), width)]
+    if form.line_numbers is not None:
+        width -= NUMBER_ROOM
+    replaced = str.maketrans({"(": "[", ")": "]"} | dict.fromkeys(form.forbidden, "_"))
+    lines = []
+    for text in texts:
+        plain = text.encode("ascii", "replace").decode("ascii").translate(replaced)
+        plain = plain.upper() if form.letters == "upper" else plain
+        lines += textwrap.wrap(plain, width)
+    return lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,11 +117,12 @@ def stated(notes: Iterable[str]) -> Stated:
     lines = [note.strip() for note in notes]
     text = " ".join(lines)
     scene, tolerance = SCENE.search(text), TOLERANCE.search(text)
-    versions = [line.split()[1].rstrip(",") for line in lines if re.match(r"camgeo \S", line)]
+    named = (re.match(r"camgeo (\S+)", line, re.IGNORECASE) for line in lines)
+    versions = [found[1].rstrip(",").lower() for found in named if found]
     return Stated(
         versions[0] if versions else "",
-        scene.group(1).replace(" ", "")[:HASH_DIGITS] if scene else "",
-        length_of(tolerance.group(2)) if tolerance else None,
+        scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
+        length_of(tolerance.group(2).lower()) if tolerance else None,
         tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
     )
 

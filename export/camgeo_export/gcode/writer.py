@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from camgeo.errors import Fault, SceneError
+from typing import Final
+
+from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import FORMAT
+from camgeo.numeric.checked import one_of
 from camgeo.product.product import Product
 from camgeo.toolpath.machine import KEY, Machine, load
-from camgeo.toolpath.machine_tables import filled
 from camgeo.toolpath.machining_time import toolpath_time
-from camgeo.toolpath.spec import Tool
-from camgeo.units import MM_PER
+from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import Written
-from camgeo_export.gcode.blocks import Budget, Grid, Speller, budget, number
-from camgeo_export.gcode.comments import about_operation, about_program, commented
+from camgeo_export.gcode.blocks import budget
+from camgeo_export.gcode.comments import about_program
+from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.measure import measure
+
+ENDINGS: Final = {"lf": "\n", "crlf": "\r\n"}
 
 
 class GcodeWriter:
@@ -23,35 +27,20 @@ class GcodeWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
-        machine = load(product.options[FORMAT].machine)
+        spec = product.options[FORMAT]
+        machine = load(spec.machine)
+        setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
-        grid = Grid(shares.decimals, MM_PER[product.unit])
-        speller = Speller(grid, shares, machine.arcs)
         cuts = [operation.cut for operation in toolpath.operations]
         about = about_program(product, machine, shares, cuts, product.scene_hash)
-        lines = commented(about, machine.text)
-        lines += _frame(product, machine, shares)
-        tool: Tool | None = None
-        for operation in toolpath.operations:
-            cut = operation.cut
-            change = _change(tool, cut.tool, machine)
-            if change:
-                speller.retract(toolpath.safe_height)
-                lines += (*change, *speller.take())
-            tool = cut.tool
-            lines += commented(about_operation(cut, grid), machine.text)
-            for move in operation.moves:
-                speller.move(move)
-            lines += speller.take()
-        speller.retract(toolpath.safe_height)
-        lines += speller.take()
-        lines += (*machine.spindle.off, *machine.program.end)
+        program = written(toolpath, machine, shares, setup, about)
+        lines = numbered(program.lines, machine)
         _check_length(lines, machine)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
-            "arcs": speller.arcs,
-            "lines": speller.lines,
+            "arcs": program.speller.arcs,
+            "lines": program.speller.lines,
             "decimals": shares.decimals,
             "budget_fit_mm": _short(shares.fit),
             "budget_rounding_mm": _short(shares.rounding),
@@ -62,35 +51,30 @@ class GcodeWriter:
             facts["controller_arcs_mm"] = _short(shares.interpolation)
         if machine.dynamics is not None:
             facts["machining_time_s"] = round(toolpath_time(toolpath, machine.dynamics), 1)
-        return Written("".join(line + "\n" for line in lines).encode("ascii"), facts)
+        ending = ENDINGS[machine.text.line_ending]
+        return Written("".join(line + ending for line in lines).encode("ascii"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in our own interpreter and measure the cutter path [mm]."""
         return measure(product, data)
 
 
-def _frame(product: Product, machine: Machine, shares: Budget) -> list[str]:
-    """Modal state and path blending."""
-    offset = next(iter(machine.work_offsets.values()))
-    unit = machine.unit.of(product.unit)
-    state = filled(machine.program.safe_start, unit=unit, work_offset=offset)
-    if machine.smoothing is None:
-        return state
-    if shares.blending > 0.0:
-        printed = f"{shares.blending / MM_PER[product.unit]:.{shares.decimals}f}"
-        return [*state, *filled(machine.smoothing.on, p=printed)]
-    return [*state, *machine.smoothing.off]
-
-
-def _change(before: Tool | None, tool: Tool, machine: Machine) -> list[str]:
-    """From one tool and its speed to the next; the cutter is at the safe height."""
-    blocks: tuple[str, ...] = ()
-    if before is None or before.number != tool.number:
-        blocks += machine.tool_change.change + machine.tool_change.length_offset
-    if blocks or before is None or before.spindle_speed != tool.spindle_speed:
-        blocks += machine.spindle.clockwise
-    words = {"tool": str(tool.number), "speed": number(tool.spindle_speed)}
-    return filled(blocks, **words)
+def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
+    """What the scene asks of the program; SceneError for what the machine does not have."""
+    offset = spec.work_offset or next(iter(machine.work_offsets))
+    allowed = {"coolant": machine.coolant.kinds, "work_offset": tuple(machine.work_offsets)}
+    faults = []
+    for key, value in (("coolant", spec.coolant), ("work_offset", offset)):
+        try:
+            one_of(f"output.gcode.{key}", value, allowed[key])
+        except GeometryError as error:
+            message = f"{error.message} for {machine.name}"
+            faults.append(Fault(error.key, repr(value), message))
+    if faults:
+        raise SceneError(faults)
+    spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
+    words = machine.work_offsets[offset]
+    return Setup(product.name, product.unit, words, spec.coolant, spin_up, spec.program_number)
 
 
 def _short(length: float) -> float:

@@ -12,7 +12,7 @@ from camgeo.toolpath.machine import Machine
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, equal, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
-from camgeo_export.gcode.comments import Stated, about_operation, about_program, wrapped
+from camgeo_export.gcode.comments import Stated, about_operation, about_program, comment_texts
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.gcode.reader import Program
 
@@ -125,7 +125,7 @@ def _comments(product: Product, program: Program, stated: Stated, machine: Machi
     texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
     for cut in product.milled.cuts:
         texts += about_operation(cut, grid)
-    expected = [line.strip() for line in wrapped(texts, machine.text)]
+    expected = [line.strip() for line in comment_texts(texts, machine.text)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
         if found != wanted:
             return failed("comments", f"'{found}' where '{wanted}' is expected")

@@ -1,0 +1,252 @@
+"""A whole program: the moves of each operation within the blocks of a machine profile.
+
+Each operation states the modal state, the tool and its length, spindle and coolant, and approaches
+its first point from above, so that it can be restarted alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine_tables import filled
+from camgeo.toolpath.moves import Operation, Point, Stop, Toolpath
+from camgeo.toolpath.spec import Tool
+from camgeo.units import MM_PER, LengthUnit
+from camgeo_export.gcode.blocks import Budget, Grid, number
+from camgeo_export.gcode.comments import about_operation, commented
+from camgeo_export.gcode.dialects import dialect
+from camgeo_export.gcode.speller import Speller
+
+LONGEST_NAME: Final = 24
+"""Characters of a program's name that controllers show."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What a scene asks of a program beyond its moves.
+
+    Attributes
+    ----------
+    name : of the part.
+    unit : of length.
+    work_offset : words that select it.
+    coolant : one of the machine's kinds.
+    spin_up : dwell behind the start of the spindle [s].
+    number : of the program, on controllers that number them.
+    """
+
+    name: str
+    unit: LengthUnit
+    work_offset: str
+    coolant: str
+    spin_up: float
+    number: int = 1
+
+    @property
+    def title(self) -> str:
+        """The name as controllers can read it."""
+        return re.sub(r"[^A-Z0-9_-]", "_", self.name.upper())[:LONGEST_NAME]
+
+
+@dataclass(slots=True)
+class Program:
+    """A program that is being written; `lines` have no numbers yet."""
+
+    machine: Machine
+    shares: Budget
+    setup: Setup
+    height: float
+    speller: Speller = field(init=False)
+    lines: list[str] = field(default_factory=list)
+    _tool: Tool | None = None
+    _wet: bool = False
+
+    def __post_init__(self) -> None:
+        grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
+        machine = self.machine
+        point = machine.numbers.point == "required"
+        words = dialect(machine.dialect)
+        self.speller = Speller(grid, self.shares, machine.arcs, words, point)
+
+    def start(self, about: Iterable[str]) -> None:
+        """The first lines and the comments on the whole program."""
+        self.lines += filled(
+            self.machine.program.start,
+            name=self.setup.title,
+            number=f"{self.setup.number:04d}",
+            unit=self.machine.unit.of(self.setup.unit),
+        )
+        self.lines += self._commented(about)
+
+    def operation(self, operation: Operation) -> None:
+        """One operation, from its comments to its last move."""
+        first = self._tool is None
+        comments = self._commented(about_operation(operation.cut, self.speller.grid))
+        start = operation.travel[0].end
+        z_first = self.machine.tool_change.approach == "z-first"
+        self.lines += () if first else comments
+        self._state(operation.cut.tool)
+        if z_first:
+            self._approach(start)
+        self.lines += comments if first else ()
+        if not z_first:
+            self._approach(start)
+        for move in operation.moves:
+            if isinstance(move, Stop):
+                self._halt(move)
+            else:
+                self.speller.move(move)
+        self.lines += self.speller.take()
+
+    def end(self) -> None:
+        """Away from the part, everything off."""
+        machine = self.machine
+        self._dry()
+        self._retract(always=True)
+        self.lines += machine.spindle.off
+        self.lines += machine.smoothing.end if machine.smoothing else ()
+        unit = machine.unit.of(self.setup.unit)
+        self.lines += filled(machine.program.end, name=self.setup.title, unit=unit)
+
+    def _state(self, tool: Tool) -> None:
+        """Modal state, tool, spindle; the cutter is above the part, or its place is unknown."""
+        machine, before = self.machine, self._tool
+        self.speller.restart()
+        self._dry()
+        unit = machine.unit.of(self.setup.unit)
+        offset = self.setup.work_offset
+        blocks = filled(machine.program.safe_start, unit=unit, work_offset=offset)
+        self.lines += [block for block in blocks if block]
+        self.lines += self._smoothing()
+        if before is not None or machine.retract.first:
+            self._retract()
+        other = before is not None and before.number != tool.number
+        if before is not None and (other or machine.tool_change.repeat):
+            self.lines += machine.spindle.off
+        if machine.tool_change.by_hand:
+            if other:
+                note = f"change to tool {tool.number}, diameter {number(tool.diameter)} mm, set Z 0"
+                self.lines += (*self._commented([note]), *machine.tool_change.change)
+        elif before is None or other or machine.tool_change.repeat:
+            words = {"tool": str(tool.number), "speed": self._speed(tool)}
+            self.lines += filled(machine.tool_change.change, **words)
+        self._tool = tool
+        if not self._moving_offset:
+            self.lines += self._offset()
+        self._turn()
+
+    def _turn(self) -> None:
+        """The spindle on, up to its speed."""
+        machine, tool = self.machine, self._tool
+        assert tool is not None
+        self.lines += filled(machine.spindle.clockwise, speed=self._speed(tool))
+        if self.setup.spin_up > 0.0:
+            seconds = self.setup.spin_up
+            time = str(round(1e3 * seconds)) if machine.dwell.unit == "ms" else number(seconds)
+            self.lines += filled(machine.dwell.blocks, dwell=time)
+
+    def _approach(self, start: Point) -> None:
+        """To the clearance height, above `start` if the machine goes across first; coolant on."""
+        if self.machine.tool_change.approach == "xy-first":
+            self.speller.across(start)
+            self.lines += self.speller.take()
+        if self._moving_offset:
+            self.lines += self._offset()
+            self.speller.reached(self.height)
+        else:
+            self.speller.retract(self.height)
+            self.lines += self.speller.take()
+        coolant = self.machine.coolant.blocks(self.setup.coolant)
+        if self.setup.coolant != "off":
+            self.lines += coolant
+            self._wet = True
+
+    def _halt(self, stop: Stop) -> None:
+        """Everything off for the operator, and back to where the cutter was, from above."""
+        at = self.speller.place
+        self.lines += self.speller.take()
+        self._dry()
+        self._retract()
+        self.lines += self.machine.spindle.off
+        self.lines += (*self._commented([stop.note]), *self.machine.program.stop)
+        self.speller.restart()
+        if not self._moving_offset:
+            self.lines += self._offset()
+        self._turn()
+        self._approach((at.real, at.imag, self.height))
+
+    def _retract(self, *, always: bool = False) -> None:
+        """Up to the machine's retract; to the clearance height only if `always` or not there."""
+        height = self.speller.height(self.height)
+        plain = any("{z}" in block for block in self.machine.retract.blocks)
+        if plain and not always and self.speller.at_height(self.height):
+            return
+        self.lines += filled(self.machine.retract.blocks, z=height)
+        if plain:
+            self.speller.reached(self.height)
+        else:
+            self.speller.forget()
+
+    def _dry(self) -> None:
+        if self._wet:
+            self.lines += self.machine.coolant.off
+        self._wet = False
+
+    @property
+    def _moving_offset(self) -> bool:
+        """Whether the blocks of the length offset move to the clearance height."""
+        return any("{z}" in block for block in self.machine.tool_change.length_offset)
+
+    def _offset(self) -> list[str]:
+        assert self._tool is not None
+        words = {"tool": str(self._tool.number), "z": self.speller.height(self.height)}
+        return filled(self.machine.tool_change.length_offset, **words)
+
+    def _smoothing(self) -> Sequence[str]:
+        smoothing = self.machine.smoothing
+        if smoothing is None:
+            return ()
+        if self.shares.blending > 0.0:
+            value = self.shares.blending / MM_PER[self.setup.unit]
+            return filled(smoothing.on, p=f"{value:.{self.shares.decimals}f}")
+        return smoothing.off
+
+    def _speed(self, tool: Tool) -> str:
+        speed = tool.spindle_speed
+        return str(round(speed)) if self.machine.spindle.whole_speed else number(speed)
+
+    def _commented(self, texts: Iterable[str]) -> list[str]:
+        return commented([text for text in texts if text], self.machine.text)
+
+
+def written(
+    toolpath: Toolpath, machine: Machine, shares: Budget, setup: Setup, about: Iterable[str]
+) -> Program:
+    """The program of a toolpath; `about` are the comments on the whole of it."""
+    program = Program(machine, shares, setup, toolpath.safe_height)
+    program.start(about)
+    for operation in toolpath.operations:
+        program.operation(operation)
+    program.end()
+    return program
+
+
+def numbered(lines: Iterable[str], machine: Machine) -> list[str]:
+    """`lines` with the numbers that the profile asks for: on blocks alone, in klartext on all."""
+    step = machine.text.line_numbers
+    if step is None:
+        return list(lines)
+    if machine.dialect == "klartext":
+        return [f"{step * index} {line}" for index, line in enumerate(lines)]
+    found, next_number = [], step
+    for line in lines:
+        if line.startswith((machine.text.comment_open.strip(), "%", "O")):
+            found.append(line)
+        else:
+            found.append(f"N{next_number} {line}")
+            next_number += step
+    return found

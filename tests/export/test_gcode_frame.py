@@ -1,0 +1,264 @@
+"""The blocks of machine profiles around the moves, for every controller."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from camgeo.errors import SceneError, ToleranceError
+from camgeo.toolpath import machine as machines
+from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo_export.gcode.blocks import budget
+from camgeo_export.gcode.frame import Setup, numbered, written
+from camgeo_export.gcode.writer import WRITER
+from tests.export.stub_product import StubProduct
+
+NAMES = machines.names()
+
+TOLERANCE = 0.01
+
+OTHER = replace(GcodeSpec().tool, number=7, diameter=4.0)
+
+
+def spec(name: str) -> GcodeSpec:
+    return GcodeSpec(machine=name, coolant="flood", spin_up=1.5)
+
+
+def program(name: str, tolerance: float = TOLERANCE) -> list[str]:
+    """The blocks of a program of two tools, without their numbers."""
+    product = StubProduct(gcode=spec(name), second_tool=OTHER)
+    lines = WRITER.write(product, tolerance).data.decode("ascii").splitlines()
+    numbers = machines.load(name).text.line_numbers is not None
+    return [re.sub(r"^N?\d+ (?=\S)", "", line) if numbers else line for line in lines]
+
+
+def is_comment(line: str, machine: Machine) -> bool:
+    return line.startswith(machine.text.comment_open.strip())
+
+
+def blocks_of(name: str) -> list[str]:
+    machine = machines.load(name)
+    return [line for line in program(name) if not is_comment(line, machine)]
+
+
+def positions(lines: list[str], pattern: str) -> list[int]:
+    return [index for index, line in enumerate(lines) if re.search(pattern, line)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_lines_and_comments_are_as_the_controller_reads_them(name: str) -> None:
+    machine = machines.load(name)
+    product = StubProduct(name="a(b) ü!?~%; " + "x" * 90, gcode=spec(name))
+    data = WRITER.write(product, TOLERANCE).data
+    assert data.isascii()
+    for line in data.decode().splitlines():
+        assert len(line) <= machine.text.line_length <= machine.text.longest_line
+        inner = line.partition(machine.text.comment_open)[2].removesuffix(
+            machine.text.comment_close
+        )
+        assert not set(inner) & {*"()", *machine.text.forbidden}
+        if machine.text.letters == "upper":
+            assert line == line.upper()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_coordinate_has_a_decimal_point_and_a_rapid_moves_z_alone(name: str) -> None:
+    machine = machines.load(name)
+    known = {*machine.retract.blocks, *machine.program.safe_start, *machine.program.start}
+    for line in blocks_of(name):
+        if line in known or re.match(r"CYCL|TOOL|O\d", line):
+            continue
+        for letter, value in re.findall(r"([XYZIJ])([-+]?[\d.]+)", line):
+            assert "." in value, (letter, line)
+        if re.match(r"G0 |L .*FMAX", line):
+            assert not re.search(r"[XY]\S+ Z|Z\S+ [XY]", line), line
+    if machine.numbers.point == "required":
+        feeds = [value for line in blocks_of(name) for value in re.findall(r"F([\d.]+)", line)]
+        assert feeds
+        assert all("." in value for value in feeds)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_operation_states_all_that_it_needs(name: str) -> None:
+    """From its comment to its first cut: state, tool, length, spindle, dwell, height, coolant."""
+    machine, lines = machines.load(name), program(name)
+    second = positions(lines, r"(?i)operation outline")[0]
+    cut = next(k for k in range(second, len(lines)) if re.match(r"G1 |L .*F\d", lines[k]))
+    head = lines[second:cut]
+
+    def stated(blocks: tuple[str, ...]) -> int:
+        patterns = (re.sub(r"\\\{\w+\\\}", ".+", re.escape(block)) for block in blocks)
+        found = [positions(head, f"^{pattern}$") for pattern in patterns]
+        assert all(found), (blocks, head)
+        return found[-1][-1]
+
+    for block in machine.program.safe_start:
+        if block != "{work_offset}" or next(iter(machine.work_offsets.values())):
+            stated((block,))
+    change = stated(machine.tool_change.change)
+    start = stated(machine.spindle.clockwise)
+    assert change < start < stated(machine.dwell.blocks)
+    if machine.tool_change.length_offset:
+        assert change < stated(machine.tool_change.length_offset)
+    assert machine.coolant.flood is not None
+    assert start < stated(machine.coolant.flood)
+    assert stated(machine.coolant.off) < stated(machine.spindle.off) < change
+    across = positions(head, r"X.*Y")[0]
+    down = positions(head, r"Z[-+]?5\.0")[-1]
+    assert (across < down) == (machine.tool_change.approach == "xy-first")
+    if not any("{z}" in block for block in machine.retract.blocks):
+        assert stated(machine.retract.blocks) < change
+    assert re.search(r"F\d", lines[cut])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_program_begins_and_ends_as_the_machine_wants(name: str) -> None:
+    machine, lines = machines.load(name), blocks_of(name)
+    for block, line in zip(machine.program.start, lines, strict=False):
+        assert line.startswith(block.partition("{")[0])
+    ends = [block.partition("{")[0] for block in machine.program.end]
+    for block, line in zip(ends, lines[-len(ends) :], strict=True):
+        assert line.startswith(block)
+    off = positions(lines, r"M5$")[-1]
+    assert positions(lines, r"M9$")[-1] < off
+    assert off > max(positions(lines, r"^G[123] |^C "))
+
+
+def test_dwells_are_in_the_unit_of_the_controller() -> None:
+    found = {name: next(each for each in blocks_of(name) if re.match(r"G4 |CYCL DEF 9.1", each))
+             for name in NAMES}  # fmt: skip
+    assert found == {
+        "fanuc": "G4 P1500", "grbl": "G4 P1.5", "haas": "G4 P1500", "linuxcnc": "G4 P1.5",
+        "heidenhain": "CYCL DEF 9.1 DWELL 1.5", "mach3": found["mach3"], "sinumerik": "G4 F1.5",
+    }  # fmt: skip
+
+
+def test_numbers_of_blocks() -> None:
+    data = WRITER.write(StubProduct(gcode=spec("heidenhain")), TOLERANCE).data.decode()
+    assert [line.split()[0] for line in data.splitlines()] == [
+        str(index) for index in range(len(data.splitlines()))
+    ]
+    data = WRITER.write(StubProduct(gcode=spec("sinumerik")), TOLERANCE).data.decode()
+    numbers = [int(found) for found in re.findall(r"^N(\d+) ", data, re.MULTILINE)]
+    assert numbers == list(range(10, 10 * len(numbers) + 10, 10))
+    haas = machines.load("haas")
+    text = replace(haas.text, line_numbers=5)
+    lines = numbered(["%", "O0001 (X)", "(Y)", "G21", "M30", "%"], replace(haas, text=text))
+    assert lines == ["%", "O0001 (X)", "(Y)", "N5 G21", "N10 M30", "%"]
+
+
+def test_a_tool_that_the_operator_changes() -> None:
+    """The first is in the spindle; at the next one the program halts with everything off."""
+    lines = program("grbl")
+    halts = positions(lines, r"^M0$")
+    assert len(halts) == 1
+    assert lines[halts[0] - 1] == "(change to tool 7, diameter 4 mm, set Z 0)"
+    assert lines[halts[0] - 2] == "M5"
+    assert not [line for line in lines if re.search(r"M6|T\d", line) and line[0] != "("]
+
+
+def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:
+    cut = StubProduct().cuts[0]
+    moves = (
+        Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0), Rapid((1.0, 2.0, 5.0)),
+        Stop("move the clamp (left)"), Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0),
+        Rapid((1.0, 2.0, 5.0)),
+    )  # fmt: skip
+    path = Toolpath(5.0, (Operation(cut, moves),))
+    found = {}
+    for name in ("linuxcnc", "haas", "sinumerik"):
+        machine = machines.load(name)
+        setup = Setup("x", "mm", "G54", "flood", 0.0)
+        lines = written(path, machine, budget(machine, "mm", 0.01), setup, ()).lines
+        first = lines.index("M9")
+        found[name] = lines[first : first + 12]
+    assert found["linuxcnc"][:10] == [
+        "M9", "M5", "(move the clamp [left])", "M0", "G43 H1", "S3000 M3", "G0 Z5.0000", "M8",
+        "G0 X1.0000 Y2.0000", "G1 Z-1.0000 F100",
+    ]  # fmt: skip
+    assert found["haas"][:10] == [
+        "M9", "G0 G53 Z0.", "M5", "(MOVE THE CLAMP [LEFT])", "M0", "S3000 M3",
+        "G0 X1.000 Y2.000", "G0 G43 Z5.000 H1", "M8", "G1 Z-1.000 F100.",
+    ]  # fmt: skip
+    assert found["sinumerik"][:10] == [
+        "M9", "SUPA G0 Z0 D0", "M5", "; move the clamp [left]", "M0", "D1", "S3000 M3",
+        "G0 X1.0000 Y2.0000", "G0 Z5.0000", "M8",
+    ]  # fmt: skip
+
+
+def test_what_a_machine_does_not_have_is_refused() -> None:
+    with pytest.raises(SceneError) as caught:
+        WRITER.write(StubProduct(gcode=GcodeSpec(machine="grbl", coolant="through")), 0.01)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("output.gcode.coolant", "'through'")
+    assert '"off", "flood"' in fault.message
+    both = GcodeSpec(machine="sinumerik", work_offset="G59", coolant="through")
+    with pytest.raises(SceneError) as caught:
+        WRITER.write(StubProduct(gcode=both), 0.01)
+    assert [each.key for each in caught.value.faults] == [
+        "output.gcode.coolant", "output.gcode.work_offset",
+    ]  # fmt: skip
+
+
+def test_work_offset_and_program_number() -> None:
+    other = replace(spec("fanuc"), work_offset="G57", program_number=42)
+    text = WRITER.write(StubProduct(gcode=other), 0.01).data.decode()
+    assert text.startswith("%\nO0042(ECCENTRIC)\n")
+    assert "\nG57\n" in text
+    assert "G54" not in text
+    other = GcodeSpec(work_offset="G59.3")
+    text = WRITER.write(StubProduct(gcode=other), 0.01).data.decode()
+    assert "G17 G21 G40 G49 G59.3 G80 G90 G94" in text
+
+
+def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:
+    fanuc = machines.load("fanuc")
+    with pytest.raises(ToleranceError, match="3 decimals in a program are too coarse") as caught:
+        budget(fanuc, "mm", 0.001)
+    assert budget(fanuc, "mm", caught.value.reached).fit > 0.0
+    with pytest.raises(ToleranceError):
+        budget(fanuc, "mm", 0.99 * caught.value.reached)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_helix_keeps_its_pitch(name: str) -> None:
+    """As an arc with Z where the controller has one, else as lines on the helix."""
+    machine = machines.load(name)
+    cut = StubProduct().cuts[0]
+    turns = (ArcFeed((-3.0, 0.0, -0.5), (0.0, 0.0), True, 200.0),
+             ArcFeed((3.0, 0.0, -1.0), (0.0, 0.0), True, 200.0))  # fmt: skip
+    moves = (Rapid((3.0, 0.0, 5.0)), Feed((3.0, 0.0, 0.0), 100.0), *turns, Rapid((3.0, 0.0, 5.0)))
+    setup = Setup("x", "mm", "", "off", 0.0)
+    shares = budget(machine, "mm", 0.01)
+    made = written(Toolpath(5.0, (Operation(cut, moves),)), machine, shares, setup, ())
+    assert (made.speller.arcs == 2) == machine.arcs.helical
+    if machine.arcs.helical:
+        assert any(re.match(r"G3 X-3.0+ Y0.0+ Z-0.50+ I-3.0+ J0.0+", line) for line in made.lines)
+        return
+    points = [
+        complex(*map(float, found)) for line in made.lines
+        if line.startswith("L") for found in re.findall(r"X(\S+) Y(\S+) Z", line)
+    ]  # fmt: skip
+    printed = [re.findall(r"^L X.* Z(\S+) R0", line) for line in made.lines]
+    heights = [float(found) for each in printed for found in each]
+    assert heights[-1] == -1.0
+    assert len(points) > 20
+    assert all(abs(abs(point) - 3.0) < 1e-4 for point in points)
+    assert heights == sorted(heights, reverse=True)
+
+
+def test_centres_may_be_absolute() -> None:
+    mach = machines.load("mach3")
+    absolute = replace(mach, arcs=replace(mach.arcs, centre="absolute"))
+    cut = StubProduct().cuts[0]
+    arc = ArcFeed((10.0, 12.0, -1.0), (10.0, 11.0), True, 200.0)
+    down = Feed((10.0, 10.0, -1.0), 100.0)
+    moves = (Rapid((10.0, 10.0, 5.0)), down, arc, Rapid((10.0, 12.0, 5.0)))
+    setup = Setup("x", "mm", "G54", "off", 0.0)
+    path = Toolpath(5.0, (Operation(cut, moves),))
+    lines = written(path, absolute, budget(absolute, "mm", 0.01), setup, ()).lines
+    assert "G3 X10.0000 Y12.0000 I10.0000 J11.0000 F200" in lines
