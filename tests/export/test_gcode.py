@@ -425,7 +425,7 @@ def test_all_faults_of_a_profile_are_reported_at_once() -> None:
         "mm = 4,": "mm = 4.5,",
         "radius_tolerance = 0.002": "radius_tolerance = -1",
         'off = ["G61"]': "",
-        'kind = "source code"': 'kind = "source"',
+        'kind = "source code"\nabout = ["words"]': 'kind = "source"\nabout = ["words"]',
     }
     for before, after in changes.items():
         assert text.count(before) == 1

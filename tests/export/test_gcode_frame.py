@@ -94,7 +94,7 @@ def test_each_operation_states_all_that_it_needs(name: str) -> None:
         patterns = (re.sub(r"\\\{\w+\\\}", ".+", re.escape(block)) for block in blocks)
         found = [positions(head, f"^{pattern}$") for pattern in patterns]
         assert all(found), (blocks, head)
-        return found[-1][-1]
+        return found[0][0]
 
     for block in machine.program.safe_start:
         if block != "{work_offset}" or next(iter(machine.work_offsets.values())):
@@ -149,6 +149,17 @@ def test_numbers_of_blocks() -> None:
     text = replace(haas.text, line_numbers=5)
     lines = numbered(["%", "O0001 (X)", "(Y)", "G21", "M30", "%"], replace(haas, text=text))
     assert lines == ["%", "O0001 (X)", "(Y)", "N5 G21", "N10 M30", "%"]
+
+
+def test_a_block_of_several_lines_has_one_number() -> None:
+    other = replace(spec("heidenhain"), work_offset="2")
+    lines = WRITER.write(StubProduct(gcode=other), 0.01).data.decode().splitlines()
+    place = next(k for k, line in enumerate(lines) if "CYCL DEF 247" in line)
+    number = int(lines[place].split()[0])
+    assert lines[place : place + 3] == [
+        f"{number} CYCL DEF 247 DATUM SETTING ~", "  Q339=+2 ;DATUM NUMBER",
+        f"{number + 1} CYCL DEF 32.0 TOLERANCE",
+    ]  # fmt: skip
 
 
 def test_a_tool_that_the_operator_changes() -> None:

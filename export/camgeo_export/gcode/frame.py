@@ -236,17 +236,22 @@ def written(
 
 
 def numbered(lines: Iterable[str], machine: Machine) -> list[str]:
-    """`lines` with the numbers that the profile asks for: on blocks alone, in klartext on all."""
+    """`lines` with the numbers that the profile asks for: on blocks alone, in klartext on all.
+
+    A block of several lines becomes as many, with one number.
+    """
     step = machine.text.line_numbers
     if step is None:
-        return list(lines)
-    if machine.dialect == "klartext":
-        return [f"{step * index} {line}" for index, line in enumerate(lines)]
-    found, next_number = [], step
+        return [part for line in lines for part in line.split("\n")]
+    klartext = machine.dialect == "klartext"
+    plain = ("\n",) if klartext else (machine.text.comment_open.strip(), "%", "O")
+    found: list[str] = []
+    count = 0 if klartext else 1
     for line in lines:
-        if line.startswith((machine.text.comment_open.strip(), "%", "O")):
-            found.append(line)
+        first, *others = line.split("\n")
+        if first.startswith(plain):
+            found.append(first)
         else:
-            found.append(f"N{next_number} {line}")
-            next_number += step
+            found += (f"{'' if klartext else 'N'}{step * count} {first}", *others)
+            count += 1
     return found
