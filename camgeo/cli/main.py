@@ -48,6 +48,7 @@ COMMANDS = (
     "plot",
     "replay",
     "laws",
+    "machines",
     "slotted-lever",
     "accuracy",
     "explain",

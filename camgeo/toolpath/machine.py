@@ -109,20 +109,23 @@ def names() -> tuple[str, ...]:
     )
 
 
-def load(machine: str) -> Machine:
-    """The profile of that name or file; raises SceneError with all its faults."""
+def load(machine: str, key: str = KEY) -> Machine:
+    """The profile of that name or file; raises SceneError with all its faults.
+
+    `key` is what messages call the name of the profile.
+    """
     known = names()
     if machine in known:
         resource = files("camgeo.toolpath").joinpath("machines", f"{machine}.toml")
         return parse(resource.read_text(encoding="utf-8"), f"{machine}.toml")
     if not machine.endswith(".toml"):
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
-        raise SceneError([Fault(KEY, repr(machine), message, meant(machine, known))])
+        raise SceneError([Fault(key, repr(machine), message, meant(machine, known))])
     try:
         text = read_within(Path(machine), MACHINE).decode("utf-8")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
         message = f"the profile cannot be read: {unreadable(error)}"
-        raise SceneError([Fault(KEY, repr(machine), message)]) from None
+        raise SceneError([Fault(key, repr(machine), message)]) from None
     return parse(text, machine)
 
 

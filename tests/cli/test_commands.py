@@ -30,6 +30,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 NAMES = (
     "new", "check", "build", "verify", "table", "plot", "replay", "accuracy", "laws",
     "explain", "stability", "slotted-lever", "import", "size",
+    "machines",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

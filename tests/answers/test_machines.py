@@ -1,0 +1,106 @@
+"""The result of `camgeo machines`, rendered as text and as JSON."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgeo.answers.machines import Machines, machine, machines
+from camgeo.answers.render import text
+from camgeo.cli.main import main
+from camgeo.errors import SceneError
+from camgeo.toolpath import machine as profiles
+from tests.answers.documents import document
+
+FOLDER = Path(profiles.__file__).parent / "machines"
+
+Capture = pytest.CaptureFixture[str]
+
+
+def test_the_list_has_every_profile_in_text_and_document() -> None:
+    found = machines()
+    listed = document(found)["machines"]
+    assert [each["profile"] for each in listed] == list(profiles.names())
+    lines = text(found).splitlines()
+    for each, line in zip(listed, lines, strict=True):
+        assert line.startswith(each["profile"])
+        assert each["extension"] in line
+        assert each["controller"] in line
+        for count in each["evidence"].values():
+            assert re.search(rf"\b{count} ", line)
+    assert found.listed is not None
+    first, *rest = found.listed
+    other = replace(first, machine=replace(first.machine, controller="the moon"))
+    changed = replace(found, listed=(other, *rest))
+    assert document(changed)["machines"][0]["controller"] == "the moon"
+    assert "the moon" in text(changed)
+    assert "the moon" not in text(found)
+
+
+@pytest.mark.parametrize("name", profiles.names())
+def test_a_profile_is_shown_with_all_its_keys(name: str) -> None:
+    found = machine(name)
+    shown = document(found)
+    keys = {each["key"]: each["value"] for each in shown["keys"]}
+
+    def check(table: dict[str, object], path: str) -> None:
+        for key, value in table.items():
+            quoted = key if key.replace("_", "").isalnum() else json.dumps(key)
+            if isinstance(value, dict):
+                check(value, f"{path}{quoted}.")
+            elif path + quoted != "evidence":
+                assert tomllib.loads(f"x = {keys[path + quoted]}")["x"] == value
+
+    table = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
+    check(table, "")
+    lines = text(found).splitlines()
+    for key, value in keys.items():
+        assert any(re.match(rf"{re.escape(key)} += {re.escape(value)}", line) for line in lines)
+    assert [each["text"] for each in shown["evidence"]] == [
+        each["text"] for each in table["evidence"]
+    ]
+    assert all(f"    {each['text']}" in lines for each in shown["evidence"])
+
+
+def test_one_changed_value_shows_in_text_and_document() -> None:
+    found = machine("haas")
+    assert found.shown is not None
+    own = found.shown.machine
+    changed = Machines(shown=replace(
+        found.shown, machine=replace(own, retract=replace(own.retract, blocks=("G0 Z99.",))),
+    ))  # fmt: skip
+    (key,) = [each for each in document(changed)["keys"] if each["key"] == "retract.blocks"]
+    assert key["value"] == '["G0 Z99."]'
+    assert '["G0 Z99."]' in text(changed)
+    assert '["G0 Z99."]' not in text(found)
+
+
+def test_a_profile_of_ones_own_is_checked(tmp_path: Path, capsys: Capture) -> None:
+    source = (FOLDER / "grbl.toml").read_text(encoding="utf-8")
+    own = tmp_path / "router.toml"
+    own.write_text(source[: source.index("[[evidence]]")].replace('"Grbl"', '"my router"'))
+    assert main(["machines", str(own)]) == 0
+    assert '= "my router"' in capsys.readouterr().out
+    own.write_text(own.read_text().replace('unit = "s"', 'unit = "min"').replace("G21", "{g21}"))
+    assert main(["machines", str(own)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert 'dwell.unit = min: must be one of "s", "ms"' in captured.err
+    own.write_text(own.read_text().replace('unit = "min"', 'unit = "ms"').replace("{z}", "{Z}"))
+    assert main(["machines", str(own), "--json"]) == 2
+    (fault,) = json.loads(capsys.readouterr().out)["faults"]
+    assert fault["key"] == "retract.blocks"
+    assert "{z}" in fault["message"]
+
+
+def test_an_unknown_profile_is_refused() -> None:
+    with pytest.raises(SceneError) as caught:
+        machine("hass")
+    (fault,) = caught.value.faults
+    assert fault.key == "PROFILE"
+    assert "did you mean haas" in fault.hint
