@@ -62,6 +62,7 @@ class Format(Generic[Spec]):
         `x-unit`; lengths refer to ``#/$defs/length`` or ``#/$defs/coordinate`` of the scene's.
     needs : keys without which a scene cannot be written in the format, e.g. "part.thickness".
     rules : what schema and needs cannot state.
+    suffix_of : gives the suffix that a scene's options ask for, where it is not always `suffix`.
     """
 
     name: str
@@ -70,6 +71,11 @@ class Format(Generic[Spec]):
     schema: Mapping[str, Any] = field(default_factory=lambda: no_keys("No options."))
     needs: tuple[str, ...] = ()
     rules: tuple[Rule, ...] = ()
+    suffix_of: Callable[[Spec], str] | None = None
+
+    def ending(self, options: Options) -> str:
+        """The suffix of the file that a scene with these options gets."""
+        return self.suffix if self.suffix_of is None else self.suffix_of(options[self])
 
     def lacking(self, values: Values) -> list[str]:
         """Why a scene cannot be written in the format, a sentence each; empty if it can."""

@@ -38,11 +38,35 @@ def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
         yield key, f"must be less than the bore to be milled, {bore:g}"
 
 
+def machine_has(values: Values) -> Iterator[tuple[str, str]]:
+    """Coolant and work offset are those of the machine; of a profile file the writer tells it."""
+    given = {key: values.get("output", "gcode", key) for key in ("coolant", "work_offset")}
+    machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
+    if not any(given.values()) or machine.endswith(".toml"):
+        return
+    from camgeo.toolpath.machine import load  # a declaration imports nothing that computes
+
+    profile = load(machine)
+    allowed = {"coolant": profile.coolant.kinds, "work_offset": tuple(profile.work_offsets)}
+    for key, value in given.items():
+        if value and value not in allowed[key]:
+            choices = ", ".join(f'"{each}"' for each in allowed[key])
+            yield key, f"must be one of {choices} for {profile.name}"
+
+
+def program_suffix(spec: GcodeSpec) -> str:
+    """That of the machine's programs; SceneError if there is no such machine."""
+    from camgeo.toolpath.machine import load  # a declaration imports nothing that computes
+
+    return load(spec.machine).extension
+
+
 FORMAT: Final = Format(
     "gcode",
     ".ngc",
     parse,
     schema_beside(__file__),
     ("follower", "part.thickness", "output.gcode.tool_diameter"),
-    (groove_has_a_depth, tool_fits),
+    (groove_has_a_depth, tool_fits, machine_has),
+    program_suffix,
 )

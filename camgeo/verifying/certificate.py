@@ -32,6 +32,7 @@ class Certificate:
     scene_files : SHA-256 of the files that the scene reads, by their names.
     tolerances : [mm] of each file, by its name.
     hashes : SHA-256 of each file, by its name, in their order.
+    formats : of the files, by their names.
     damage : why it cannot be read; empty if it can.
     """
 
@@ -39,6 +40,7 @@ class Certificate:
     scene_files: Mapping[str, str] = field(default_factory=dict)
     tolerances: Mapping[str, float] = field(default_factory=dict)
     hashes: Mapping[str, str] = field(default_factory=dict)
+    formats: Mapping[str, str] = field(default_factory=dict)
     damage: str = ""
 
 
@@ -62,6 +64,7 @@ def certificate_in(folder: Path) -> Certificate | None:
             {_name(name): _hash(sha256) for name, sha256 in scene.get("files", {}).items()},
             {_name(file["file"]): _tolerance(file["tolerance_mm"]) for file in files},
             {_name(file["file"]): _hash(file["sha256"]) for file in files},
+            {_name(file["file"]): str(file.get("format", "")) for file in files},
         )
     except RecursionError:
         return Certificate(damage="is not a certificate of camgeo: it is nested too deeply")

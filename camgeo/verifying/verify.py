@@ -111,8 +111,9 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
     for path in paths:
         verifier: Verifier | None = None
         try:
-            verifier = _verifier(path)
-            verdict = _verdict(path, verifier, certificates[path.parent], scenes, wanted)
+            certificate = certificates[path.parent]
+            verifier = _verifier(path, certificate)
+            verdict = _verdict(path, verifier, certificate, scenes, wanted)
             judged = judged or verifier is not None
         except SceneError as error:
             refused.append(error)
@@ -139,13 +140,15 @@ def _format(path: Path, verifier: Verifier | None) -> str:
     return path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
 
 
-def _verifier(path: Path) -> Verifier | None:
-    """The verifier of a file; None if there is none for its ending."""
+def _verifier(path: Path, certificate: Certificate | None) -> Verifier | None:
+    """The verifier of a file, by its ending or by the format that its certificate names."""
     found = entry_points(group=GROUP, name=path.suffix.lower().removeprefix("."))
-    if not found:
-        return None
-    verifier: Verifier = next(iter(found)).load()
-    return verifier
+    if found:
+        verifier: Verifier = next(iter(found)).load()
+        return verifier
+    form = "" if certificate is None else certificate.formats.get(path.name, "")
+    known = (entry.load() for entry in entry_points(group=GROUP)) if form else ()
+    return next((each for each in known if each.format == form), None)
 
 
 def _verdict(

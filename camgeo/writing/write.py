@@ -126,7 +126,10 @@ def make_files(
         for name, writer in writers:
             label = name if disc is product else f"{name} of {disc.name}"
             written, deviation = _make(disc, label, writer, tolerance, progress)
-            file = f"{disc.name}{writer.format.suffix}"
+            file = f"{disc.name}{writer.format.ending(disc.options)}"
+            if file in contents:
+                message = f"would be {file}, as another file of the same set"
+                raise SceneError([Fault("format", name, message)])
             contents[file] = written.data
             reports.append(
                 FileReport(file, name, len(written.data), tolerance, deviation, written.facts)

@@ -16,6 +16,7 @@ from camgeo.formats.registry import FORMATS, find_format, foreign_names
 from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
 from camgeo.scene.valid_values import ValidValues
+from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import find_writer, with_companions
 from tests.scene.scenes import PLATE
 
@@ -52,6 +53,16 @@ def test_options_are_those_of_the_format_that_is_asked_for() -> None:
     options = Options({"other": {"size": 1.0}})
     assert options[other] == {"size": 1.0}
     assert options[Format("another", ".a", dict)] == {}
+
+
+def test_a_suffix_may_depend_on_the_options() -> None:
+    form = Format("other", ".o", dict, suffix_of=lambda spec: spec.get("ending", ".p"))
+    assert form.ending(Options({})) == ".p"
+    assert form.ending(Options({"other": {"ending": ".q"}})) == ".q"
+    assert Format("other", ".o", dict).ending(Options({})) == ".o"
+    gcode = find_format("gcode")
+    for machine, suffix in (("linuxcnc", ".ngc"), ("heidenhain", ".h"), ("mach3", ".tap")):
+        assert gcode.ending(Options({"gcode": GcodeSpec(machine=machine)})) == suffix
 
 
 class Entry:

@@ -11,8 +11,9 @@ from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError, UndercutError
 from camgeo.formats.registry import FORMATS, find_format
-from camgeo.scene.load import parse_scene
-from camgeo.verifying.verify import Against, Wanted, verify_files
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.toolpath import machine
+from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
 from camgeo.writing.write import make_files, write_files
 from tests.scene.scenes import GROOVE, PLATE, spoilt
 
@@ -116,6 +117,38 @@ def test_a_groove_of_no_depth_is_no_body(name: str) -> None:
     table = '[output]\nformats = ["dxf"]\n[output.gcode]\ntool_diameter = 10\n'
     with pytest.raises(SceneError, match=r"needs \[part\] groove_depth, for the cam is a groove"):
         Design(parse_scene(head + table)).write("out", [name])
+
+
+def profile_with_ending(ending: str) -> str:
+    """The profile of LinuxCNC with another ending of its programs."""
+    text = Path(machine.__file__).with_name("machines").joinpath("linuxcnc.toml").read_text()
+    assert text.count('".ngc"') == 1
+    return text.replace(".ngc", ending)
+
+
+def test_a_program_has_the_ending_of_its_machine_and_is_found_by_its_format(tmp_path: Path) -> None:
+    """An ending that nothing verifies by itself is verified by what the certificate says."""
+    (tmp_path / "mill.toml").write_text(profile_with_ending(".eia"))
+    scene = tmp_path / "plate.toml"
+    scene.write_text(PLATE.replace('"linuxcnc"', '"mill.toml"'))
+    design = Design(load_scene(scene))
+    design.write(tmp_path, ["gcode"])
+    assert (tmp_path / "plate.eia") in files_in(tmp_path)
+    against = Against(design.discs, 0.001)
+    (verdict,) = verify_files((tmp_path / "plate.eia",), lambda *_: against, Wanted())
+    assert "deviation" in {check.name for check in verdict.checks}
+    assert all(check.ok is not False for check in verdict.checks)
+
+
+def test_no_file_takes_the_name_of_another(tmp_path: Path) -> None:
+    (tmp_path / "mill.toml").write_text(profile_with_ending(".dxf"))
+    scene = tmp_path / "plate.toml"
+    scene.write_text(PLATE.replace('"linuxcnc"', '"mill.toml"'))
+    design = Design(load_scene(scene))
+    with pytest.raises(
+        SceneError, match=r"gcode: would be plate\.dxf, as another file of the same"
+    ):
+        make_files(design.discs, ("dxf", "gcode"), 0.01)
 
 
 def test_a_program_is_verified_against_a_scene_with_milling(tmp_path: Path) -> None:
