@@ -16,6 +16,7 @@ from camgeo.formats.registry import FORMATS, find_format, foreign_names
 from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
 from camgeo.scene.valid_values import ValidValues
+from camgeo.toolpath.machine import names
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import find_writer, with_companions
 from tests.scene.scenes import PLATE
@@ -63,6 +64,15 @@ def test_a_suffix_may_depend_on_the_options() -> None:
     gcode = find_format("gcode")
     for machine, suffix in (("linuxcnc", ".ngc"), ("heidenhain", ".h"), ("mach3", ".tap")):
         assert gcode.ending(Options({"gcode": GcodeSpec(machine=machine)})) == suffix
+
+
+def test_scenes_may_name_every_machine() -> None:
+    node = find_format("gcode").schema["properties"]["machine"]
+    assert node["x-values"] == list(names())
+    assert node["pattern"].startswith(f"^({'|'.join(names())})$")
+    assert all(
+        f'"{name}"' in text for name in names() for text in (node["x-allowed"], node["description"])
+    )
 
 
 class Entry:

@@ -144,7 +144,8 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [('"svg"', '"dxf"')], "must be a list of formats, each named once"),
     (PLATE, [('"arcs"', '"splines"')], r'"splines": .*did you mean "spline"\?'),
     (PLATE, [("tolerance = 0.001", 'fit = "best"')], 'output.fit = "best": .*"fewest"'),
-    (PLATE, [('"linuxcnc"', '"grbl"')], '"grbl": is not available in this version; .*"linuxcnc"'),
+    (PLATE, [('"linuxcnc"', '"grbll"')], r'did you mean "grbl"\?'),
+    (PLATE, [('"linuxcnc"', '"grbl"\ncoolant = "mist"')], 'one of "off", "flood" for Grbl'),
     (
         PLATE,
         [('"linuxcnc"', '"linuxcnc"\ncoolant = "through"')],
