@@ -28,6 +28,7 @@ SCALES: Final[dict[str, float]] = {
     "mm/s": 1.0,
     "Hz": 2.0 * math.pi,
     "hours": 3600.0,
+    "s": 1.0,
     "rev/min": RPM,
     "degrees": math.pi / 180.0,
 }

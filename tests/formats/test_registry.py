@@ -66,6 +66,19 @@ def test_a_suffix_may_depend_on_the_options() -> None:
         assert gcode.ending(Options({"gcode": GcodeSpec(machine=machine)})) == suffix
 
 
+def test_what_a_scene_asks_of_a_program() -> None:
+    asked = (
+        'machine = "linuxcnc"\ncoolant = "mist"\nwork_offset = "G59.3"\n'
+        "spin_up = 2.5\nprogram_number = 7"
+    )
+    scene = parse_scene(PLATE.replace('machine = "linuxcnc"', asked))
+    spec = scene.output.options[find_format("gcode")]
+    assert (spec.coolant, spec.work_offset, spec.spin_up, spec.program_number) == (
+        "mist", "G59.3", 2.5, 7,
+    )  # fmt: skip
+    assert parse_scene(PLATE).output.options[find_format("gcode")].spin_up is None
+
+
 def test_scenes_may_name_every_machine() -> None:
     node = find_format("gcode").schema["properties"]["machine"]
     assert node["x-values"] == list(names())

@@ -39,6 +39,7 @@ UNITS = {
     "mm/s": 1.0,
     "Hz": 2.0 * math.pi,
     "hours": 3600.0,
+    "s": 1.0,
     "rev/min": math.pi / 30.0,
     "degrees": math.pi / 180.0,
 }
