@@ -215,6 +215,12 @@ def test_what_a_machine_does_not_have_is_refused() -> None:
     ]  # fmt: skip
 
 
+def test_a_coordinate_that_the_controller_does_not_read() -> None:
+    product = StubProduct(gcode=GcodeSpec(machine="grbl"), scale=1000.0)
+    with pytest.raises(SceneError, match=r"numbers\.largest is too small for the coordinate 3"):
+        WRITER.write(product, 0.5)
+
+
 def test_work_offset_and_program_number() -> None:
     other = replace(spec("fanuc"), work_offset="G57", program_number=42)
     text = WRITER.write(StubProduct(gcode=other), 0.01).data.decode()

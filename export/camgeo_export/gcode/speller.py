@@ -35,6 +35,7 @@ class Speller:
     point : whether feeds, too, have a decimal point.
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
+    reach : largest magnitude of a coordinate so far, in steps of the grid.
     """
 
     grid: Grid
@@ -45,6 +46,7 @@ class Speller:
     blocks: list[str] = field(default_factory=list)
     arcs: int = 0
     lines: int = 0
+    reach: int = 0
     _exact: complex = 0j
     _exact_z: float = math.nan
     _at: tuple[int | None, int | None, int | None] = (None, None, None)
@@ -105,7 +107,9 @@ class Speller:
         self._exact, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
 
     def _steps(self, end: Point) -> Steps:
-        return self.grid.steps(end[0]), self.grid.steps(end[1]), self.grid.steps(end[2])
+        steps = self.grid.steps(end[0]), self.grid.steps(end[1]), self.grid.steps(end[2])
+        self.reach = max(self.reach, *map(abs, steps))
+        return steps
 
     def _texts(self, values: tuple[tuple[str, int], ...]) -> list[tuple[str, str]]:
         signed = self.dialect.signed

@@ -14,7 +14,7 @@ from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.comments import about_program
-from camgeo_export.gcode.frame import Setup, numbered, written
+from camgeo_export.gcode.frame import Program, Setup, numbered, written
 from camgeo_export.gcode.measure import measure
 
 ENDINGS: Final = {"lf": "\n", "crlf": "\r\n"}
@@ -37,6 +37,7 @@ class GcodeWriter:
         program = written(toolpath, machine, shares, setup, about)
         lines = numbered(program.lines, machine)
         _check_length(lines, machine)
+        _check_reach(program, machine)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
             "arcs": program.speller.arcs,
@@ -87,6 +88,14 @@ def _check_length(lines: list[str], machine: Machine) -> None:
         if len(line) > machine.text.line_length:
             message = f"its text.line_length is too short for the block {line}"
             raise SceneError([Fault(KEY, repr(machine.name), message)])
+
+
+def _check_reach(program: Program, machine: Machine) -> None:
+    grid = program.speller.grid
+    largest = grid.mm(program.speller.reach) / grid.mm_per_unit
+    if largest > machine.numbers.largest:
+        message = f"its numbers.largest is too small for the coordinate {largest:g}"
+        raise SceneError([Fault(KEY, repr(machine.name), message)])
 
 
 WRITER = GcodeWriter()
