@@ -51,8 +51,12 @@ class Product(Pickled):
     @property
     def name(self) -> str:
         """Name of the disc, the stem of its files."""
-        is_main = self.judgement.cams[0] is self.cam
-        return self.scene.name if is_main else f"{self.scene.name}-{RETURN}"
+        return f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
+
+    @property
+    def position(self) -> int:
+        """0 of the main disc, 1 of the one that returns the follower."""
+        return 0 if self.judgement.cams[0] is self.cam else 1
 
     @property
     def unit(self) -> LengthUnit:

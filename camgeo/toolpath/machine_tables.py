@@ -123,6 +123,8 @@ class NumberForm:
     most_decimals : that the controller resolves.
     increment : only if `point` is "required".
     largest : magnitude of a coordinate that the controller reads, in either unit.
+    feed_decimals : most that are written of a feed.
+    inch_feed : what a feed of 1 means in a program in inches [inch/min].
     """
 
     point: Annotated[str, partial(one_of, choices=("required", "optional"))]
@@ -130,6 +132,8 @@ class NumberForm:
     most_decimals: Decimals
     largest: Annotated[float, partial(number, above=0.0)]
     increment: Increments | None = None
+    feed_decimals: Annotated[int, partial(whole, least=1, most=6)] = 4
+    inch_feed: Annotated[float, partial(number, above=0.0, most=1.0)] = 1.0
 
     def __post_init__(self) -> None:
         check_fields(self, "numbers.")
@@ -140,6 +144,10 @@ class NumberForm:
         if (self.increment is None) != (self.point == "optional"):
             message = 'must be given if point is "required", and only then'
             raise GeometryError(message, "numbers.increment", "")
+
+    def feed_step(self, unit: LengthUnit) -> float:
+        """The last printed decimal of a feed [mm/min or inch/min]."""
+        return 10.0**-self.feed_decimals * (1.0 if unit == "mm" else self.inch_feed)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Move, Operation, Point, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Move, Operation, Point, Stop, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES
 
 
@@ -56,7 +56,7 @@ def too_long() -> FileError:
     )
 
 
-def divided(moves: Iterable[Move], largest: float) -> Iterator[Move]:
+def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:
     """The same with each arc cut into equal parts of at most `largest` [rad]."""
     at: Point | None = None
     for move in moves:
@@ -66,7 +66,7 @@ def divided(moves: Iterable[Move], largest: float) -> Iterator[Move]:
             yield from _parts(at, move, largest)
         else:
             yield move
-        at = move.end
+        at = at if isinstance(move, Stop) else move.end
 
 
 def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:

@@ -124,6 +124,7 @@ class StubProduct(Product):
     others: tuple[Product, ...] = ()
     columns: Callable[[], tuple[Column, ...]] = tuple
     name: str = "eccentric"
+    position: int = 0
     unit: LengthUnit = "mm"
     effort: Effort = "fewest"
     groove: bool = False

@@ -225,11 +225,25 @@ def test_work_offset_and_program_number() -> None:
     other = replace(spec("fanuc"), work_offset="G57", program_number=42)
     text = WRITER.write(StubProduct(gcode=other), 0.01).data.decode()
     assert text.startswith("%\nO0042(ECCENTRIC)\n")
+    text_of_return = WRITER.write(StubProduct(gcode=other, position=1), 0.01).data.decode()
+    assert text_of_return.startswith("%\nO0043(")
     assert "\nG57\n" in text
     assert "G54" not in text
     other = GcodeSpec(work_offset="G59.3")
     text = WRITER.write(StubProduct(gcode=other), 0.01).data.decode()
     assert "G17 G21 G40 G49 G59.3 G80 G90 G94" in text
+
+
+def test_a_feed_in_inches_has_the_unit_of_the_controller() -> None:
+    """Of Heidenhain F counts in tenths of an inch per minute, with three decimals."""
+    feed = 25.4 * 12.34567
+    tool = replace(GcodeSpec().tool, feed=feed)
+    found = {}
+    for name in ("haas", "linuxcnc", "heidenhain"):
+        product = StubProduct(gcode=GcodeSpec(machine=name), unit="inch", second_tool=tool)
+        text = WRITER.write(product, 0.05).data.decode()
+        found[name] = {each for each in re.findall(r"F([\d.]+)", text) if each.startswith("12")}
+    assert found == {"haas": {"12.3457"}, "linuxcnc": {"12.3457"}, "heidenhain": {"123.457"}}
 
 
 def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:

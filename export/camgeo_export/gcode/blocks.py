@@ -46,9 +46,9 @@ class Grid:
         return f"{sign}{whole}.{part:0{self.decimals}d}"
 
 
-def number(value: float) -> str:
-    """A feed or a speed with as many digits as it has."""
-    return f"{value:.{FEED_DECIMALS}f}".rstrip("0").rstrip(".")
+def number(value: float, decimals: int = FEED_DECIMALS) -> str:
+    """A feed or a speed with as many digits as it has, but at most `decimals` behind the point."""
+    return f"{value:.{decimals}f}".rstrip("0").rstrip(".")
 
 
 ROUNDING_SHARE = 0.3

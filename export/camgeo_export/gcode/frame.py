@@ -68,9 +68,8 @@ class Program:
     def __post_init__(self) -> None:
         grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
         machine = self.machine
-        point = machine.numbers.point == "required"
         words = dialect(machine.dialect)
-        self.speller = Speller(grid, self.shares, machine.arcs, words, point)
+        self.speller = Speller(grid, self.shares, machine.arcs, words, machine.numbers)
 
     def start(self, about: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""

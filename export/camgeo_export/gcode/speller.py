@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from camgeo.errors import ToleranceError
 from camgeo.reading import PROGRAM_LINES
-from camgeo.toolpath.machine_tables import ArcLimits
+from camgeo.toolpath.machine_tables import ArcLimits, NumberForm
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid
 from camgeo.toolpath.plan import too_long
@@ -32,7 +32,7 @@ class Speller:
     budget : of the deviation.
     limits : of the machine's arcs.
     dialect : of the blocks.
-    point : whether feeds, too, have a decimal point.
+    numbers : the form of numbers on the machine.
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
@@ -42,7 +42,7 @@ class Speller:
     budget: Budget
     limits: ArcLimits
     dialect: Dialect
-    point: bool = False
+    numbers: NumberForm
     blocks: list[str] = field(default_factory=list)
     arcs: int = 0
     lines: int = 0
@@ -189,10 +189,12 @@ class Speller:
 
     def _feed_text(self, feed: float) -> str:
         """The feed [mm/min] in program units."""
-        text = number(feed / self.grid.mm_per_unit)
+        inches = self.grid.mm_per_unit != 1.0
+        scale = self.grid.mm_per_unit * (self.numbers.inch_feed if inches else 1.0)
+        text = number(feed / scale, self.numbers.feed_decimals)
         if float(text) <= 0.0:
             raise ValueError(f"a feed of {feed} mm/min cannot be written")
-        return f"{text}." if self.point and "." not in text else text
+        return f"{text}." if self.numbers.point == "required" and "." not in text else text
 
     def _new(self, feed: str) -> str:
         """The feed if it changes; else nothing."""

@@ -75,7 +75,8 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
         raise SceneError(faults)
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
-    return Setup(product.name, product.unit, words, spec.coolant, spin_up, spec.program_number)
+    number = spec.program_number + product.position
+    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number)
 
 
 def _short(length: float) -> float:

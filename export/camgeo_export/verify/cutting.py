@@ -17,7 +17,7 @@ from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.gcode.reader import Program
 
 PRINTED = 0.5 * 10.0**-FEED_DECIMALS * (1.0 + 1e-9)
-"""Rounding of a printed feed, speed or diameter, in its unit."""
+"""Rounding of a printed speed or diameter, in its unit."""
 
 
 def cutting_checks(
@@ -29,7 +29,7 @@ def cutting_checks(
     checks.append(_cutters(cuts, stated))
     for cut in cuts:
         own = [move for move in program.moves if move.operation == cut.name]
-        checks += _of_cut(cut, [move for move in own if move.kind != "rapid"], program)
+        checks += _of_cut(cut, [move for move in own if move.kind != "rapid"], program, machine)
     return checks
 
 
@@ -42,9 +42,14 @@ def _heights(program: Program, safe_height: float) -> Check:
     return Check("traverses", "", f"at Z {safe_height:g} mm", ok=True)
 
 
-def _of_cut(cut: Cut, moves: Sequence[CutterMove], program: Program) -> list[Check]:
+def _of_cut(
+    cut: Cut, moves: Sequence[CutterMove], program: Program, machine: Machine
+) -> list[Check]:
     """Tool, speed and feeds of one operation, and that its cuts are level or straight down."""
     tool, scale = cut.tool, program.mm_per_unit
+    step = machine.numbers.feed_step("mm" if scale == MM_PER["mm"] else "inch")
+    rounding = 0.5 * step * scale * (1.0 + 1e-9)
+    turns = 0.5 if machine.spindle.whole_speed else PRINTED
     flat = [move for move in moves if move.z_start == move.z_end]
     down = [move for move in moves if move.z_start != move.z_end]
     checks = [
@@ -55,15 +60,15 @@ def _of_cut(cut: Cut, moves: Sequence[CutterMove], program: Program) -> list[Che
         ),
         _same(
             "spindle speed", cut.name, ((each.speed, each.line) for each in moves),
-            tool.spindle_speed, "rev/min", PRINTED,
+            tool.spindle_speed, "rev/min", turns,
         ),
         _same(
             "feed", cut.name, ((each.feed, each.line) for each in flat), tool.feed, "mm/min",
-            PRINTED * scale,
+            rounding,
         ),
         _same(
             "plunge feed", cut.name, ((each.feed, each.line) for each in down), tool.plunge_feed,
-            "mm/min", PRINTED * scale,
+            "mm/min", rounding,
         ),
     ]  # fmt: skip
     for move in moves:
