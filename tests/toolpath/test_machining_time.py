@@ -21,7 +21,7 @@ from camgeo.toolpath.machining_time import (
     toolpath_time,
     traverse_time,
 )
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.spec import Tool
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0)
@@ -164,3 +164,16 @@ def test_the_time_of_a_contour_is_that_of_its_moves() -> None:
         moves.append(ArcFeed(point, (float(centre.real), float(centre.imag)), True, 300.0))
     whole = contour_time(contour, 300.0, MACHINE.acceleration)
     assert toolpath_time(program(*moves), MACHINE) == pytest.approx(whole, rel=ROUNDING)
+
+
+def test_a_helix_is_as_long_as_its_path_and_a_halt_takes_no_time() -> None:
+    """Half a turn of radius 10 with a rise of 10 pi: both legs of the helix are equally long."""
+    start = Rapid((10.0, 0.0, 5.0))
+    down = Feed((10.0, 0.0, 0.0), 300.0)
+    helix = ArcFeed((-10.0, 0.0, -10.0 * math.pi), (0.0, 0.0), True, 60.0)
+    before = toolpath_time(program(start, down), MACHINE)
+    whole = toolpath_time(program(start, down, helix), MACHINE)
+    assert whole - before == pytest.approx(10.0 * math.pi * math.sqrt(2.0), rel=1e-9)
+    rim = program(start, down, helix).operations[0]
+    halted = Toolpath(5.0, (Operation(rim.cut, (*rim.moves, Stop("turn it over"))),))
+    assert toolpath_time(halted, MACHINE) == whole

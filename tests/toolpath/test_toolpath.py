@@ -24,7 +24,7 @@ from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath import plan
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
 from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
@@ -339,3 +339,16 @@ def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPat
     cut = Cut("hole", "drill", GcodeSpec().tool, bore, "bore", "", (-8.0,))
     (operation,) = plan_toolpath((cut,), 5.0, LIMITS, TOLERANCE).operations
     assert operation.travel[1] == Feed((0.0, 0.0, -8.0), 100.0)
+
+
+def test_a_divided_helix_keeps_its_pitch_and_halts_stay() -> None:
+    helix = ArcFeed((-3.0, 0.0, -1.0), (0.0, 0.0), True, 100.0)
+    halt = Stop("turn it over")
+    parts = list(plan.divided((Rapid((3.0, 0.0, 1.0)), halt, helix), math.pi / 4.0))
+    assert parts[:2] == [Rapid((3.0, 0.0, 1.0)), halt]
+    assert len(parts) == 2 + 4
+    for count, part in enumerate(parts[2:], start=1):
+        assert isinstance(part, ArcFeed)
+        end = 3.0 * np.exp(0.25j * math.pi * count)
+        assert part.end == pytest.approx((end.real, end.imag, 1.0 - 0.5 * count), abs=1e-14)
+        assert (part.centre, part.ccw, part.feed) == (helix.centre, True, 100.0)
