@@ -116,8 +116,7 @@ def load(machine: str, key: str = KEY) -> Machine:
     """
     known = names()
     if machine in known:
-        resource = files("camgeo.toolpath").joinpath("machines", f"{machine}.toml")
-        return parse(resource.read_text(encoding="utf-8"), f"{machine}.toml")
+        return _own(machine)
     if not machine.endswith(".toml"):
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
         raise SceneError([Fault(key, repr(machine), message, meant(machine, known))])
@@ -127,6 +126,13 @@ def load(machine: str, key: str = KEY) -> Machine:
         message = f"the profile cannot be read: {unreadable(error)}"
         raise SceneError([Fault(key, repr(machine), message)]) from None
     return parse(text, machine)
+
+
+@functools.cache
+def _own(name: str) -> Machine:
+    """A profile in the package, which does not change."""
+    resource = files("camgeo.toolpath").joinpath("machines", f"{name}.toml")
+    return parse(resource.read_text(encoding="utf-8"), f"{name}.toml")
 
 
 def parse(text: str, file: str) -> Machine:
