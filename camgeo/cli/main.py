@@ -44,6 +44,7 @@ COMMANDS = (
     "size",
     "build",
     "verify",
+    "lint",
     "table",
     "plot",
     "replay",

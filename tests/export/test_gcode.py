@@ -21,9 +21,9 @@ from camgeo.verifying.verification import Origin, Reading
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.blocks import Budget, Grid, budget
 from camgeo_export.gcode.dialects import Iso
-from camgeo_export.gcode.reader import Program, read
 from camgeo_export.gcode.speller import Speller
 from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import StubProduct
 
@@ -34,9 +34,9 @@ LINUXCNC_FILE = Path(machines.__file__).parent / "machines" / "linuxcnc.toml"
 TOLERANCES = [0.05, 0.01, 1e-3, 1e-6]
 
 
-def program_of(product: StubProduct, tolerance: float) -> tuple[str, Program]:
+def program_of(product: StubProduct, tolerance: float) -> tuple[str, Run]:
     text = WRITER.write(product, tolerance).data.decode()
-    return text, read(text)
+    return text, run(text, LINUXCNC)
 
 
 @pytest.mark.parametrize("unit", ["mm", "inch"])
@@ -62,7 +62,7 @@ def test_rules_of_controllers(unit: LengthUnit, tolerance: float) -> None:
         if move.kind == "arc":
             assert abs(move.sweep) <= math.pi + 1e-3
             assert move.mismatch <= 3.0 * program.step
-    program.verify(5.0 - program.step, 0.002)
+    assert program.findings == ()
 
 
 def test_frame_of_the_program() -> None:
@@ -162,7 +162,7 @@ HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G91.1\nG43 H1\nG61\nS1 M3\nF100\n"
 
 def test_leads_from_and_to_the_same_point_are_no_part_of_the_loop() -> None:
     body = "G0 X0 Y0\nG0 Z-1\nG1 X5\nG3 X-5 I-5 J0\nG3 X5 I5 J0\nG1 X0\nM5\nM2"
-    loops = read(HEAD + body).loops()
+    loops = run(HEAD + body, LINUXCNC).loops()
     assert [loop.contour.area for loop in loops] == [pytest.approx(math.pi * 25.0)]
 
 
@@ -234,7 +234,7 @@ def test_printed_arcs_meet_their_ends(
     words.move(Rapid((start.real, start.imag, -1.0)))
     words.move(ArcFeed((end.real, end.imag, -1.0), (hub.real, hub.imag), ccw, 100.0))
     head = HEAD if grid[1] == 1.0 else HEAD.replace("G21", "G20")
-    program = read(head + "\n".join(words.take()) + "\nM5\nM2")
+    program = run(head + "\n".join(words.take()) + "\nM5\nM2", LINUXCNC)
     for move in program.moves[2:]:
         assert abs(move.end - end) <= 0.71 * step
         if move.kind != "arc":
@@ -257,14 +257,16 @@ def test_printed_arcs_meet_their_ends(
         ("G21", "G20", "not in mm"),
         ("M2\n", "", "does not end"),
         ("(operation outline)", "(operation rim)", "does not have"),
-        ("T1 M6", "T2 M6", "'bore' is cut with tool 2, not 1"),
-        ("T1 M6", "M6", "'bore' is cut with tool 0, not 1"),
+        ("T1 M6", "T2 M6", "the length of tool 1 is put into force with tool 2"),
+        ("T1 M6\nG43 H1", "T2 M6\nG43 H2", "'bore' is cut with tool 2, not 1"),
+        ("T1 M6", "M6", "a change of the tool without its number"),
         ("G1 Z-8.0000 F100", "G1 Z-7.0000 F100", "no closed path of 'bore' at Z -8"),
         ("G17 ", "", "cut without G17"),
-        ("G91.1", "G90.1", "G90.1 is not expected"),
-        ("M5\nM2", "M9\nM5\nM2", "M9 is not expected"),
+        ("G91.1", "G90.1", "the radii of the arc differ"),
+        ("M5\nM2", "M19\nM5\nM2", "M19, an angle of the spindle, is outside what is read"),
+        ("M5\nM2", "M12\nM5\nM2", "LinuxCNC has no M12"),
         ("M5\nM2", "M5\nM2\nG0 X1", "after the end"),
-        ("G43 H1", "G43 H#1", "cannot be read"),
+        ("G43 H1", "G43 H#1", "parameters, expressions"),
         ("(tolerance 0.001 mm)", "", "state its tolerance"),
     ],
 )
@@ -315,7 +317,7 @@ def profile(tmp_path: Path, **changes: str) -> StubProduct:
 def test_arcs_are_divided_as_the_machine_wants(tmp_path: Path, degrees: int) -> None:
     product = profile(tmp_path, largest_sweep=f"largest_sweep = {degrees}")
     written = WRITER.write(product, 0.001)
-    program = read(written.data.decode())
+    program = run(written.data.decode(), LINUXCNC)
     sweeps = [abs(math.degrees(move.sweep)) for move in program.moves if move.kind == "arc"]
     # A printed end point moves by 0.71 steps, on arcs of 0.7 mm radius at least.
     assert max(sweeps) <= degrees + math.degrees(1.42e-4 / 0.7)

@@ -13,6 +13,7 @@ from typing import Final
 
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
+from camgeo.toolpath.machine import names
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import EDGES
 
@@ -91,6 +92,8 @@ def _built(rng: Random) -> Case:
     ]
     if target == "certificate.json":
         steps.append(("verify", "."))
+    if target.endswith(".ngc"):
+        steps.append(("lint", target, "--machine", rng.choice(names())))
     if target.endswith((".dxf", ".csv")):
         steps.append(("replay", SCENE, target, "--step", "5"))
     return Case(kept, tuple(steps), f"damaged {target}")

@@ -12,6 +12,7 @@ from camgeo.cli.main import COMMANDS, parser
 from camgeo.figure import plots
 from camgeo.formats.registry import FORMATS
 from camgeo.motion.laws import FAMILIES
+from camgeo.toolpath.machine import names as machines
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import WORDS
 from tests.fuzz.files import outputs
@@ -42,6 +43,9 @@ BY_METAVAR: Final = {
         ",".join(FORMATS),
     ),
     "FILE|DIR": ("out", "out/cam.dxf", "out/certificate.json", "."),
+    "PROGRAM": ("out/setzhub.ngc", "out/cam.ngc", "out/setzhub.dxf", SCENE, "."),
+    "NAME|PROFILE": (*machines(), SCENE),
+    "D=MM": ("1=3", "7=0.5", "1=0", "1", "=3", "x=1"),
     "CONTOUR": ("out/cam.dxf", "out/cam.csv"),
     "PROJECT": ("project.ocv",),
     "WHAT": tuple(plots.names()),

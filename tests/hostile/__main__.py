@@ -30,6 +30,7 @@ INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "dxf": drawings,
     "replay-dxf": partial(drawings, any_text=False),
     "gcode": programs,
+    "lint": programs,
     "stl": bodies,
     "3mf": packages,
     "contour": contours,

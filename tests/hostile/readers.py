@@ -19,10 +19,12 @@ from camgeo.product.product import Product
 from camgeo.scene.ocv import import_project
 from camgeo.toolpath.machine import load
 from camgeo.verifying.certificate import certificate_in
+from camgeo.verifying.linting import Bench
 from camgeo.verifying.verify import Against, Wanted, verify_files
 from camgeo.writing.writer import find_writer
 from camgeo_export.contour_csv.reader import READER as CONTOUR
 from camgeo_export.dxf.reader import READER as DRAWING
+from camgeo_export.interpreter.run import LINTER
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
@@ -102,6 +104,15 @@ def machine(data: bytes) -> str:
     return ""
 
 
+def linted(data: bytes, profile: str) -> str:
+    """Why `camgeo lint` refuses a program, or what it finds first."""
+    try:
+        found = LINTER.lint(data, load(profile), Bench())
+    except CamgeoError as error:
+        return str(error)
+    return str(found.findings[0]) if found.findings else ""
+
+
 def certificate(data: bytes) -> str:
     """Why a certificate counts as damaged."""
     with tempfile.TemporaryDirectory() as folder:
@@ -115,6 +126,7 @@ READERS: Final[Mapping[str, Callable[[bytes], str]]] = {
     "dxf": partial(verified, kind="dxf"),
     "replay-dxf": partial(replayed, reader=DRAWING),
     "gcode": partial(verified, kind="gcode"),
+    "lint": partial(linted, profile="linuxcnc"),
     "stl": partial(verified, kind="stl"),
     "3mf": partial(verified, kind="3mf"),
     "contour": partial(replayed, reader=CONTOUR),
@@ -135,6 +147,7 @@ def good(name: str) -> bytes:
     folder = Path(camgeo.__file__).parent
     files: dict[str, Callable[[], bytes]] = {
         "replay-dxf": lambda: made("dxf"),
+        "lint": lambda: made("gcode"),
         "contour": lambda: b"x,y,bulge\n10,0,0.1\n0,10,0\n-10,0,0.5\n0,-10,0\n",
         "lifts": lambda: ("\n".join(f"{10 * k},{k * (36 - k)}" for k in range(37))).encode(),
         "speeds": lambda: (FIXTURES / "scenes" / "points_speed.csv").read_bytes(),

@@ -5,12 +5,13 @@ from __future__ import annotations
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.machine import load
+from camgeo.toolpath.machine import Machine, load
 from camgeo.units import MM_PER
+from camgeo.verifying.linting import Bench
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.moves import Loop
-from camgeo_export.gcode.reader import Program, read
+from camgeo_export.interpreter.run import Run, run_bytes
 
 
 def measure(product: Product, data: bytes) -> float:
@@ -20,12 +21,15 @@ def measure(product: Product, data: bytes) -> float:
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
-    program = read(data.decode("ascii", "replace"))
+    spec = product.options[FORMAT]
+    machine = load(spec.machine)
+    program = run_bytes(data, machine, bench_of(product, machine), most=1)
+    program.refuse("words", "path")
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
-    spec = product.options[FORMAT]
-    limits = load(spec.machine).arcs
-    program.verify(spec.safe_height, limits.radius_tolerance)
+    program.refuse()
+    if program.compensated is not None:
+        raise FileError(f"line {program.compensated.line}: compensated by the control")
     if stated(program.comments).tolerance is None:  # then it could not be verified later
         raise FileError("the program does not state its tolerance")
     loops = program.loops()
@@ -36,11 +40,18 @@ def measure(product: Product, data: bytes) -> float:
         for loop in loops
     )
     arcs = any(move.kind == "arc" for move in program.moves)
-    own = limits.interpolation if arcs else 0.0
+    own = machine.arcs.interpolation if arcs else 0.0
     return path + program.blending + program.naive_cam + own
 
 
-def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) -> None:
+def bench_of(product: Product, machine: Machine) -> Bench:
+    """The work of a program of ours: traverses at its safe height, which is printed rounded."""
+    step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
+    names = tuple(cut.name for cut in product.milled.cuts)
+    return Bench(clearance=product.options[FORMAT].safe_height - 0.5 * step, operations=names)
+
+
+def _check_complete(cuts: tuple[Cut, ...], program: Run, loops: list[Loop]) -> None:
     """Every cut must use its tool, on its closed path at each of its depths."""
     tools = {cut.name: cut.tool.number for cut in cuts}
     for loop in loops:

@@ -33,16 +33,21 @@ class CutterMove:
     ----------
     kind : "rapid", "line" or "arc".
     start, end : (x + iy); nan + nan i until the program has set a position.
-    z_start, z_end : heights.
+    z_start, z_end : heights; infinite at the machine's reference.
     centre : of an arc.
     sweep : angle turned along an arc [rad], positive counter-clockwise.
     mismatch : difference of an arc's radii at its ends.
     feed : 0 for a traverse.
-    speed : of the spindle [rev/min]; 0 while it stands still.
+    speed : of the spindle [rev/min], negative counter-clockwise; 0 while it stands still.
     operation : the last one named by a comment.
     tool : number of the current one; 0 before the first change.
     offset : number of the tool whose length is compensated; 0 before the first.
     line : in the file, counted from 1.
+    compensation : side of the path on which the control keeps the cutter, "left" or "right", or
+        empty: then the path is that of its centre.
+    radius_offset : number of the offset with which it does so; 0 without.
+    coolant : "flood", "mist", "through" or "off".
+    work_offset : word of the work offset, e.g. "G54"; empty before one is stated.
     """
 
     kind: Kind
@@ -59,11 +64,38 @@ class CutterMove:
     tool: int
     offset: int
     line: int
+    compensation: str = ""
+    radius_offset: int = 0
+    coolant: str = "off"
+    work_offset: str = ""
 
     @property
     def course(self) -> Arc:
         """Its line or arc in the plane."""
         return Arc(self.start, self.end, self.sweep, self.centre)
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """What a program does between moves.
+
+    Attributes
+    ----------
+    kind : "tool change", "spindle off", "stop", "dwell" or "end".
+    word : that does it.
+    at, z : position [mm]; NaN where unknown, infinite at the reference.
+    tool : number of the one in the spindle, after a change of it.
+    seconds : of a dwell.
+    line : in the file, counted from 1.
+    """
+
+    kind: str
+    word: str
+    at: complex
+    z: float
+    tool: int
+    seconds: float
+    line: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from camgeo.product.product import Product
 from camgeo.reading import PROGRAM, check_text
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import load
+from camgeo.verifying.linting import Bench
 from camgeo.verifying.verification import (
     Check,
     Origin,
@@ -22,14 +23,19 @@ from camgeo.verifying.verification import (
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.comments import stated
+from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.moves import Loop
-from camgeo_export.gcode.reader import Program, notes_of, read
+from camgeo_export.interpreter.run import Run, notes_of, run_bytes
 from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
 
 NAMES = {1.0: "mm", 25.4: "inch"}
+
+
+CONCERNS = {"arcs": ("form",), "safety": ("safety",), "frame": ("frame", "limits")}
+"""Checks of what the interpreter finds, apart from a path that it cannot tell."""
 
 
 class GcodeVerifier:
@@ -53,25 +59,22 @@ class GcodeVerifier:
         if lacking := FORMAT.lacking(product.values):
             note = f"to compare a program with it the scene {' and '.join(lacking)}"
             return (failed("operations", note),)
-        try:
-            program = read(data.decode("ascii", "replace"))
-        except FileError as error:
-            hint = (
-                "" if reading.ours else "; only the words that camgeo's programs use are supported"
-            )
-            return (failed("program", f"{error}{hint}"),)
-        unit = NAMES.get(program.mm_per_unit, "unknown")
-        checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]
         spec = product.options[FORMAT]
         machine = load(spec.machine)
         limits = machine.arcs
-        height = spec.safe_height if reading.ours else 0.0
+        bench = bench_of(product, machine) if reading.ours else Bench()
         try:
-            program.verify(height, limits.radius_tolerance)
+            program = run_bytes(data, machine, bench, fatal=("words", "path"))
+            program.refuse("words", "path")
         except FileError as error:
-            checks.append(failed("safety", str(error)))
-        else:
-            checks.append(Check("safety", "", counted(len(program.moves), "move"), ok=True))
+            hint = "" if reading.ours else f"; it is read as a program for {machine.name}"
+            return (failed("program", f"{error}{hint}"),)
+        unit = NAMES.get(program.mm_per_unit, "unknown")
+        checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]
+        checks += [_without(program, name, *concerns) for name, concerns in CONCERNS.items()]
+        if (move := program.compensated) is not None:
+            note = f"line {move.line}: the control keeps the cutter off the path by what it knows"
+            checks.append(failed("compensation", note))
         mismatch = max((move.mismatch for move in program.moves), default=0.0)
         note = "radii of an arc at its two ends"
         checks.append(at_most("arc ends", mismatch, limits.radius_tolerance, "mm", note=note))
@@ -87,7 +90,16 @@ class GcodeVerifier:
         return tuple(checks)
 
 
-def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
+def _without(program: Run, name: str, *concerns: str) -> Check:
+    """The check that no finding of the interpreter concerns one of these."""
+    try:
+        program.refuse(*concerns)
+    except FileError as error:
+        return failed(name, str(error))
+    return Check(name, "", counted(len(program.moves), "move"), ok=True)
+
+
+def _paths(product: Product, program: Run, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
     centres = tuple(cut.centre for cut in product.milled.cuts)
     exact = shapes_of(centres, product.drawn.base_radius, tolerance)

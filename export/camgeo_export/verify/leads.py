@@ -14,7 +14,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.verifying.verification import Check, at_most, failed
 from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.gcode.reader import Program
+from camgeo_export.interpreter.run import Run
 from camgeo_export.matching import distances_from
 from camgeo_export.verify.plane import SLOPE, place_text
 
@@ -23,7 +23,7 @@ PARTS = 64
 
 
 def lead_checks(
-    program: Program,
+    program: Run,
     operation: str,
     path: Contour,
     heights: Collection[float],

@@ -1,0 +1,137 @@
+"""What `camgeo lint` finds: programs run as the controller of a machine profile would run them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from camgeo.answers.answer import BROKEN, FINE, WRONG, Answer
+from camgeo.errors import FileError, unreadable
+from camgeo.reading import PROGRAM, read_within
+from camgeo.toolpath.machine import Machine, load
+from camgeo.verifying.linting import Bench, LineFinding, Linted, Linter, linter
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A finding with the line that it concerns.
+
+    Attributes
+    ----------
+    found : the finding.
+    text : of the line; empty if it concerns the whole program.
+    """
+
+    found: LineFinding
+    text: str
+
+    @property
+    def line(self) -> int | None:
+        return self.found.line or None
+
+    @property
+    def value(self) -> str | None:
+        return self.found.value or None
+
+    @property
+    def allowed(self) -> str | None:
+        return self.found.allowed or None
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """One file.
+
+    Attributes
+    ----------
+    path : of the file.
+    damage : why it cannot be read; empty if it can.
+    found : what was found in it; None if it cannot be read.
+    """
+
+    path: Path
+    damage: str = ""
+    found: Linted | None = None
+
+    @property
+    def file(self) -> str:
+        return str(self.path)
+
+    @property
+    def refused(self) -> str | None:
+        return self.damage or None
+
+    @property
+    def moves(self) -> int:
+        return 0 if self.found is None else self.found.moves
+
+    @property
+    def complete(self) -> bool:
+        return self.found is not None and self.found.complete
+
+    @property
+    def findings(self) -> tuple[Placed, ...]:
+        """By line, those of the whole program last."""
+        found = self.found
+        if found is None:
+            return ()
+        return tuple(Placed(each, found.texts.get(each.line, "")) for each in found.findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Lint(Answer):
+    """Programs, and what was found in them.
+
+    Attributes
+    ----------
+    machine : profile that they were read with.
+    bench : what was taken of the work.
+    programs : one per file.
+    """
+
+    command: ClassVar[str] = "lint"
+
+    machine: Machine
+    bench: Bench
+    programs: tuple[Program, ...]
+
+    @property
+    def clean(self) -> bool:
+        """Whether all files could be read and nothing was found in any."""
+        return all(each.found is not None and not each.findings for each in self.programs)
+
+    @property
+    def exit_code(self) -> int:
+        """2 if a file cannot be read, 1 if something was found, else 0."""
+        if any(each.damage for each in self.programs):
+            return WRONG
+        return FINE if self.clean else BROKEN
+
+
+def lint(paths: Sequence[Path], machine: str, bench: Bench | None = None) -> Lint:
+    """Run programs, and find what is wrong with them.
+
+    Parameters
+    ----------
+    paths : of the files.
+    machine : name of a machine profile, or the path of one.
+    bench : what the programs do not say of the work; by default Z 0 is the top of the stock.
+
+    Raises
+    ------
+    SceneError
+        If there is no such profile, or it is wrong.
+    """
+    profile, work, runs = load(machine), bench or Bench(), linter()
+    return Lint(profile, work, tuple(_program(path, profile, work, runs) for path in paths))
+
+
+def _program(path: Path, machine: Machine, bench: Bench, runs: Linter) -> Program:
+    try:
+        return Program(path, found=runs.lint(read_within(path, PROGRAM), machine, bench))
+    except FileError as error:
+        return Program(path, str(error))
+    except (OSError, ValueError) as error:  # the latter for a path that no file can have
+        return Program(path, f"cannot be read: {unreadable(error)}")

@@ -1,0 +1,355 @@
+"""One block run by the controller, in the order in which controllers take its words.
+
+The order is that of LinuxCNC (docs/src/gcode/overview.adoc, "G-code Order of Execution"), which is
+that of RS274/NGC; where other controllers differ, the block is ambiguous, and a finding says so.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from camgeo.units import MM_PER
+from camgeo_export.gcode.moves import Event
+from camgeo_export.interpreter.block import AXES, Block
+from camgeo_export.interpreter.controller import Controller
+from camgeo_export.interpreter.decode import unused
+from camgeo_export.interpreter.motion import Mover
+from camgeo_export.interpreter.rules import Findings
+from camgeo_export.interpreter.state import UNKNOWN, State
+
+SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
+"""Seconds that a dwell may reasonably take; others are in another unit, probably."""
+
+EVENTS: Final = {
+    "tool change": "tool",
+    "spindle off": "spindle",
+    "stop": "flow",
+    "end": "flow",
+    "dwell": "dwell",
+}
+"""Groups of the words that cause events."""
+
+SIMPLE: Final = ("plane", "distance", "centres", "cycle")
+"""Groups of which a word changes nothing but the mode."""
+
+
+class Executor:
+    """Runs blocks on one state.
+
+    Attributes
+    ----------
+    state : of the controller.
+    events : stops, tool changes and dwells so far.
+    """
+
+    def __init__(
+        self, controller: Controller, mover: Mover, state: State, findings: Findings
+    ) -> None:
+        self.state = state
+        self.events: list[Event] = []
+        self._controller = controller
+        self._mover = mover
+        self._findings = findings
+        self._used: set[str] = set()
+
+    def run(self, block: Block) -> None:
+        """Run one block."""
+        state = self.state
+        if block.broken:
+            self._mover.skip(block)
+            return
+        self._used = set("NO")
+        self._check_ambiguous(block)
+        self._unit(block)
+        self._feed_and_speed(block)
+        self._tool(block)
+        late = self._controller.machine.dialect == "klartext"
+        if not (late and block.codes.get("spindle") == "spindle off"):
+            self._spindle(block)
+        if not (late and block.codes.get("coolant") == "coolant off"):
+            self._coolant(block)
+        self._dwell(block)
+        for group in SIMPLE:
+            if group in block.codes:
+                state.modes[group] = block.codes[group]
+        self._compensation(block)
+        self._length(block)
+        self._work_offset(block)
+        self._path_mode(block)
+        self._used |= self._mover.move(block)
+        if late:
+            self._spindle(block)
+            self._coolant(block)
+        self._flow(block)
+        unused(block, self._used, self._findings)
+
+    def _report(self, block: Block, rule: str, what: str, value: str = "", ok: str = "") -> None:
+        self._findings.add(block.line, rule, what, value, ok)
+
+    def _check_ambiguous(self, block: Block) -> None:
+        """Blocks that controllers run in different orders."""
+        off = [
+            block.words[group]
+            for group in ("spindle", "coolant")
+            if block.codes.get(group) in ("spindle off", "coolant off")
+        ]
+        cutting = block.codes.get("motion", self.state.mode("motion")) not in ("", "rapid")
+        moving = any(axis in block.values for axis in AXES)
+        if off and moving and cutting and self._controller.machine.dialect != "klartext":
+            what = f"{off[0]} in a block that cuts: controllers differ in what comes first"
+            self._report(block, "conflict", what, ok="a block of its own")
+
+    # -- words, in the order of execution ---------------------------------------------------------
+
+    def _unit(self, block: Block) -> None:
+        if "unit" not in block.codes:
+            return
+        unit = block.codes["unit"]
+        scale = MM_PER["inch"] if unit == "inch" else MM_PER["mm"]
+        if self.state.scale not in (scale, math.inf) and not math.isnan(self.state.scale):
+            self._report(block, "unit-change", "the unit changes within the program")
+        self.state.scale = scale
+        self.state.modes["unit"] = unit
+
+    @property
+    def _scale(self) -> float:
+        """mm in a unit; before one is stated a millimetre."""
+        return 1.0 if math.isnan(self.state.scale) else self.state.scale
+
+    def _feed_and_speed(self, block: Block) -> None:
+        state = self.state
+        mode = block.codes.get("feed mode")
+        if mode is not None and mode != state.mode("feed mode"):
+            if state.mode("feed mode"):
+                state.feed = 0.0  # in another unit from here on
+            state.modes["feed mode"] = mode
+            if mode == "inverse time":
+                self._report(block, "unsupported", f"{block.words['feed mode']} is not read")
+        if "S" in block.values and "dwell" not in block.actions:
+            state.speed = block.value("S")
+        if "F" in block.values and "dwell" not in block.actions:
+            per_turn = state.mode("feed mode") == "feed per revolution"
+            numbers = self._controller.machine.numbers
+            part = numbers.inch_feed if state.mode("unit") == "inch" else 1.0
+            state.feed = block.value("F") * self._scale * part * (state.speed if per_turn else 1.0)
+            self._check_feed(block)
+        self._used |= set("FS")
+
+    def _check_feed(self, block: Block) -> None:
+        dynamics = self._controller.machine.dynamics
+        if dynamics is not None and self.state.feed > dynamics.rapid_feed:
+            what = "the feed is faster than the traverses of the machine"
+            self._report(
+                block, "feed", what, f"{self.state.feed:g} mm/min",
+                f"at most {dynamics.rapid_feed:g} mm/min",
+            )  # fmt: skip
+
+    def _tool(self, block: Block) -> None:
+        state = self.state
+        if "T" in block.values:
+            state.chosen = int(max(block.value("T"), 0.0))
+        self._used |= set("T")
+        changes = block.codes.get("tool") == "tool change"
+        if not (changes or ("T" in block.values and not self._controller.changes_tools)):
+            return
+        if changes and not state.chosen:
+            self._report(block, "missing-word", "a change of the tool without its number T")
+        if changes and state.side:
+            self._report(block, "compensation", "a change of the tool under compensation")
+        self._leave_tool()
+        state.tool = state.chosen
+        if self._controller.machine.dialect == "klartext":  # its length comes into force with it
+            self._put_length(state.tool)
+        state.modes["spindle"] = "spindle off"  # controllers stop it
+        if changes:
+            self._event(block, "tool change")
+
+    def put_in(self, number: int) -> None:
+        """Put a tool into the spindle by hand, its length set."""
+        self._leave_tool()
+        self.state.tool = self.state.offset = number
+
+    def _leave_tool(self) -> None:
+        """Judge the coolant of the tool that leaves the spindle."""
+        state = self.state
+        if state.dry and state.used_coolant:
+            what = "a cut without the coolant that the tool has elsewhere"
+            self._findings.add(state.dry, "coolant", what)
+        state.dry, state.used_coolant = 0, False
+
+    def _spindle(self, block: Block) -> None:
+        spindle = block.codes.get("spindle")
+        if spindle is None:
+            return
+        if spindle == "spindle off":
+            self._event(block, "spindle off")
+        elif not self.state.speed > 0.0:
+            self._report(block, "no-spindle", f"{block.words['spindle']} without a speed S")
+        if spindle == "spindle counter-clockwise":
+            what = "the spindle turns counter-clockwise: cutters cut clockwise"
+            self._report(block, "spindle-sense", what)
+        self.state.modes["spindle"] = spindle
+
+    def _coolant(self, block: Block) -> None:
+        if "coolant" in block.codes:
+            self.state.modes["coolant"] = block.codes["coolant"]
+            self.state.used_coolant |= self.state.coolant != "off"
+
+    def _dwell(self, block: Block) -> None:
+        if "dwell" not in block.actions:
+            return
+        self._used |= set("PXFSU")
+        found = self._seconds(block)
+        if found is None:
+            what = f"{block.words['dwell']} without its time"
+            self._report(block, "missing-word", what, ok=self._controller.dwell_letter)
+            return
+        seconds, text = found
+        if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
+            form = self._controller.machine.dwell
+            what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
+            allowed = f"{SHORTEST_DWELL:g} to {LONGEST_DWELL:g} s"
+            self._report(block, "dwell", what, ok=allowed)
+        self._event(block, "dwell", seconds)
+
+    def _seconds(self, block: Block) -> tuple[float, str] | None:
+        """Time of a dwell, and its word; the words of a block that dwells are taken from it."""
+        controller = self._controller
+        letter = controller.dwell_letter
+        in_seconds = controller.machine.dwell.unit == "s"
+        for each in dict.fromkeys((letter, "P", "X", "F")):
+            number = block.values.get(each)
+            if number is None:
+                continue
+            block.values.pop(each)
+            if each != letter or in_seconds:
+                return number.value, f"{each}{number.text}"
+            if number.has_point:
+                what = "a dwell in whole milliseconds takes no decimal point"
+                self._report(block, "number", what, f"{each}{number.text}")
+            return number.value / 1000.0, f"{each}{number.text}"
+        return None
+
+    def _compensation(self, block: Block) -> None:
+        state = self.state
+        found = block.codes.get("compensation")
+        if found is None:
+            return
+        if found == "compensation off":
+            if state.side:
+                state.left_compensation = block.line
+            state.modes["compensation"] = found
+            state.radius_offset, state.stated_radius = 0, math.nan
+            return
+        if state.side:
+            self._report(block, "compensation", "compensation is already on")
+        self._used |= set("D")
+        word = block.words["compensation"]
+        state.stated_radius = math.nan
+        if word.endswith(".1"):  # D is the diameter itself
+            state.stated_radius = 0.5 * block.value("D") * self._scale
+        elif "D" in block.values:
+            if block.value("D") % 1.0:
+                text = block.values["D"].text
+                self._report(block, "number", f"D{text} is no number of an offset")
+            state.radius_offset = int(max(block.value("D"), 0.0))
+        elif not state.radius_offset:
+            state.radius_offset = state.tool
+        state.modes["compensation"] = found
+        self._mover.enter(block)
+
+    def _length(self, block: Block) -> None:
+        state = self.state
+        if self._controller.length_letter == "D" and "D" in block.values:
+            self._used |= set("D")
+            self._put_length(state.tool if block.value("D") > 0.0 else 0)
+        found = block.codes.get("length")
+        if found == "length offset off":
+            self._put_length(0)
+        elif found == "length offset":
+            self._used |= set("HZ")
+            number = int(max(block.value("H", state.tool), 0.0))
+            if state.tool and number != state.tool:
+                what = f"the length of tool {number} is put into force with tool {state.tool}"
+                self._report(block, "tool-length", what, ok=f"H{state.tool}")
+            self._put_length(number)
+
+    def _put_length(self, number: int) -> None:
+        """Put a tool's length into force: where the spindle was, Z is another number now."""
+        state = self.state
+        if self._controller.machine.tool_change.by_hand:
+            number = state.tool  # the operator has set Z with it
+        if number != state.offset and math.isfinite(state.z):
+            state.z_before, state.z = state.z, math.nan
+        state.offset = number
+
+    def _work_offset(self, block: Block) -> None:
+        state = self.state
+        if "work offset" not in block.codes:
+            return
+        word = block.words["work offset"]
+        if state.work_offset not in ("", word):
+            state.at = UNKNOWN
+            state.z = state.z if math.isinf(state.z) else math.nan
+        state.work_offset = word
+        state.modes["work offset"] = "work offset"
+
+    def _path_mode(self, block: Block) -> None:
+        state = self.state
+        mode = block.codes.get("path mode")
+        if mode is not None:
+            state.modes["path mode"] = mode
+            state.blending = state.naive_cam = 0.0
+            if mode == "continuous path":
+                self._used |= set("PQ")
+                # Without P the controller keeps its speed at any deviation; without Q, Q is P.
+                smooth = self._controller.smoothing_letter(block.words["path mode"])
+                p = block.value("P", math.inf) if smooth else math.inf
+                state.blending = p * self._scale
+                q = block.value("Q", p) if self._controller.groups & {"centres"} else 0.0
+                state.naive_cam = q * self._scale if math.isfinite(q) else state.blending
+        if "smoothing" in block.codes:
+            self._smoothing(block)
+
+    def _smoothing(self, block: Block) -> None:
+        state = self.state
+        letter = self._controller.smoothing_letter(block.words["smoothing"])
+        self._used |= set(f"PQER{letter}")
+        number = block.values.get("tolerance") or (block.values.get(letter) if letter else None)
+        state.naive_cam = 0.0
+        if block.names.get("smoothing") == "off" or number is None:
+            state.blending = 0.0
+        else:
+            state.blending = number.value * self._scale
+
+    def _flow(self, block: Block) -> None:
+        state = self.state
+        flow = block.codes.get("flow")
+        if flow is None or flow == "optional stop":
+            return
+        if flow == "stop":
+            by_hand = self._controller.machine.tool_change.by_hand
+            if by_hand and state.chosen != state.tool:
+                self.put_in(state.chosen)
+                self._event(block, "tool change")
+                state.z_before, state.z = state.z, math.nan  # the operator has set it again
+            else:
+                self._event(block, "stop")
+            return
+        self._leave_tool()
+        for group, what in (("spindle", "the spindle turns"), ("coolant", "the coolant flows")):
+            mode = state.mode(group)
+            if mode not in ("", f"{group} off"):
+                # M2 and M30 switch them off on most controllers, not on all.
+                self._report(block, "left-on", f"{what} at the end of the program")
+        if state.side:
+            self._report(block, "left-on", "compensation is on at the end of the program")
+        self._event(block, "end")
+        state.ended = True
+
+    def _event(self, block: Block, kind: str, seconds: float = 0.0) -> None:
+        state = self.state
+        word = block.words.get(EVENTS[kind]) or block.words.get("flow", kind)
+        z = state.z_before if math.isnan(state.z) else state.z
+        self.events.append(Event(kind, word, state.at, z, state.tool, seconds, block.line))

@@ -1,0 +1,255 @@
+"""Moves of a block: where they end, and what they are."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Set
+from typing import Final
+
+from camgeo.numeric.arrays import phase
+from camgeo.verifying.linting import Bench
+from camgeo_export.gcode.moves import CutterMove, Kind
+from camgeo_export.interpreter.arc_words import ArcReader
+from camgeo_export.interpreter.arcs import Arc, about_pole, heading_after
+from camgeo_export.interpreter.block import ARMS, AXES, Block
+from camgeo_export.interpreter.compensation import Compensator
+from camgeo_export.interpreter.controller import Controller
+from camgeo_export.interpreter.frame import Frame
+from camgeo_export.interpreter.hazards import Hazards
+from camgeo_export.interpreter.lengths import coordinate
+from camgeo_export.interpreter.rules import Findings
+from camgeo_export.interpreter.state import RETRACTED, UNKNOWN, State
+
+ARCS: Final = ("clockwise arc", "counter-clockwise arc")
+
+STRAIGHT: Final = frozenset({*AXES, "PR", "PA"})
+
+ROUND: Final = STRAIGHT | frozenset({*ARMS, "R", "P", "TURN"})
+"""Words that moves take."""
+
+
+class Mover:
+    """Makes moves of blocks, and judges them.
+
+    Attributes
+    ----------
+    moves : so far.
+    """
+
+    def __init__(
+        self, controller: Controller, state: State, bench: Bench, findings: Findings
+    ) -> None:
+        self.moves: list[CutterMove] = []
+        self._controller = controller
+        self._state = state
+        self._findings = findings
+        self._radii = dict(bench.radii)
+        self._hazards = Hazards(controller, bench, findings)
+        self._frame = Frame(controller, findings)
+        self._compensator = Compensator(findings)
+        self._arcs = ArcReader(controller, state, findings)
+        self._fine = False
+
+    def enter(self, block: Block) -> None:
+        """Compensation was switched on."""
+        if block.codes.get("motion") in ARCS:
+            what = "compensation begins with an arc"
+            self._findings.add(block.line, "compensation", what, allowed="a straight move")
+        self._compensator.enter()
+
+    def skip(self, block: Block) -> None:
+        """Go on from the end of a block that is not run."""
+        if any(axis in block.values for axis in AXES):
+            self._state.at, self._state.z = self._target(block)
+
+    def move(self, block: Block) -> Set[str]:
+        """Make the move of a block, if it has one; return the letters that it takes."""
+        state = self._state
+        if block.codes.get("motion", "") and block.arc != "rapid":
+            state.modes["motion"] = block.codes["motion"]
+        if "home" in block.actions:
+            return self._home(block)
+        axes = [axis for axis in AXES if axis in block.values]
+        if block.words.get("length", "").endswith(".1"):
+            return STRAIGHT  # Z is the length itself
+        motion = "rapid" if block.arc == "rapid" else state.mode("motion")
+        arms = any(arm in block.values for arm in (*ARMS, "R"))
+        if block.arc in ("polar", "pole"):
+            axes = axes or ["pole"]
+        if not axes and not (arms and motion in ARCS and "motion" in block.codes):
+            self._check_bare(block)
+            return frozenset()
+        if not motion:
+            self._findings.add(block.line, "no-motion", "coordinates before a kind of motion")
+            motion = "rapid"
+        self._check_unit(block)
+        if "machine position" in block.actions:
+            return self._machine_position(block, motion)
+        self._run(block, motion)
+        return ROUND if motion in ARCS else STRAIGHT
+
+    # -- kinds of moves ---------------------------------------------------------------------------
+
+    def _run(self, block: Block, motion: str) -> None:
+        state = self._state
+        end, z_end = self._target(block)
+        arc = None
+        kind: Kind = "rapid" if motion == "rapid" else "line"
+        if motion in ARCS:
+            kind = "arc"
+            found = self._arcs.read(block, end, z_end, ccw=motion == ARCS[1])
+            if found is None:  # what it is cannot be told: the path goes on from its end
+                state.at, state.z = end, z_end
+                return
+            end, arc = found
+            kind = "line" if arc is None else "arc"
+        self._make(block, kind, end, z_end, arc)
+
+    def _target(self, block: Block) -> tuple[complex, float]:
+        """End of the move [mm]; where it stays along an axis, the present position."""
+        state = self._state
+        at = self._polar(block) if block.arc == "polar" else state.at
+        found = {"X": at.real, "Y": at.imag, "Z": state.z}
+        for axis in AXES:
+            if axis not in block.values:
+                continue
+            number = block.values[axis]
+            value = coordinate(block, axis, self._controller, state.mode("unit")) * self._scale
+            state.step = min(state.step, 10.0**-number.decimals * self._scale)
+            self._check_decimals(block, axis, number.decimals)
+            incremental = state.mode("distance") == "incremental"
+            found[axis] = value + (found[axis] if block.relative.get(axis, incremental) else 0.0)
+        return complex(found["X"], found["Y"]), found["Z"]
+
+    def _polar(self, block: Block) -> complex:
+        state = self._state
+        arm = state.at - state.pole
+        radius = block.value("PR") * self._scale if "PR" in block.values else abs(arm)
+        angle = math.degrees(phase(arm)) if not cmath.isnan(arm) else math.nan
+        if "PA" in block.values:
+            relative = block.relative.get("PA", False)
+            angle = block.value("PA") + (angle if relative else 0.0)
+        return about_pole(state.pole, radius, angle)
+
+    def _home(self, block: Block) -> Set[str]:
+        """To the reference, by way of the position that the block states."""
+        state = self._state
+        axes = [axis for axis in AXES if axis in block.values]
+        if state.side:
+            self._findings.add(block.line, "compensation", "a traverse home under compensation")
+        if any(self._leads_away(block, axis) for axis in axes):
+            self._check_unit(block)
+            self._make(block, "rapid", *self._target(block), None)
+        gone = axes or list(AXES)
+        z = RETRACTED if "Z" in gone else state.z
+        at = UNKNOWN if {"X", "Y"} & set(gone) else state.at
+        self._make(block, "rapid", at, z, None)
+        return STRAIGHT
+
+    def _leads_away(self, block: Block, axis: str) -> bool:
+        """Whether the position on the way home is another one than the present."""
+        incremental = self._state.mode("distance") == "incremental"
+        if block.relative.get(axis, incremental):
+            return block.value(axis) != 0.0
+        at = {"X": self._state.at.real, "Y": self._state.at.imag, "Z": self._state.z}[axis]
+        return block.value(axis) * self._scale != at
+
+    def _machine_position(self, block: Block, motion: str) -> Set[str]:
+        """To a position in the machine's own coordinates: Z is at its top there."""
+        state, word = self._state, block.words["machine position"]
+        add = self._findings.add
+        if motion != "rapid":
+            what = f"{word} with a cut: machine positions are for traverses"
+            add(block.line, "conflict", what)
+        if state.side:
+            add(block.line, "compensation", f"{word} under compensation")
+        if state.mode("distance") == "incremental" and not block.relative:
+            add(block.line, "conflict", f"{word} while distances are incremental")
+        at = UNKNOWN if {"X", "Y"} & block.values.keys() else state.at
+        z = RETRACTED if "Z" in block.values else state.z
+        self._make(block, "rapid", at, z, None)
+        return STRAIGHT
+
+    def _make(self, block: Block, kind: Kind, end: complex, z_end: float, arc: Arc | None) -> None:
+        """Make a move, judge it, and go on from its end."""
+        state = self._state
+        turning = -1.0 if state.mode("spindle") == "spindle counter-clockwise" else 1.0
+        move = CutterMove(
+            kind=kind,
+            start=state.at,
+            end=end,
+            z_start=state.z,
+            z_end=z_end,
+            centre=0j if arc is None else arc.centre,
+            sweep=0.0 if arc is None else arc.sweep,
+            mismatch=0.0 if arc is None else arc.mismatch,
+            feed=0.0 if kind == "rapid" else state.feed,
+            speed=turning * state.speed if state.spinning else 0.0,
+            operation=state.operation,
+            tool=state.tool,
+            offset=state.offset,
+            line=block.line,
+            compensation=state.side,
+            radius_offset=state.radius_offset,
+            coolant=state.coolant,
+            work_offset=state.work_offset,
+        )
+        self._hazards.judge(move, state)
+        if kind != "rapid":
+            self._frame.check(state, block.line)
+            if math.isnan(state.cut_scale):
+                state.cut_scale = state.scale
+            state.cut_blending = max(state.cut_blending, state.blending)
+            state.cut_naive_cam = max(state.cut_naive_cam, state.naive_cam)
+        self._compensate(move)
+        self.moves.append(move)
+        if end != state.at:
+            state.heading = heading_after(state.at, end, arc)
+        state.at, state.z = end, z_end
+
+    # -- checks ---------------------------------------------------------------------------------
+
+    @property
+    def _scale(self) -> float:
+        """mm in a unit; before one is stated a millimetre."""
+        return 1.0 if math.isnan(self._state.scale) else self._state.scale
+
+    def _check_unit(self, block: Block) -> None:
+        state = self._state
+        if math.isnan(state.scale) and any(block.value(axis) for axis in (*AXES, *ARMS, "R")):
+            what = "coordinates before their unit is stated: taken as mm"
+            words = self._controller.machine.unit
+            self._findings.add(block.line, "unit", what, allowed=f"{words.mm} or {words.inch}")
+            state.scale = 1.0
+
+    def _check_decimals(self, block: Block, axis: str, decimals: int) -> None:
+        """More decimals than the controller reads are found once."""
+        most = self._controller.machine.numbers.most_decimals
+        allowed = most.inch if self._state.mode("unit") == "inch" else most.mm
+        if decimals > allowed and not self._fine:
+            self._fine = True
+            text = f"{axis}{block.values[axis].text}"
+            what = "more decimals than the controller reads"
+            self._findings.add(block.line, "decimals", what, text, f"at most {allowed}")
+
+    def _check_bare(self, block: Block) -> None:
+        """A block without coordinates must not ask for a motion that needs them."""
+        motion = block.codes.get("motion", "")
+        if motion in ARCS:
+            self._findings.add(block.line, "missing-word", "an arc without its end and its centre")
+        elif "machine position" in block.actions and block.words["machine position"] == "G53":
+            self._findings.add(block.line, "missing-word", "G53 without coordinates")
+
+    def _compensate(self, move: CutterMove) -> None:
+        state = self._state
+        if state.side:
+            radius = state.stated_radius
+            if math.isnan(radius):
+                radius = self._radii.get(state.radius_offset, math.nan)
+            if move.kind != "rapid" or move.start != move.end:
+                self._compensator.take(move, state.side, radius)
+        elif state.left_compensation:
+            radius = self._radii.get(move.tool, math.nan)
+            self._compensator.leave(move, radius)
+            state.left_compensation = 0

@@ -1,0 +1,290 @@
+"""A milling program run as its controller would run it, led by a machine profile."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Final
+
+from camgeo.reading import PATHS, PROGRAM, beyond, check_text, lines_of
+from camgeo.toolpath.machine import Machine
+from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
+from camgeo.wording import counted
+from camgeo_export.errors import FileError
+from camgeo_export.gcode.moves import CutterMove, Event, Loop, loop_of, nearly_closed
+from camgeo_export.interpreter.controller import Controller, controller_of
+from camgeo_export.interpreter.decode import decode
+from camgeo_export.interpreter.execute import Executor
+from camgeo_export.interpreter.iso import without_comments, words_of
+from camgeo_export.interpreter.klartext import Klartext
+from camgeo_export.interpreter.motion import Mover
+from camgeo_export.interpreter.rules import Enough, Findings
+from camgeo_export.interpreter.state import State
+from camgeo_export.interpreter.text import check_line, check_number
+
+NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
+"""A comment in brackets, or one up to the end of the line, in whatever dialect."""
+
+OPERATION: Final = "operation "
+"""A comment that begins with it names the operation that follows."""
+
+BY_HAND: Final = re.compile(r"(tool|change to tool) (\d{1,6})\b", re.ASCII | re.IGNORECASE)
+"""A comment that names a tool, where the operator changes tools at a stop."""
+
+CONTROL: Final = re.compile(r"\s*+%")
+
+NAME: Final = re.compile(r"\s*+[O:]\s*+\d++\s*+", re.ASCII)
+"""A block with the number of a program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A program that was run.
+
+    Attributes
+    ----------
+    mm_per_unit : of the unit of length of its first cut; NaN if it states none.
+    step : last printed decimal [mm].
+    blending : how far the controller may leave the programmed path in a cut [mm]; 0 for the exact
+        path, infinite without a bound.
+    naive_cam : how far it may move points before that [mm].
+    moves, events : in the order of running.
+    comments : those that stand alone in their lines, without brackets.
+    findings : by line.
+    complete : whether the program was read to its end, not up to the last finding allowed.
+    """
+
+    mm_per_unit: float
+    step: float
+    blending: float
+    naive_cam: float
+    moves: tuple[CutterMove, ...]
+    comments: tuple[str, ...]
+    events: tuple[Event, ...]
+    findings: tuple[LineFinding, ...]
+    complete: bool
+
+    def loops(self, gap: float = 0.0) -> list[Loop]:
+        """Closed runs of cuts at constant height; leads into and out of them are omitted.
+
+        A run that ends up to `gap` [mm] from where it began is closed, too; its mismatch is larger
+        by that.
+        """
+        found: list[Loop] = []
+        run: list[CutterMove] = []
+        # A point already visited closes a loop; the search then starts again, so that a path which
+        # overlaps its beginning is found once, and no loop contains another.
+        reached: dict[complex, int] = {}
+        for move in self.moves:
+            flat = move.kind != "rapid" and move.z_start == move.z_end
+            if not flat or (run and run[-1].operation != move.operation):
+                found += nearly_closed(run, gap)
+                run, reached = [], {}
+            if not flat:
+                continue
+            reached[move.start] = len(run)
+            run.append(move)
+            if len(found) > PATHS:
+                raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
+            if move.end in reached:
+                found.append(loop_of(run[reached[move.end] :], 0.0))
+                run, reached = [], {}
+        return found + nearly_closed(run, gap)
+
+    @property
+    def compensated(self) -> CutterMove | None:
+        """The first move whose path is not that of the cutter's centre; None if there is none."""
+        return next((move for move in self.moves if move.compensation), None)
+
+    def refuse(self, *concerns: str) -> None:
+        """Raise FileError with the first finding that concerns one of these, or anything."""
+        for finding in self.findings:
+            if not concerns or finding.concerns in concerns:
+                raise FileError(str(finding))
+
+
+def run(
+    text: str,
+    machine: Machine,
+    bench: Bench | None = None,
+    most: int = MOST,
+    fatal: Collection[str] = (),
+) -> Run:
+    """Run a program.
+
+    Parameters
+    ----------
+    text : of the program.
+    machine : profile of the controller.
+    bench : what the program does not say of the work; by default Z 0 is the top of the stock.
+    most : findings after which the program is not read further.
+    fatal : concerns of findings of which one is enough.
+
+    Raises
+    ------
+    FileError
+        If the program is beyond the limits of what is read.
+    """
+    return run_bytes(text.encode("utf-8", "replace"), machine, bench, most, fatal)
+
+
+def run_bytes(
+    data: bytes,
+    machine: Machine,
+    bench: Bench | None = None,
+    most: int = MOST,
+    fatal: Collection[str] = (),
+) -> Run:
+    """Run a program given as bytes, like `run`."""
+    check_text(data, PROGRAM, "the program")
+    program = _Program(machine, bench or Bench(), Findings(most, fatal))
+    complete = True
+    try:
+        for number, line in enumerate(lines_of(data), start=1):
+            program.read(number, line)
+        program.finish()
+    except Enough:
+        complete = False
+    return program.result(complete)
+
+
+def notes_of(text: str) -> list[str]:
+    """The comments in a text of any dialect, without brackets."""
+    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
+
+
+class _Program:
+    """A program while it is read."""
+
+    def __init__(self, machine: Machine, bench: Bench, findings: Findings) -> None:
+        self._machine = machine
+        self._bench = bench
+        self._controller: Controller = controller_of(machine)
+        self._findings = findings
+        self._state = State()
+        if machine.smoothing is None:
+            self._state.blending = self._state.naive_cam = 0.0
+        self._mover = Mover(self._controller, self._state, bench, self._findings)
+        self._executor = Executor(self._controller, self._mover, self._state, self._findings)
+        self._klartext = Klartext(self._controller, self._state, self._findings)
+        self._names = {name.upper(): name for name in bench.operations}
+        self._comments: list[str] = []
+        self._percent = 0
+        self._blocks = 0
+        self._said_after = False
+
+    def read(self, number: int, line: str) -> None:
+        """Read one line and run its block."""
+        if not check_line(number, line, self._machine, self._findings):
+            return
+        klartext = self._machine.dialect == "klartext"
+        brackets = self._controller.brackets and not klartext
+        text, notes = without_comments(number, line, brackets, self._findings)
+        block = text.strip().upper()
+        alone = not block or (klartext and block.isdigit())
+        for note in notes:
+            self._note(note, alone)
+        if not block:
+            return
+        if not klartext and CONTROL.match(block):
+            self._control(number, block)
+            return
+        if self._state.ended and klartext and self._klartext.is_end(block):
+            return
+        if self._ended(number):
+            return
+        self._blocks += 1
+        if klartext:
+            for each in self._klartext.blocks(number, block):
+                self._executor.run(each)
+            return
+        if NAME.fullmatch(block) and "O" in self._controller.letters:
+            return
+        if block.startswith("/"):
+            what = "a block that a switch of the controller skips"
+            self._findings.add(number, "unsupported", what)
+            block = block.lstrip("/0123456789 ")
+        words = words_of(number, block, self._controller.extended, self._findings)
+        if words is None:
+            return
+        check_number(words, self._findings)
+        self._executor.run(decode(words, self._controller, self._findings))
+
+    def _note(self, note: str, alone: bool) -> None:
+        """What a comment says of the program."""
+        state = self._state
+        if alone:
+            self._comments.append(note)
+        if note.lower().startswith(OPERATION):
+            name = note[len(OPERATION) :].strip()
+            state.operation = self._names.get(name.upper(), name)
+        if self._machine.tool_change.by_hand and (found := BY_HAND.match(note)):
+            state.chosen = int(found[2])
+            if not state.tool:  # the first one is in the spindle when the program starts
+                self._executor.put_in(state.chosen)
+
+    def _control(self, number: int, block: str) -> None:
+        """`%` begins a program, and ends it if it began one."""
+        if not self._controller.takes_percent:
+            name = self._machine.name
+            self._findings.add(number, "unknown-word", f"{name} does not take %")
+        elif self._percent and not self._state.ended and self._blocks:
+            self._state.ended = True
+            self._findings.add(number, "no-end", "% ends the program before M2 or M30 does")
+        self._percent += 1
+
+    def _ended(self, number: int) -> bool:
+        if not self._state.ended:
+            return False
+        if not self._said_after:
+            self._findings.add(number, "after-end", "block after the end of the program")
+            self._said_after = True
+        return True
+
+    def finish(self) -> None:
+        """Judge the end of the program."""
+        if not self._state.ended:
+            what = "the program does not end"
+            ends = "END PGM" if self._machine.dialect == "klartext" else "M2 or M30"
+            self._findings.add(0, "no-end", what, allowed=ends)
+        elif not self._mover.moves:
+            self._findings.add(0, "nothing", "the program moves nothing")
+        for event in self._executor.events:
+            low = event.z < self._bench.free
+            if low and event.kind in ("tool change", "stop", "spindle off"):
+                where = f"at Z {event.z:g} mm, below the safe height"
+                allowed = f"Z {self._bench.free:g} mm or more"
+                self._findings.add(event.line, "low-stop", f"{event.word} {where}", "", allowed)
+
+    def result(self, complete: bool) -> Run:
+        """What there is."""
+        state = self._state
+        return Run(
+            state.scale if math.isnan(state.cut_scale) else state.cut_scale,
+            state.step,
+            state.blending if state.cut_blending < 0.0 else state.cut_blending,
+            state.naive_cam if state.cut_blending < 0.0 else state.cut_naive_cam,
+            tuple(self._mover.moves),
+            tuple(self._comments),
+            tuple(self._executor.events),
+            tuple(sorted(self._findings.found, key=lambda each: each.line or math.inf)),
+            complete,
+        )
+
+
+class GcodeLinter:
+    """The interpreter as `camgeo lint` asks for it."""
+
+    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
+        """All findings; FileError for data beyond the limits of a program."""
+        found = run_bytes(data, machine, bench)
+        wanted = {finding.line for finding in found.findings}
+        texts = {
+            number: line for number, line in enumerate(lines_of(data), start=1) if number in wanted
+        }
+        return Linted(found.findings, texts, len(found.moves), found.complete)
+
+
+LINTER = GcodeLinter()

@@ -1,0 +1,88 @@
+"""The result of `camgeo lint`, rendered as text and as JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgeo.answers.answer import BROKEN, FINE, WRONG
+from camgeo.answers.lint import Lint, lint
+from camgeo.answers.render import text
+from camgeo.cli.main import main
+from camgeo.verifying.linting import Bench
+from tests.answers.documents import document
+from tests.interpreter.programs import GOOD
+
+
+def of(folder: Path, *texts: str, machine: str = "linuxcnc") -> Lint:
+    paths = [folder / f"{k}.nc" for k in range(len(texts))]
+    for path, each in zip(paths, texts, strict=True):
+        path.write_text(each)
+    return lint(paths, machine, Bench(clearance=5.0))
+
+
+@pytest.mark.parametrize("machine", GOOD)
+def test_nothing_is_found_in_a_good_program(machine: str, tmp_path: Path) -> None:
+    found = of(tmp_path, GOOD[machine], machine=machine)
+    assert found.exit_code == FINE
+    assert document(found)["clean"] is True
+    assert "nothing found" in text(found)
+
+
+def test_a_finding_has_its_line_and_its_text(tmp_path: Path) -> None:
+    bad = GOOD["linuxcnc"].replace("G1 Y-5.0", "G0 Y-5.0")
+    found = of(tmp_path, bad, GOOD["linuxcnc"])
+    assert found.exit_code == BROKEN
+    first, second = document(found)["programs"]
+    (finding,) = first["findings"]
+    assert finding["line"] == bad.splitlines().index("G0 Y-5.0") + 1
+    assert (finding["text"], finding["rule"]) == ("G0 Y-5.0", "rapid-in-stock")
+    assert finding["allowed"] == "Z 0 mm or more"
+    assert second["findings"] == []
+    said = text(found)
+    assert "line 17    G0 Y-5.0" in said
+    assert "rapid-in-stock: a traverse in the plane at Z -3 mm" in said
+
+
+def test_text_and_document_are_of_one_result(tmp_path: Path) -> None:
+    found = of(tmp_path, GOOD["grbl"].replace("M2\n", ""), machine="grbl")
+    (program,) = found.programs
+    assert program.found is not None
+    (finding,) = program.found.findings
+    changed = replace(program.found, findings=(replace(finding, what="the moon"),), complete=False)
+    other = replace(found, programs=(replace(program, found=changed),))
+    assert document(other)["programs"][0]["findings"][0]["what"] == "the moon"
+    assert "line" not in document(other)["programs"][0]["findings"][0]
+    assert "the program\n            no-end: the moon" in text(other)
+    assert "not read further" in text(other)
+
+
+def test_a_file_that_cannot_be_read_takes_nothing_from_the_others(tmp_path: Path) -> None:
+    (tmp_path / "0.nc").write_text(GOOD["linuxcnc"])
+    (tmp_path / "large.nc").write_bytes(b"G0\n" * 300_000)
+    paths = [tmp_path / name for name in ("none.nc", "0.nc", "large.nc")]
+    found = lint(paths, "linuxcnc", Bench(clearance=5.0))
+    assert found.exit_code == WRONG
+    programs = document(found)["programs"]
+    assert "No such file" in programs[0]["refused"]
+    assert "refused" not in programs[1]
+    assert "200,000" in programs[2]["refused"]
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.nc"
+    path.write_text(GOOD["fanuc"])
+    assert main(["lint", str(path), "--machine", "fanuc", "--clearance", "5"]) == FINE
+    capsys.readouterr()
+    assert main(["lint", str(path), "--machine", "fanuc", "--clearance", "6", "--json"]) == BROKEN
+    assert json.loads(capsys.readouterr().out)["clearance_mm"] == 6.0
+    assert main(["lint", str(path), "--machine", "fanuk"]) == WRONG
+    assert "did you mean fanuc?" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["lint", str(path), "--machine", "fanuc", "--radius", "1"])
+    for words in (["--clearance", "-1"], ["--radius", "1=0"]):
+        with pytest.raises(SystemExit):
+            main(["lint", str(path), "--machine", "fanuc", *words])

@@ -1,0 +1,190 @@
+"""Foolish and damaged programs: each is found out, with the line and the reason.
+
+Each is one of the good programs with one change.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import pytest
+
+from camgeo.toolpath.machine import load
+from camgeo.verifying.linting import Bench
+from camgeo_export.interpreter.run import Run, run
+from tests.interpreter.programs import GOOD
+
+CLEARANCE = 5.0
+
+
+def linted(text: str, machine: str, radii: tuple[tuple[int, float], ...] = ()) -> Run:
+    return run(text, load(machine), Bench(clearance=CLEARANCE, radii=radii))
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a good program.
+
+    `line` is what the line that is found says after it; empty for the whole program.
+    """
+
+    name: str
+    machine: str
+    old: str
+    new: str
+    rule: str
+    line: str
+    said: str = ""
+
+
+LINUXCNC = (
+    # dangers
+    Change("feed turned rapid", "linuxcnc", "G1 Y-5.0", "G0 Y-5.0", "rapid-in-stock", "G0 Y-5.0"),
+    Change("plunge at rapid", "linuxcnc", "G1 Z-3.0 F100", "G0 Z-3.0", "rapid-plunge", "G0 Z-3.0"),
+    Change("across and down", "linuxcnc", "G0 X-20.0 Y0.0", "G0 X-20.0 Y0.0 Z1.0",
+           "rapid-diagonal", "G0 X-20.0 Y0.0 Z1.0"),
+    Change("across too low", "linuxcnc", "G0 Z5.0\nG0 X-20.0", "G0 Z2.0\nG0 X-20.0", "rapid-height",
+           "G0 X-20.0 Y0.0"),
+    Change("across before Z", "linuxcnc", "G0 Z5.0\nG0 X-20.0 Y0.0\n", "G0 X-20.0 Y0.0\nG0 Z5.0\n",
+           "rapid-height", "G0 X-20.0 Y0.0", "unknown height"),
+    Change("no feed", "linuxcnc", "G1 Z-3.0 F100", "G1 Z-3.0", "no-feed", "G1 Z-3.0"),
+    Change("spindle never on", "linuxcnc", "S3000 M3", "S3000", "no-spindle", "G1 Z-3.0 F100"),
+    Change("spindle without speed", "linuxcnc", "S3000 M3", "M3", "no-spindle", "M3"),
+    Change("spindle off while cutting", "linuxcnc", "G1 Y-5.0", "M5\nG1 Y-5.0", "no-spindle",
+           "G1 Y-5.0"),
+    Change("spindle stopped in the cut", "linuxcnc", "G1 Y-5.0", "M5\nG1 Y-5.0", "low-stop", "M5"),
+    Change("spindle the wrong way", "linuxcnc", "M3", "M4", "spindle-sense", "S3000 M4"),
+    Change("coolant off while cutting", "linuxcnc", "G1 Y-5.0", "M9\nG1 Y-5.0", "coolant",
+           "G1 Y-5.0"),
+    Change("no tool", "linuxcnc", "T1 M6\n", "", "no-tool", "G1 Z-3.0 F100"),
+    Change("no tool length", "linuxcnc", "G43 H1\n", "", "tool-length", "G1 Z-3.0 F100"),
+    Change("length of another tool", "linuxcnc", "G43 H1", "G43 H2", "tool-length", "G43 H2"),
+    Change("tool change in the cut", "linuxcnc", "G1 Y-5.0", "T2 M6\nG43 H2\nS3000 M3\nG1 Y-5.0",
+           "low-stop", "T2 M6"),
+    Change("stop in the cut", "linuxcnc", "G1 Y-5.0", "M0\nG1 Y-5.0", "low-stop", "M0"),
+    Change("feed of a traverse", "linuxcnc", "F300", "F30000", "feed", "G1 X-10.0 F30000"),
+    # the path
+    Change("no unit", "linuxcnc", "G21 ", "", "unit", "G0 Z5.0"),
+    Change("two units", "linuxcnc", "G1 Y-5.0", "G20\nG1 Y-5.0", "unit-change", "G20"),
+    Change("arc of the wrong sense", "linuxcnc", "G2 X-5.0 Y10.0", "G3 X-5.0 Y10.0", "arc-sweep",
+           "G3 X-5.0 Y10.0 I5.0 J0.0", "270 degrees"),
+    Change("centre absolute", "linuxcnc", "I0.0 J-5.0", "I5.0 J5.0", "arc-radius",
+           "G2 X10.0 Y5.0 I5.0 J5.0", "radii of the arc differ"),
+    Change("accidental full circle", "linuxcnc", "G2 X10.0 Y5.0", "G2 X5.0 Y10.0", "full-circle",
+           "G2 X5.0 Y10.0 I0.0 J-5.0"),
+    Change("nearly a full circle", "linuxcnc", "G2 X10.0 Y5.0", "G2 X4.9999 Y10.0", "full-circle",
+           "G2 X4.9999 Y10.0 I0.0 J-5.0"),
+    Change("half a turn by its radius", "linuxcnc", "G1 Y-5.0", "G2 Y-5.0 R5.0", "arc-form",
+           "G2 Y-5.0 R5.0", "ill defined"),
+    Change("centre and radius", "linuxcnc", "I0.0 J-5.0", "I0.0 J-5.0 R5.0", "arc-form",
+           "G2 X10.0 Y5.0 I0.0 J-5.0 R5.0"),
+    Change("arc without centre", "linuxcnc", " I0.0 J-5.0", "", "no-arc", "G2 X10.0 Y5.0"),
+    Change("compensation in the middle of a cut", "linuxcnc", "G1 X-10.0 F300",
+           "G1 G41 D1 X-17.5 F300\nG1 X-10.0", "compensation", "G1 G41 D1 X-17.5 F300",
+           "not longer than the cutter's radius"),
+    Change("arc after compensation", "linuxcnc", "G1 X-10.0 F300\nG1 Y5.0",
+           "G1 G41 D1 X-10.0 F300\nG1 Y5.0\nG40", "compensation", "G2 X-5.0 Y10.0 I5.0 J0.0",
+           "an arc right after"),
+    Change("inner arc too small", "linuxcnc", "G1 X-10.0 F300", "G1 G42 D2 X-10.0 F300", "gouge",
+           "G2 X-5.0 Y10.0 I5.0 J0.0", "not larger than the cutter"),
+    # frame
+    Change("no plane", "linuxcnc", "G17 ", "", "frame", "G1 Z-3.0 F100", "cut without G17"),
+    Change("no distance mode", "linuxcnc", "G90 ", "", "frame", "G1 Z-3.0 F100", "without G90"),
+    Change("no end", "linuxcnc", "M2\n", "", "no-end", "", "does not end"),
+    Change("block after the end", "linuxcnc", "M2\n", "M2\nG0 X1\n", "after-end", "G0 X1"),
+    Change("spindle on at the end", "linuxcnc", "M5\n", "", "left-on", "M2", "spindle"),
+    # words
+    Change("incremental left on", "linuxcnc", "G1 X-5.0\n", "G91\nG1 X-5.0\n", "arc-radius",
+           "G2 X-10.0 Y-5.0 I0.0 J5.0"),
+    Change("two motions", "linuxcnc", "G1 Y-5.0", "G0 G1 Y-5.0", "conflict", "G0 G1 Y-5.0"),
+    Change("a word twice", "linuxcnc", "G1 Y-5.0", "G1 Y-5.0 Y5.0", "repeated-word",
+           "G1 Y-5.0 Y5.0"),
+    Change("letter O for zero", "linuxcnc", "G1 Y-5.0", "G1 YO", "unreadable", "G1 YO"),
+    Change("comment in a comment", "linuxcnc", "M8", "M8 (flood (cold))", "comment",
+           "M8 (flood (cold))"),
+    Change("comment without end", "linuxcnc", "M8", "M8 (flood", "comment", "M8 (flood"),
+    Change("parameter", "linuxcnc", "G1 Y-5.0", "G1 Y#1", "unsupported", "G1 Y#1"),
+    Change("M5 in a cut", "linuxcnc", "G1 Y-5.0", "G1 Y-5.0 M5", "conflict", "G1 Y-5.0 M5"),
+    Change("a word that nothing takes", "linuxcnc", "G1 Y-5.0", "G1 Y-5.0 R5.0", "unused-word",
+           "G1 Y-5.0 R5.0"),
+    Change("dwell in milliseconds", "linuxcnc", "G4 P2", "G4 P2000", "dwell", "G4 P2000", "2000 s"),
+    Change("dwell without its time", "linuxcnc", "G4 P2", "G4", "missing-word", "G4"),
+    Change("line too long", "linuxcnc", "M8", "M8 (" + "x" * 260 + ")", "line-length",
+           "M8 (" + "x" * 260 + ")"),
+    Change("not ASCII", "linuxcnc", "M8", "M8 (k\xfchl)", "characters", "M8 (k\xfchl)"),
+)  # fmt: skip
+
+OTHERS = (
+    Change("X10 is 10 um", "fanuc", "G1 X-10.0 F300", "G1 X-10 F300", "decimal-point",
+           "G1 X-10 F300", "counts in increments"),
+    Change("dwell in seconds", "fanuc", "G4 P2000", "G4 P2", "dwell", "G4 P2", "0.002 s"),
+    Change("home by way of the part", "fanuc", "G0 Z5.0\nM9\nM5\nG91 G28 Z0.\nG90",
+           "M9\nM5\nG90 G28 Z-5.0", "rapid-plunge", "G90 G28 Z-5.0"),
+    Change("G91.1", "fanuc", "G17 G21", "G91.1 G17 G21", "unknown-word",
+           "G91.1 G17 G21 G40 G49 G54 G80 G90 G94", "Fanuc has no G91.1"),
+    Change("% too early", "fanuc", "M30\n%\n", "%\nM30\n", "no-end", "%"),
+    Change("four decimals", "fanuc", "G1 Y-5.0", "G1 Y-5.0001", "decimals", "G1 Y-5.0001"),
+    Change("X10 is 10 um", "haas", "I5.0 J0.0", "I5 J0.0", "decimal-point",
+           "G2 X-5.0 Y10.0 I5 J0.0"),
+    Change("tool change", "grbl", "S3000 M3", "T1 M6\nS3000 M3", "unknown-word", "T1 M6",
+           "Grbl has no M6"),
+    Change("compensation", "grbl", "G1 X-10.0 F300", "G41 D1 G1 X-10.0 F300", "unknown-word",
+           "G41 D1 G1 X-10.0 F300", "Grbl has no G41"),
+    Change("percent", "grbl", "G17 G21", "%\nG17 G21", "unknown-word", "%"),
+    Change("blending", "grbl", "G61", "G64 P0.01", "unknown-word", "G64 P0.01"),
+    Change("long line", "grbl", "M8", "M8 (" + "x" * 80 + ")", "line-length",
+           "M8 (" + "x" * 80 + ")"),
+    Change("big number of a block", "grbl", "M8", "N10000001 M8", "line-number", "N10000001 M8"),
+    Change("comment in brackets", "sinumerik", "M8", "M8 (flood)", "unknown-word", "M8 (flood)"),
+    Change("R for CR", "sinumerik", "I0.0 J-5.0", "CR=-5.0", "arc-sweep", "G2 X10.0 Y5.0 CR=-5.0",
+           "270 degrees"),
+    Change("CYCLE832 of two", "sinumerik", "(0.005,1,1)", "(0.005,1)", "missing-word",
+           "CYCLE832(0.005,1)"),
+    Change("dwell of a feed", "sinumerik", "G4 F2", "G4 F200", "dwell", "G4 F200"),
+    Change("no D", "sinumerik", "D1\n", "", "tool-length", "G1 Z-3.0 F100"),
+    Change("wrong sense", "heidenhain", "X-5.0 Y+10.0 DR-", "X-5.0 Y+10.0 DR+", "arc-sweep",
+           "18 C X-5.0 Y+10.0 DR+ R0", "270 degrees"),
+    Change("no sense", "heidenhain", "X-5.0 Y+10.0 DR-", "X-5.0 Y+10.0", "arc-form",
+           "18 C X-5.0 Y+10.0 R0", "without its sense"),
+    Change("centre left out", "heidenhain", "20 CC X+5.0 Y+5.0\n", "", "arc-radius",
+           "21 C X+10.0 Y+5.0 DR- R0"),
+    Change("FMAX down", "heidenhain", "L Z-3.0 R0 F100", "L Z-3.0 R0 FMAX", "rapid-plunge",
+           "14 L Z-3.0 R0 FMAX"),
+    Change("no tool", "heidenhain", "5 TOOL CALL 1 Z S3000\n", "", "no-tool", "14 L Z-3.0 R0 F100"),
+    Change("no BEGIN PGM", "heidenhain", "0 BEGIN PGM SQUARE MM\n", "", "frame",
+           "1 BLK FORM 0.1 Z X-12 Y-12 Z-5"),
+    Change("a rounding", "heidenhain", "19 L X+5.0 R0\n", "19 L X+5.0 R0\nRND R2\n", "unsupported",
+           "RND R2"),
+    Change("G1 in klartext", "heidenhain", "22 L Y-5.0 R0", "22 G1 Y-5.0", "unreadable",
+           "22 G1 Y-5.0"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("machine", GOOD)
+def test_the_good_ones_are_clean(machine: str) -> None:
+    found = linted(GOOD[machine], machine)
+    assert found.findings == ()
+    assert len([move for move in found.moves if move.kind == "arc"]) == 4
+    (loop,) = found.loops()
+    assert loop.contour.area == pytest.approx(-(20.0**2 - (4.0 - math.pi) * 5.0**2))
+
+
+@pytest.mark.parametrize(
+    "change", LINUXCNC + OTHERS, ids=lambda each: f"{each.machine}: {each.name}"
+)
+def test_each_is_found(change: Change) -> None:
+    good = GOOD[change.machine]
+    assert good.count(change.old) >= 1
+    text = good.replace(change.old, change.new, 1)
+    lines = text.splitlines()
+    found = linted(text, change.machine, radii=((1, 3.0), (2, 6.0)))
+    own = [each for each in found.findings if each.rule == change.rule]
+    assert own, found.findings
+    wanted = [k + 1 for k, line in enumerate(lines) if line == change.line] if change.line else [0]
+    assert {each.line for each in own} & set(wanted), own
+    assert any(change.said in str(each) for each in own)
+
+
+def test_there_are_enough() -> None:
+    assert len(LINUXCNC + OTHERS) >= 40

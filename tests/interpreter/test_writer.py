@@ -1,0 +1,45 @@
+"""Programs of our writer for every profile: nothing is found in them, and they verify.
+
+Writer and interpreter share the profile and no code, so each is a check of the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from camgeo.toolpath.machine import load, names
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.units import LengthUnit
+from camgeo.verifying.linting import Bench
+from camgeo.verifying.verification import Reading
+from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import run_bytes
+from camgeo_export.verify.gcode import VERIFIER
+from tests.export.stub_product import StubProduct
+
+TOLERANCE = 0.02
+
+OTHER = replace(GcodeSpec().tool, number=7, diameter=4.0)
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+@pytest.mark.parametrize("machine", names())
+def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
+    spec = GcodeSpec(machine=machine, coolant="flood", spin_up=1.5)
+    product = StubProduct(gcode=spec, second_tool=OTHER, unit=unit)
+    data = WRITER.write(product, TOLERANCE).data
+    step = 25.4e-4
+    found = run_bytes(data, load(machine), Bench(clearance=spec.safe_height - step))
+    assert found.findings == ()
+    assert found.mm_per_unit == {"mm": 1.0, "inch": 25.4}[unit]
+    assert {move.tool for move in found.moves if move.kind != "rapid"} == {1, 7}
+    assert {move.coolant for move in found.moves if move.kind != "rapid"} == {"flood"}
+    assert [event.seconds for event in found.events if event.kind == "dwell"] == [1.5, 1.5]
+    origin = VERIFIER.origin(data)
+    assert origin.ours
+    assert origin.tolerance is not None
+    checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), origin.tolerance)
+    assert [check for check in checks if check.ok is False] == []
+    assert WRITER.measure(product, data) <= origin.tolerance
