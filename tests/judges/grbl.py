@@ -1,0 +1,46 @@
+"""Grbl's own parser, where the variable names a program made of it.
+
+The program reads a milling program and prints a line for each thing that Grbl's parser hands on,
+the number of the line of the program first: `12 rapid X Y Z`, `12 line X Y Z F`, `12 arc cw X Y Z
+CX CY F` or `ccw`, and `12 error N`; it may print further lines.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Final
+
+from tests.judges.paths import Leg
+
+VARIABLE: Final = "CAMGEO_GRBL"
+
+
+def absent() -> str:
+    """Why it cannot judge here; empty if it can."""
+    named = os.environ.get(VARIABLE, "")
+    if not named:
+        return f"{VARIABLE} names no build of Grbl's parser"
+    return "" if Path(named).is_file() else f"{named} is not there"
+
+
+def run(text: str) -> tuple[list[Leg], list[str]]:
+    """The moves of a program, and the errors."""
+    done = subprocess.run(
+        [os.environ[VARIABLE]], input=text, capture_output=True, text=True, check=True
+    )
+    legs: list[Leg] = []
+    errors: list[str] = []
+    for line in done.stdout.splitlines():
+        number, what, *rest = line.split()
+        if what == "error":
+            errors.append(f"line {number}: error {rest[0]}")
+        elif what in ("rapid", "line"):
+            x, y, z = map(float, rest[:3])
+            legs.append(Leg(int(number), what, (x, y, z)))
+        elif what == "arc":
+            x, y, z, u, v = map(float, rest[1:6])
+            turn = 1 if rest[0] == "ccw" else -1
+            legs.append(Leg(int(number), what, (x, y, z), complex(u, v), turn))
+    return legs, errors
