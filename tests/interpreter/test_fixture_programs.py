@@ -1,6 +1,6 @@
 """Programs of the fixture scenes for every profile: nothing is found in them, and they verify.
 
-Six scenes, all of them in the long form.
+Six scenes, of which one is verified; all of them in the long form.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ def test_programs_are_clean_and_verify(scene: str, machine: str, folder: Path) -
     for product, data in programs(folder, scene, machine):
         found = run_bytes(data, profile, bench_of(product, profile))
         assert found.findings == ()
+        if not (LONG or scene == SIX[0]):  # to measure the path takes half a second
+            continue
         origin = VERIFIER.origin(data)
         assert origin.tolerance is not None
         checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), origin.tolerance)

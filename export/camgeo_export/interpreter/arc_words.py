@@ -69,7 +69,7 @@ class ArcReader:
                 self._none(block, "an arc before its centre is stated", "CC")
                 return None
             return swept(start, end, self._state.pole, ccw=ccw)
-        if arms:
+        if arms and "R" not in block.values:  # with both, R counts (Fanuc 15i, B-63324EN, 4.4)
             centre = self._centre(block)
             if not (centre - start):
                 self._none(block, "an arc with its centre at its start", "")

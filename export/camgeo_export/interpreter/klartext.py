@@ -51,6 +51,7 @@ PATHS: Final = {
     "CP": ("circle", "polar"),
     "CR": ("circle", "radius"),
     "CT": ("tangent", "tangent"),
+    "CTP": ("tangent", "tangent"),
 }
 """Path functions: what they move along, and how an arc is stated."""
 
@@ -60,7 +61,7 @@ SIDES: Final = {
     "RR": "compensation right",
 }
 
-UNREAD: Final = re.compile(r"(APPR|DEP|RND|CHF|CTP|FN|LBL|CALL|FL|FC|FCT|FLT|Q|SEL|TCH|PLANE)\b")
+UNREAD: Final = re.compile(r"(APPR|DEP|RND|CHF|FN|LBL|CALL|FL|FC|FCT|FLT|Q|SEL|TCH|PLANE)\b")
 """First words of what is known, but not read."""
 
 Form = Callable[[int, re.Match[str]], list[Block]]

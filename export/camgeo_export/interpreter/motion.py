@@ -75,7 +75,7 @@ class Mover:
             return STRAIGHT  # Z is the length itself
         motion = "rapid" if block.arc == "rapid" else state.mode("motion")
         arms = any(arm in block.values for arm in (*ARMS, "R"))
-        if block.arc in ("polar", "pole"):
+        if block.arc in ("polar", "pole", "tangent"):
             axes = axes or ["pole"]
         if not axes and not (arms and motion in ARCS and "motion" in block.codes):
             self._check_bare(block)
@@ -109,7 +109,8 @@ class Mover:
     def _target(self, block: Block) -> tuple[complex, float]:
         """End of the move [mm]; where it stays along an axis, the present position."""
         state = self._state
-        at = self._polar(block) if block.arc == "polar" else state.at
+        polar = block.arc == "polar" or not block.values.keys().isdisjoint(("PR", "PA"))
+        at = self._polar(block) if polar else state.at
         found = {"X": at.real, "Y": at.imag, "Z": state.z}
         for axis in AXES:
             if axis not in block.values:

@@ -1,0 +1,209 @@
+"""Blocks that manuals of the controllers give as examples, and the path that they say results.
+
+They were retyped as facts from the pages named; what such a piece lacks for a program, a position
+to begin with or a feed, stands before it. So the interpreter does not only understand our writer.
+
+For Fanuc and Mach3 no page with an example was at hand: for the one there are rules of its manual
+and the example of its chapter on arcs as it is commonly quoted, for the other, as for Grbl beside
+its own pages, the examples of the language that it implements (NISTIR 6556, "The NIST RS274NGC
+Interpreter, Version 3"). For Haas there was one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import pytest
+
+from camgeo.numeric.arrays import phase
+from camgeo.toolpath.machine import load
+from camgeo_export.gcode.moves import CutterMove
+from camgeo_export.interpreter.run import run
+
+INCH = 25.4
+
+
+@dataclass(frozen=True)
+class Way:
+    """A move as a manual describes it, in the units of the example.
+
+    Attributes
+    ----------
+    end : (x, y), and z if the manual says so.
+    centre : of an arc.
+    turned : by it, in degrees, counter-clockwise positive; None if the manual does not say how far.
+    ccw : its sense, if the manual says only that.
+    """
+
+    end: tuple[float, ...]
+    centre: complex | None = None
+    turned: float | None = None
+    ccw: bool | None = None
+
+
+@dataclass(frozen=True)
+class Example:
+    """A piece of a program, its source, and the last moves that it makes."""
+
+    machine: str
+    source: str
+    head: str
+    text: str
+    ways: tuple[Way, ...]
+    scale: float = 1.0
+    near: float = 1e-3
+
+
+LINUXCNC = "LinuxCNC at 5c41560, docs/src/gcode/g-code.adoc, "
+NIST = "NISTIR 6556, The NIST RS274NGC Interpreter, Version 3, section "
+GRBL = "gnea/grbl at bfb67f0, doc/markdown/"
+ONE = "Siemens, Sinumerik ONE, NC programming, 12/2019, 6FC5398-2EP40-0BA0, page "
+
+EXAMPLES = (
+    # LinuxCNC ----------------------------------------------------------------------------------
+    Example("linuxcnc", LINUXCNC + "G2 Example Line", "G21", "G0 X0 Y0\nG2 X1 Y1 I1 F10",
+            (Way((0, 0)), Way((1, 1), 1 + 0j, -90.0))),
+    Example("linuxcnc", LINUXCNC + "G2-G3 Example Line", "G21",
+            "G0 X0 Y0\nG2 X0 Y1 I1 J0.5 F25\nG3 X0 Y0 I1 J-0.5 F25",
+            (Way((0, 0)), Way((0, 1), 1 + 0.5j, ccw=False), Way((0, 0), 1 + 0.5j, ccw=True))),
+    Example("linuxcnc", LINUXCNC + "G2 Example Helix, whose radii differ", "G21 F10",
+            "G0 X0 Y0 Z0\nG17 G2 X10 Y16 I3 J4 Z-1",
+            (Way((0, 0, 0)), Way((10, 16, -1), 3 + 4j, ccw=False))),
+    Example("linuxcnc", LINUXCNC + "P word Example", "G21",
+            "G0 X0 Y0 Z0\nG2 X0 Y1 Z-1 I1 J0.5 P2 F25",
+            (Way((0, 0, 0)),
+             Way((0, 1, -1), 1 + 0.5j, -360.0 - 2 * math.degrees(math.atan(0.5))))),
+    Example("linuxcnc", LINUXCNC + "G1 Example", "G21 G0 X0 Y0 Z0",
+            "G90\nG1 X1.2 Y-3 F10\nZ-2.3\nZ1 F25",
+            (Way((1.2, -3, 0)), Way((1.2, -3, -2.3)), Way((1.2, -3, 1)))),
+    # Grbl --------------------------------------------------------------------------------------
+    Example("grbl", GRBL + "laser_mode.md, consecutive motion commands", "G21 G0 X0 Y0 Z0",
+            "G1 X10 S100 F50\nG1 X0 S90\nG2 X0 I5 S80",
+            (Way((10, 0)), Way((0, 0)), Way((0, 0), 5 + 0j, -360.0))),
+    Example("grbl", GRBL + "jogging.md, the second of its examples, as a move", "G21 G90 G1 F50",
+            "X10.0 Y-1.5\nG91 G20 X0.5", (Way((10, -1.5)), Way((22.7, -1.5)))),
+    Example("grbl", NIST + "3.5.3.2", "G21 F10 G0 X7 Y7 Z9", "G17 G2 x 10 y 16 i 3 j 4 z 9",
+            (Way((10, 16, 9), 10 + 11j, ccw=False),)),
+    # Mach3 -------------------------------------------------------------------------------------
+    Example("mach3", NIST + "3.5.3.2, circular", "G21 F10 G0 X7 Y7 Z9",
+            "G17 G2 x 10 y 16 i 3 j 4 z 9", (Way((10, 16, 9), 10 + 11j, ccw=False),)),
+    Example("mach3", NIST + "3.5.3.2, helical", "G21 F10 G0 X7 Y7 Z0",
+            "G17 G2 x 10 y 16 i 3 j 4 z 9", (Way((10, 16, 9), 10 + 11j, ccw=False),)),
+    Example("mach3", NIST + "3.5.3.1", "G21 F10 G0 X0 Y0 Z0", "G17 G2 x 10 y 15 r 20 z 5",
+            (Way((10, 15, 5), None, ccw=False),)),
+    # Fanuc -------------------------------------------------------------------------------------
+    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, by radius",
+            "G21 G90 G0 X200. Y40. Z0.",
+            "G90 G03 X140.0 Y100.0 R60.0 F300.\nG02 X120.0 Y60.0 R50.0",
+            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
+    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, by centre",
+            "G21 G90 G0 X200. Y40. Z0.",
+            "G90 G03 X140.0 Y100.0 I-60.0 F300.\nG02 X120.0 Y60.0 I-50.0",
+            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
+    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, incremental",
+            "G21 G90 G0 X200. Y40. Z0.",
+            "G91 G03 X-60.0 Y60.0 I-60.0 F300.\nG02 X-20.0 Y-40.0 I-50.0",
+            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
+    Example("fanuc", "Fanuc 15i/150i-MA, B-63324EN, page 71: R takes precedence over I and J",
+            "G21 G90 G0 X200. Y40. Z0. F300.", "G03 X140.0 Y100.0 I-10.0 J3.0 R60.0",
+            (Way((140, 100), 140 + 40j, 90.0),)),
+    # Haas --------------------------------------------------------------------------------------
+    Example("haas", "Advanced Haas Mill Programming Techniques, training manual, page 26",
+            "G20",
+            "T2 M06\nG00 G90 G54 X0. Y1.25 S5000 M03\nG43 H02 Z1. M08\nG01 Z-0.3 F50.\n"
+            "G01 G41 D02 X-0.5 F50.\nG03 X0. Y0.75 R0.5 F50.\nG01 X1.94\nG02 X2. Y0.69 R0.06\n"
+            "G01 Y-0.69\nG02 X1.94 Y-0.75 R0.06\nG01 X-1.94\nG02 X-2. Y-0.69 R0.06\nG01 Y0.69\n"
+            "G02 X-1.94 Y0.75 R0.06\nG01 X0.\nG03 X0.5 Y1.25 R0.5\nG01 G40 X0.",
+            (Way((0, 1.25, -0.3)), Way((-0.5, 1.25)), Way((0, 0.75), 0 + 1.25j, 90.0),
+             Way((1.94, 0.75)), Way((2, 0.69), 1.94 + 0.69j, -90.0), Way((2, -0.69)),
+             Way((1.94, -0.75), 1.94 - 0.69j, -90.0), Way((-1.94, -0.75)),
+             Way((-2, -0.69), -1.94 - 0.69j, -90.0), Way((-2, 0.69)),
+             Way((-1.94, 0.75), -1.94 + 0.69j, -90.0), Way((0, 0.75)),
+             Way((0.5, 1.25), 0 + 1.25j, 90.0), Way((0, 1.25))), INCH),
+    # Sinumerik ---------------------------------------------------------------------------------
+    Example("sinumerik", ONE + "188", "G90 G710",
+            "N10 G17 S400 M3\nN20 G0 X40 Y-6 Z2\nN30 G1 Z-3 F40\nN40 X12 Y-20\nN50 G0 Z100 M30",
+            (Way((40, -6, 2)), Way((40, -6, -3)), Way((12, -20, -3)), Way((12, -20, 100)))),
+    Example("sinumerik", ONE + "192 by radius, with the start, centre and angle of page 194",
+            "G17 G90 G710", "N10 G0 X67.5 Y80.211\nN20 G3 X17.203 Y38.029 CR=34.913 F500",
+            (Way((67.5, 80.211)), Way((17.203, 38.029), 50 + 50j, 140.134)), near=2e-3),
+    Example("sinumerik", ONE + "194 by centre", "G17 G90 G710",
+            "N10 G0 X67.5 Y80.211\nN20 G3 X17.203 Y38.029 I-17.5 J-30.211 F500",
+            (Way((67.5, 80.211)), Way((17.203, 38.029), 50 + 50j, 140.134)), near=2e-3),
+    Example("sinumerik", ONE + "194, its centre stated as AC", "G17 G90 G710",
+            "N10 G0 X67.5 Y80.211\nN20 G3 X17.203 Y38.029 I=AC(50) J=AC(50) F500",
+            (Way((67.5, 80.211)), Way((17.203, 38.029), 50 + 50j, 140.134)), near=2e-3),
+    Example("sinumerik", "Siemens, Sinumerik 802D sl, operation and programming, nibbling, 06/2006,"
+            " page 8-154", "G17 G71 G0 F100", "N5 G90 X30 Y40\nN10 G2 X50 Y40 I10 J-7",
+            (Way((30, 40)), Way((50, 40), 40 + 33j, ccw=False))),
+    # Heidenhain --------------------------------------------------------------------------------
+    Example("heidenhain", "TNC 410 user's manual, page 79, full circle", "BEGIN PGM A MM",
+            "5 CC X+25 Y+25\n6 L X+45 Y+25 RR F200 M3\n7 C X+45 Y+25 DR+",
+            (Way((45, 25)), Way((45, 25), 25 + 25j, 360.0))),
+    *(
+        Example("heidenhain", f"iTNC 530 (340 49x-05) user's manual, page 207, arc {number}",
+                "BEGIN PGM A MM",
+                f"10 L X+40 Y+40 RL F200 M3\n11 CR X+70 Y+40 R{radius} DR{sense}",
+                (Way((40, 40)),
+                 Way((70, 40), 55 + 40j + up * 1j * math.sqrt(20.0**2 - 15.0**2), turned)))
+        for number, radius, sense, up, turned in (
+            (1, "+20", "-", -1, -2 * math.degrees(math.asin(0.75))),
+            (2, "+20", "+", 1, 2 * math.degrees(math.asin(0.75))),
+            (3, "-20", "-", 1, -360 + 2 * math.degrees(math.asin(0.75))),
+            (4, "-20", "+", -1, 360 - 2 * math.degrees(math.asin(0.75))),
+        )
+    ),
+    Example("heidenhain", "TNC 426/430 user's manual, page 153 (iTNC 530, page 249): LP and CTP",
+            "BEGIN PGM A MM",
+            "12 CC X+40 Y+35\n13 L X+0 Y+35 RL F250 M3\n14 LP PR+25 PA+120\n15 CTP PR+30 PA+30\n"
+            "16 L Y+0",
+            (Way((0, 35)), Way((40 - 12.5, 35 + 25 * math.sqrt(0.75))),
+             Way((40 + 30 * math.sqrt(0.75), 50)), Way((40 + 30 * math.sqrt(0.75), 0)))),
+)  # fmt: skip
+
+
+def ends(example: Example) -> list[CutterMove]:
+    text = f"{example.head}\n{example.text}\n"
+    return list(run(text, load(example.machine)).moves)[-len(example.ways) :]
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda each: f"{each.machine}: {each.source}")
+def test_the_path_is_what_the_manual_says(example: Example) -> None:
+    for way, move in zip(example.ways, ends(example), strict=True):
+        at = (move.end.real, move.end.imag, move.z_end)
+        for found, said in zip(at, way.end, strict=False):
+            assert found == pytest.approx(said * example.scale, abs=1e-3)
+        if way.centre is not None:
+            assert move.kind == "arc"
+            assert abs(move.centre - way.centre * example.scale) <= example.near
+        if way.turned is not None:
+            assert math.degrees(move.sweep) == pytest.approx(way.turned, abs=0.01)
+        if way.ccw is not None:
+            assert (move.sweep > 0.0) == way.ccw
+
+
+def test_the_tangential_arc_leaves_without_a_kink() -> None:
+    """The manual's note to CTP: its pole is not its centre."""
+    (example,) = (each for each in EXAMPLES if "CTP" in each.source)
+    line, arc = ends(example)[1:3]
+    arm = (arc.start - arc.centre) * (1j if arc.sweep > 0.0 else -1j)
+    assert phase(arm / (line.end - line.start)) == pytest.approx(0.0, abs=1e-9)
+    assert abs(arc.centre - (40 + 35j)) > 1.0
+
+
+def test_fanuc_begins_compensation_with_a_line() -> None:
+    """Fanuc 16/18/160/180-C, machining centre, cncmanuals.com page 293: G02 and G03 cannot."""
+    head = "G21 G90 G17 G0 X0. Y0. Z0. F300.\n"
+    bad = run(head + "G41 D1 G03 X10. Y10. I10. J0.", load("fanuc"))
+    good = run(head + "G41 D1 G01 X10. Y10.", load("fanuc"))
+    assert [each.rule for each in bad.findings].count("compensation") >= 1
+    assert "compensation" not in {each.rule for each in good.findings} - {"left-on"}
+
+
+def test_every_controller_has_examples() -> None:
+    counts = {each.machine: 0 for each in EXAMPLES}
+    for each in EXAMPLES:
+        counts[each.machine] += 1
+    assert counts.pop("haas") == 1
+    assert min(counts.values()) >= 3
