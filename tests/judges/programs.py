@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import shutil
 from collections.abc import Iterator
@@ -99,3 +100,34 @@ def _printed(end: complex, at: complex, scale: float, *, incremental: bool) -> c
     base = at if incremental else 0j
     way = (end - base) / scale
     return base + complex(round(way.real, 6), round(way.imag, 6)) * scale
+
+
+def random_contour(rng: Random) -> str:
+    """A contour of one or two moves under compensation, with sharp corners and tight arcs."""
+    side = rng.choice((1, -1))
+    lines = ["G17 G21 G40 G49 G54 G80 G90 G94 G91.1", "T1 M6", "G43 H1", "S1000 M3 F500", "G0 Z5"]
+    lines += ["G0 X-10 Y0", "G1 Z-1", f"G{'41' if side > 0 else '42'}.1 D{rng.choice((1, 2, 4))}"]
+    lines.append("G1 X0 Y0")
+    at, heading = 0j, 1 + 0j
+
+    def printed(point: complex) -> complex:
+        return complex(round(point.real, 6), round(point.imag, 6))
+
+    for _ in range(rng.randint(1, 2)):
+        heading *= cmath.exp(1j * rng.uniform(-2.6, 2.6))
+        if rng.random() < 0.5:
+            end = printed(at + heading * rng.uniform(0.3, 12.0))
+            lines.append(f"G1 X{end.real:.6f} Y{end.imag:.6f}")
+        else:
+            sense = rng.choice((1, -1))
+            arm = printed(1j * sense * heading * rng.uniform(0.5, 12.0))
+            end = printed(at + arm - arm * cmath.exp(1j * sense * rng.uniform(0.2, 2.5)))
+            word = "G3" if sense > 0 else "G2"
+            words = f"X{end.real:.6f} Y{end.imag:.6f} I{arm.real:.6f} J{arm.imag:.6f}"
+            lines.append(f"{word} {words}")
+            away = 1j * sense * (end - at - arm)
+            heading = away / abs(away)
+        at = end
+    off = at + 60j * side * heading
+    lines += ["G40", f"G1 X{off.real:.4f} Y{off.imag:.4f}", "G0 Z5", "M5", "M2"]
+    return "\n".join([*lines, ""])

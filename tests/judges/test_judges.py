@@ -14,7 +14,14 @@ from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
 from tests.judges import bad, grbl, rs274
 from tests.judges.paths import difference
-from tests.judges.programs import SIX, milled_scenes, programs, random_program, workshop
+from tests.judges.programs import (
+    SIX,
+    milled_scenes,
+    programs,
+    random_contour,
+    random_program,
+    workshop,
+)
 from tests.long_form import LONG, examples
 
 NEAR = 1e-4
@@ -48,6 +55,21 @@ def test_linuxcnc_understands_random_programs_as_we_do(seed: int) -> None:
     assert said == ""
     assert len(legs) > 150
     assert difference(run(text, load("linuxcnc"), most=10_000), legs) <= 1e-9
+
+
+@linuxcnc
+@pytest.mark.parametrize("first", range(0, examples(20, long=300), 10))
+def test_what_linuxcnc_refuses_under_compensation_is_found(first: int) -> None:
+    """We also find moves that it would shorten to nothing behind the last corner."""
+    stricter = 0
+    for seed in range(first, first + 10):
+        text = random_contour(Random(seed))
+        _, said = rs274.run(text)
+        found = {each.rule for each in run(text, load("linuxcnc")).findings}
+        ours = bool(found & {"gouge", "compensation"})
+        assert ours or not said, (seed, said)
+        stricter += ours and not said
+    assert stricter <= 2
 
 
 @grbl_parser
