@@ -30,6 +30,14 @@ EVENTS: Final = {
 }
 """Groups of the words that cause events."""
 
+ALWAYS: Final = frozenset("FNOS")
+"""Words that any block may have."""
+
+MOTION: Final = frozenset({"motion"})
+
+TOOLS: Final = frozenset("DHT")
+"""Words that do something without a G or M word."""
+
 SIMPLE: Final = ("plane", "distance", "centres", "cycle")
 """Groups of which a word changes nothing but the mode."""
 
@@ -55,34 +63,47 @@ class Executor:
 
     def run(self, block: Block) -> None:
         """Run one block."""
-        state = self.state
         if block.broken:
             self._mover.skip(block)
             return
-        self._used = set("NO")
-        self._check_ambiguous(block)
-        self._unit(block)
+        self._used = set(ALWAYS)
+        # Most blocks only move, and some set a feed.
+        moving = block.codes.keys() <= MOTION and not block.actions
+        if not moving:
+            self._check_ambiguous(block)
+            self._unit(block)
         self._feed_and_speed(block)
+        if not moving or not block.values.keys().isdisjoint(TOOLS):
+            self._modes(block)
+        self._used |= self._mover.move(block)
+        if not moving:
+            if self._ends_late:
+                self._spindle(block, off=True)
+                self._coolant(block, off=True)
+            self._flow(block)
+        unused(block, self._used, self._findings)
+
+    @property
+    def _ends_late(self) -> bool:
+        """Whether words that switch spindle and coolant off take effect behind the motion."""
+        return self._controller.machine.dialect == "klartext"
+
+    def _modes(self, block: Block) -> None:
+        """What a block switches before it moves."""
         self._tool(block)
-        late = self._controller.machine.dialect == "klartext"
-        if not (late and block.codes.get("spindle") == "spindle off"):
-            self._spindle(block)
-        if not (late and block.codes.get("coolant") == "coolant off"):
-            self._coolant(block)
+        self._spindle(block, off=False)
+        self._coolant(block, off=False)
+        if not self._ends_late:
+            self._spindle(block, off=True)
+            self._coolant(block, off=True)
         self._dwell(block)
         for group in SIMPLE:
             if group in block.codes:
-                state.modes[group] = block.codes[group]
+                self.state.modes[group] = block.codes[group]
         self._compensation(block)
         self._length(block)
         self._work_offset(block)
         self._path_mode(block)
-        self._used |= self._mover.move(block)
-        if late:
-            self._spindle(block)
-            self._coolant(block)
-        self._flow(block)
-        unused(block, self._used, self._findings)
 
     def _report(self, block: Block, rule: str, what: str, value: str = "", ok: str = "") -> None:
         self._findings.add(block.line, rule, what, value, ok)
@@ -134,7 +155,6 @@ class Executor:
             part = numbers.inch_feed if state.mode("unit") == "inch" else 1.0
             state.feed = block.value("F") * self._scale * part * (state.speed if per_turn else 1.0)
             self._check_feed(block)
-        self._used |= set("FS")
 
     def _check_feed(self, block: Block) -> None:
         dynamics = self._controller.machine.dynamics
@@ -178,9 +198,10 @@ class Executor:
             self._findings.add(state.dry, "coolant", what)
         state.dry, state.used_coolant = 0, False
 
-    def _spindle(self, block: Block) -> None:
+    def _spindle(self, block: Block, *, off: bool) -> None:
+        """Switch the spindle, if the block switches it `off`, or on."""
         spindle = block.codes.get("spindle")
-        if spindle is None:
+        if spindle is None or (spindle == "spindle off") != off:
             return
         if spindle == "spindle off":
             self._event(block, "spindle off")
@@ -191,8 +212,10 @@ class Executor:
             self._report(block, "spindle-sense", what)
         self.state.modes["spindle"] = spindle
 
-    def _coolant(self, block: Block) -> None:
-        if "coolant" in block.codes:
+    def _coolant(self, block: Block, *, off: bool) -> None:
+        """Switch the coolant, if the block switches it `off`, or on."""
+        coolant = block.codes.get("coolant")
+        if coolant is not None and (coolant == "coolant off") == off:
             self.state.modes["coolant"] = block.codes["coolant"]
             self.state.used_coolant |= self.state.coolant != "off"
 

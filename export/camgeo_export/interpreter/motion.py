@@ -50,6 +50,7 @@ class Mover:
         self._compensator = Compensator(findings)
         self._arcs = ArcReader(controller, state, findings)
         self._fine = False
+        self._printed: set[tuple[int, float]] = set()
 
     def enter(self, block: Block) -> None:
         """Compensation was switched on."""
@@ -112,14 +113,17 @@ class Mover:
         polar = block.arc == "polar" or not block.values.keys().isdisjoint(("PR", "PA"))
         at = self._polar(block) if polar else state.at
         found = {"X": at.real, "Y": at.imag, "Z": state.z}
+        scale, unit = self._scale, state.mode("unit")
+        incremental = state.mode("distance") == "incremental"
         for axis in AXES:
             if axis not in block.values:
                 continue
-            number = block.values[axis]
-            value = coordinate(block, axis, self._controller, state.mode("unit")) * self._scale
-            state.step = min(state.step, 10.0**-number.decimals * self._scale)
-            self._check_decimals(block, axis, number.decimals)
-            incremental = state.mode("distance") == "incremental"
+            value = coordinate(block, axis, self._controller, unit) * scale
+            printed = (block.values[axis].decimals, scale)
+            if printed not in self._printed:
+                self._printed.add(printed)
+                state.step = min(state.step, 10.0 ** -printed[0] * scale)
+                self._check_decimals(block, axis, printed[0])
             found[axis] = value + (found[axis] if block.relative.get(axis, incremental) else 0.0)
         return complex(found["X"], found["Y"]), found["Z"]
 
