@@ -368,7 +368,7 @@ class Words:
     ----------
     g, m : codes.
     letters : that may begin a word.
-    names : of cycles and keywords of more than one letter.
+    names : of cycles and keywords of more than one letter, and %.
     meaning : of words whose meaning is not the common one, one of `MEANINGS`.
     """
 

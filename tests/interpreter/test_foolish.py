@@ -188,3 +188,9 @@ def test_each_is_found(change: Change) -> None:
 
 def test_there_are_enough() -> None:
     assert len(LINUXCNC + OTHERS) >= 40
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "mach3", "fanuc", "haas"])
+def test_percent_may_stand_around_a_program(machine: str) -> None:
+    text = GOOD[machine].strip("%\n")
+    assert linted(f"%\n{text}\n%\n", machine).findings == ()
