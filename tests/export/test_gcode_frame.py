@@ -255,6 +255,16 @@ def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:
         budget(fanuc, "mm", 0.99 * caught.value.reached)
 
 
+def test_smoothing_takes_no_more_than_coarse_numbers_leave() -> None:
+    """Of four decimals of an inch 10 um are just within reach, on the exact path."""
+    haas, fanuc = machines.load("haas"), machines.load("fanuc")
+    assert budget(haas, "inch", 0.01) == budget(fanuc, "inch", 0.01)
+    shares = budget(haas, "inch", 0.02)
+    assert haas.smoothing is not None
+    assert haas.smoothing.smallest <= shares.blending <= haas.smoothing.share * 0.02
+    assert shares.fit >= 0.1 * 0.02
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_helix_keeps_its_pitch(name: str) -> None:
     """As an arc with Z where the controller has one, else as lines on the helix."""

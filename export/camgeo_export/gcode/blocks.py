@@ -114,12 +114,16 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
         interpolation = 0.0
     chord = (CHORD_SHARE if arcs else LINE_SHARE) * tolerance
     smoothing = machine.smoothing
-    blending = 0.0 if smoothing is None else min(smoothing.share * tolerance, smoothing.largest)
-    if smoothing is None or blending < smoothing.smallest * (1.0 - 1e-9):
-        blending = 0.0
+    left = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - interpolation
+    blending = 0.0
+    if smoothing is not None:
+        # Coarse numbers may leave too little for it.
+        blending = min(smoothing.share * tolerance, smoothing.largest, left - LEAST_FIT * tolerance)
+        if blending < smoothing.smallest * (1.0 - 1e-9):
+            blending = 0.0
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
-    fit = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - blending - interpolation
+    fit = left - blending
     if fit < LEAST_FIT * tolerance and rounding > ROUNDING_SHARE * tolerance:
         least = rounding / (fit + rounding - LEAST_FIT * tolerance) * tolerance
         message = f"{decimals} decimals in a program are too coarse"
