@@ -46,9 +46,12 @@ FRAME: Final = """\
 1. `program.start`, then comments on the whole program.
 2. For each operation, so that it can be restarted alone: its comments, `program.safe_start`,
    smoothing, `retract.blocks`, `spindle.off` before another tool, `tool_change.change`,
-   `tool_change.length_offset`, `spindle.clockwise`, the dwell, the approach, coolant, then its
-   moves. The comments of the first operation stand behind the tool change, as those of the program
-   are above it; before the first tool change there is a retract only with `retract.first`.
+   `tool_change.length_offset`, the approach with `spindle.clockwise`, the dwell and coolant, then
+   its moves. "z-first" goes up to the clearance height before the spindle starts, because the
+   cutter may stand on the work; "xy-first" starts it at the height of the retract. The comments of
+   the first operation stand behind the tool change, as those of the program are above it; before
+   the first tool change there is a retract only with `retract.first`. A retract to the clearance
+   height, {z}, stands at the end of an operation instead, while the length of its tool holds.
 3. `coolant.off`, `retract.blocks`, `spindle.off`, `smoothing.end`, `program.end`.
 
 Blocks are texts in which names in braces are filled in: {unit}, {work_offset}, {tool}, {speed},

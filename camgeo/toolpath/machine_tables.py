@@ -173,7 +173,7 @@ class ProgramFrame:
     ----------
     start : the first lines, before any comment; with {name}, {number} and {unit}.
     safe_start : the modal state, stated at each operation; with {unit} and {work_offset}.
-    end : the last lines, the spindle still running; with {name} and {unit}.
+    end : the last lines, with spindle and coolant off; with {name} and {unit}.
     stop : halt until the operator starts again.
     """
 
@@ -226,6 +226,9 @@ class Retract:
 
     def __post_init__(self) -> None:
         check_fields(self, "retract.")
+        if self.first and any("{z}" in block for block in self.blocks):
+            message = "must be false for a retract to {z}: before a tool change no length holds"
+            raise GeometryError(message, "retract.first", "true")
 
 
 @dataclass(frozen=True, slots=True)

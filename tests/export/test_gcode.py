@@ -74,8 +74,8 @@ def test_frame_of_the_program() -> None:
         "G61",
         "T1 M6",
         "G43 H1",
-        "S3000 M3",
         "G0 Z5.0000",
+        "S3000 M3",
         "G0 X4.2000 Y-2.8000",
         "G1 Z-4.0000 F100",
     ]
@@ -99,8 +99,8 @@ def test_each_operation_can_be_restarted_alone() -> None:
         lines = text[text.index("(operation outline)") :].splitlines()[2:]
         assert lines[: len(state)] == state, name
         assert lines[len(state) : len(state) + 4] == [
-            f"T{tool.number} M6", f"G43 H{tool.number}", f"S{tool.spindle_speed:.0f} M3",
-            "G0 Z5.0000",
+            f"T{tool.number} M6", f"G43 H{tool.number}", "G0 Z5.0000",
+            f"S{tool.spindle_speed:.0f} M3",
         ]  # fmt: skip
         across, down = lines[len(state) + 4 : len(state) + 6]
         assert across.startswith("G0 X")

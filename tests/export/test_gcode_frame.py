@@ -188,7 +188,7 @@ def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:
         first = lines.index("M9")
         found[name] = lines[first : first + 12]
     assert found["linuxcnc"][:10] == [
-        "M9", "M5", "(move the clamp [left])", "M0", "G43 H1", "S3000 M3", "G0 Z5.0000", "M8",
+        "M9", "M5", "(move the clamp [left])", "M0", "G43 H1", "G0 Z5.0000", "S3000 M3", "M8",
         "G0 X1.0000 Y2.0000", "G1 Z-1.0000 F100",
     ]  # fmt: skip
     assert found["haas"][:10] == [
@@ -199,6 +199,33 @@ def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:
         "M9", "SUPA G0 Z0 D0", "M5", "; move the clamp [left]", "M0", "D1", "S3000 M3",
         "G0 X1.0000 Y2.0000", "G0 Z5.0000", "M8",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_operation_that_ends_low_is_left_with_the_length_of_its_tool(name: str) -> None:
+    """G49 in the frame of the next one would make another height of the same Z."""
+    machine = machines.load(name)
+    first, second = StubProduct(gcode=spec(name), second_tool=OTHER).cuts[:2]
+    moves = (Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0), Rapid((1.0, 2.0, 1.0)))
+    path = Toolpath(5.0, (Operation(first, moves), Operation(second, moves)))
+    setup = Setup("x", "mm", "G54", "off", 0.0)
+    lines = written(path, machine, budget(machine, "mm", 0.01), setup, ()).lines
+    low = positions(lines, r"Z[-+]?1\.0+( R0 FMAX)?$")
+    assert len(low) == 2
+    if any("{z}" in block for block in machine.retract.blocks):
+        assert [lines[place + 1] for place in low] == ["G0 Z5.0000"] * 2
+        assert lines[-2:] == ["M5", lines[-1]]
+        assert lines.index("G0 Z5.0000", low[0]) < positions(lines, "G49")[-1]
+    safe = machine.retract.blocks[0].partition("{")[0]
+    assert all(any(line.startswith(safe) for line in lines[place + 1 :]) for place in low)
+
+
+def test_the_spindle_starts_away_from_the_work() -> None:
+    """The cutter may stand on it, where Z was set."""
+    for name in ("linuxcnc", "grbl", "mach3"):
+        lines = blocks_of(name)
+        on, up = positions(lines, r"M3$")[0], positions(lines, r"^G0 Z5\.0")[0]
+        assert up < on, name
 
 
 def test_what_a_machine_does_not_have_is_refused() -> None:

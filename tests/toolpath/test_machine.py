@@ -114,6 +114,14 @@ def test_a_profile_is_read_or_all_its_faults_have_keys(path: tuple[str, ...], od
     assert not faults or any(".".join(path).startswith(each) for each in named)
 
 
+def test_a_first_retract_goes_to_a_place_of_the_machine() -> None:
+    """The clearance height is elsewhere before a tool's length holds."""
+    table = copy.deepcopy(TABLES["linuxcnc"])
+    table["retract"]["first"] = True
+    (fault,) = faults_in(toml(table))
+    assert fault.key.endswith("retract.first")
+
+
 @pytest.mark.parametrize("name", names())
 def test_the_profiles_are_their_files(name: str) -> None:
     assert faults_of(TABLES[name]) == []

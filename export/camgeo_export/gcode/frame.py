@@ -85,34 +85,30 @@ class Program:
         """One operation, from its comments to its last move."""
         first = self._tool is None
         comments = self._commented(about_operation(operation.cut, self.speller.grid))
-        start = operation.travel[0].end
-        z_first = self.machine.tool_change.approach == "z-first"
         self.lines += () if first else comments
         self._state(operation.cut.tool)
-        if z_first:
-            self._approach(start)
-        self.lines += comments if first else ()
-        if not z_first:
-            self._approach(start)
+        self._start(operation.travel[0].end, comments if first else ())
         for move in operation.moves:
             if isinstance(move, Stop):
                 self._halt(move)
             else:
                 self.speller.move(move)
         self.lines += self.speller.take()
+        if self._plain_retract:  # while the tool's length is in force
+            self._retract()
 
     def end(self) -> None:
         """Away from the part, everything off."""
         machine = self.machine
         self._dry()
-        self._retract(always=True)
+        self._retract()
         self.lines += machine.spindle.off
         self.lines += machine.smoothing.end if machine.smoothing else ()
         unit = machine.unit.of(self.setup.unit)
         self.lines += filled(machine.program.end, name=self.setup.title, unit=unit)
 
     def _state(self, tool: Tool) -> None:
-        """Modal state, tool, spindle; the cutter is above the part, or its place is unknown."""
+        """Modal state and tool; the cutter is above the part, or its place is unknown."""
         machine, before = self.machine, self._tool
         self.speller.restart()
         self._dry()
@@ -136,7 +132,25 @@ class Program:
         self._tool = tool
         if not self._moving_offset:
             self.lines += self._offset()
-        self._turn()
+
+    def _start(self, at: Point, comments: Iterable[str] = ()) -> None:
+        """Spindle on, to the clearance height, coolant on.
+
+        A machine that goes across first is above everything, and goes down above `at` with the
+        spindle turning; others first leave the work, which the cutter may touch.
+        """
+        if self.machine.tool_change.approach == "xy-first":
+            self._turn()
+            self.lines += comments
+            self.speller.across(at)
+            self.lines += self.speller.take()
+            self._down()
+            self._wetted()
+        else:
+            self._down()
+            self._turn()
+            self._wetted()
+            self.lines += comments
 
     def _turn(self) -> None:
         """The spindle on, up to its speed."""
@@ -148,20 +162,19 @@ class Program:
             time = str(round(1e3 * seconds)) if machine.dwell.unit == "ms" else number(seconds)
             self.lines += filled(machine.dwell.blocks, dwell=time)
 
-    def _approach(self, start: Point) -> None:
-        """To the clearance height, above `start` if the machine goes across first; coolant on."""
-        if self.machine.tool_change.approach == "xy-first":
-            self.speller.across(start)
-            self.lines += self.speller.take()
+    def _down(self) -> None:
+        """To the clearance height."""
         if self._moving_offset:
             self.lines += self._offset()
             self.speller.reached(self.height)
         else:
             self.speller.retract(self.height)
             self.lines += self.speller.take()
-        coolant = self.machine.coolant.blocks(self.setup.coolant)
+
+    def _wetted(self) -> None:
+        """Coolant on, if the scene wants any."""
         if self.setup.coolant != "off":
-            self.lines += coolant
+            self.lines += self.machine.coolant.blocks(self.setup.coolant)
             self._wet = True
 
     def _halt(self, stop: Stop) -> None:
@@ -175,17 +188,15 @@ class Program:
         self.speller.restart()
         if not self._moving_offset:
             self.lines += self._offset()
-        self._turn()
-        self._approach((at.real, at.imag, self.height))
+        self._start((at.real, at.imag, self.height))
 
-    def _retract(self, *, always: bool = False) -> None:
-        """Up to the machine's retract; to the clearance height only if `always` or not there."""
-        height = self.speller.height(self.height)
-        plain = any("{z}" in block for block in self.machine.retract.blocks)
-        if plain and not always and self.speller.at_height(self.height):
+    def _retract(self) -> None:
+        """Up to the machine's retract, or to the clearance height if it is not there."""
+        if self._plain_retract and self.speller.at_height(self.height):
             return
+        height = self.speller.height(self.height)
         self.lines += filled(self.machine.retract.blocks, z=height)
-        if plain:
+        if self._plain_retract:
             self.speller.reached(self.height)
         else:
             self.speller.forget()
@@ -194,6 +205,11 @@ class Program:
         if self._wet:
             self.lines += self.machine.coolant.off
         self._wet = False
+
+    @property
+    def _plain_retract(self) -> bool:
+        """Whether the machine's retract is the clearance height."""
+        return any("{z}" in block for block in self.machine.retract.blocks)
 
     @property
     def _moving_offset(self) -> bool:
