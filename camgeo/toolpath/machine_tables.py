@@ -103,13 +103,13 @@ class Decimals:
 
 @dataclass(frozen=True, slots=True)
 class Increments:
-    """What 1 means in a coordinate without a decimal point, in the unit itself."""
+    """What 1 means in a number without a decimal point, in the unit itself."""
 
     mm: Annotated[float, partial(number, above=0.0, most=1.0)]
     inch: Annotated[float, partial(number, above=0.0, most=1.0)]
 
     def __post_init__(self) -> None:
-        check_fields(self, "numbers.increment.")
+        check_fields(self, "numbers.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +125,7 @@ class NumberForm:
     largest : magnitude of a coordinate that the controller reads, in either unit.
     feed_decimals : most that are written of a feed.
     inch_feed : what a feed of 1 means in a program in inches [inch/min].
+    feed_increment : what a feed of 1 without a decimal point means; None if the point is no matter.
     """
 
     point: Annotated[str, partial(one_of, choices=("required", "optional"))]
@@ -134,6 +135,7 @@ class NumberForm:
     increment: Increments | None = None
     feed_decimals: Annotated[int, partial(whole, least=1, most=6)] = 4
     inch_feed: Annotated[float, partial(number, above=0.0, most=1.0)] = 1.0
+    feed_increment: Increments | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "numbers.")
@@ -274,10 +276,14 @@ class Coolant:
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """`[dwell]`: blocks of a pause, with {dwell} in `unit`, "s" or "ms"."""
+    """`[dwell]`: blocks of a pause, with {dwell} in `unit`, "s" or "ms".
+
+    `point_seconds` : whether a time with a decimal point is in seconds although `unit` is "ms".
+    """
 
     blocks: Annotated[tuple[str, ...], blocks_with("dwell")]
     unit: Annotated[str, partial(one_of, choices=("s", "ms"))]
+    point_seconds: Flag = False
 
     def __post_init__(self) -> None:
         check_fields(self, "dwell.")

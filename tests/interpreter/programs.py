@@ -46,7 +46,8 @@ GOOD: Final = {
     "mach3": ISO.replace("M2\n", "M30\n"),
     "grbl": ISO.replace("T1 M6\nG43 H1\n", ""),
     "fanuc": "%\nO1001\nG91 G28 Z0.\nG90\n" + FRAMED.replace("@", "G91 G28 Z0.\nG90"),
-    "haas": "%\nO01001\nG0 G53 Z0.\n" + FRAMED.replace("@", "G0 G53 Z0."),
+    "haas": "%\nO01001\nG0 G53 Z0.\n"
+    + FRAMED.replace("@", "G0 G53 Z0.").replace("F100", "F100.").replace("F300", "F300."),
     "sinumerik": (
         ISO.replace("G17 G21 G40 G49 G54 G80 G90 G94", "G17 G710 G40 G90 G94\nG54")
         .replace("G91.1\nG61\nT1 M6\nG43 H1\n", "SUPA G0 Z0 D0\nT1\nM6\nD1\nCYCLE832(0.005,1,1)\n")

@@ -3,10 +3,11 @@
 They were retyped as facts from the pages named; what such a piece lacks for a program, a position
 to begin with or a feed, stands before it. So the interpreter does not only understand our writer.
 
-For Fanuc and Mach3 no page with an example was at hand: for the one there are rules of its manual
-and the example of its chapter on arcs as it is commonly quoted, for the other, as for Grbl beside
-its own pages, the examples of the language that it implements (NISTIR 6556, "The NIST RS274NGC
-Interpreter, Version 3"). For Haas there was one.
+What is missing: of Fanuc's own chapter on arcs no page with an example could be had, so its
+examples are those of Siemens' manuals of the ISO dialect, which follows Fanuc; of Haas' operator's
+manual none with a path, so there are two of Haas' training manual; of Mach3's manual no page at
+all, so for it, as for Grbl beside its own pages, there are the examples of the language that it
+implements (NISTIR 6556, "The NIST RS274NGC Interpreter, Version 3").
 """
 
 from __future__ import annotations
@@ -58,6 +59,7 @@ class Example:
 LINUXCNC = "LinuxCNC at 5c41560, docs/src/gcode/g-code.adoc, "
 NIST = "NISTIR 6556, The NIST RS274NGC Interpreter, Version 3, section "
 GRBL = "gnea/grbl at bfb67f0, doc/markdown/"
+ISO = "SINUMERIK ISO Milling (PGM), 04.07, page "
 ONE = "Siemens, Sinumerik ONE, NC programming, 12/2019, 6FC5398-2EP40-0BA0, page "
 
 EXAMPLES = (
@@ -93,21 +95,18 @@ EXAMPLES = (
     Example("mach3", NIST + "3.5.3.1", "G21 F10 G0 X0 Y0 Z0", "G17 G2 x 10 y 15 r 20 z 5",
             (Way((10, 15, 5), None, ccw=False),)),
     # Fanuc -------------------------------------------------------------------------------------
-    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, by radius",
-            "G21 G90 G0 X200. Y40. Z0.",
-            "G90 G03 X140.0 Y100.0 R60.0 F300.\nG02 X120.0 Y60.0 R50.0",
-            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
-    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, by centre",
-            "G21 G90 G0 X200. Y40. Z0.",
-            "G90 G03 X140.0 Y100.0 I-60.0 F300.\nG02 X120.0 Y60.0 I-50.0",
-            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
-    Example("fanuc", "as quoted from operator's manuals, e.g. B-64124EN, II-4.4, incremental",
-            "G21 G90 G0 X200. Y40. Z0.",
-            "G91 G03 X-60.0 Y60.0 I-60.0 F300.\nG02 X-20.0 Y-40.0 I-50.0",
-            (Way((140, 100), 140 + 40j, 90.0), Way((120, 60), 90 + 100j, ccw=False))),
-    Example("fanuc", "Fanuc 15i/150i-MA, B-63324EN, page 71: R takes precedence over I and J",
-            "G21 G90 G0 X200. Y40. Z0. F300.", "G03 X140.0 Y100.0 I-10.0 J3.0 R60.0",
-            (Way((140, 100), 140 + 40j, 90.0),)),
+    Example("fanuc", ISO + "2-26, linear interpolation", "G21 G90 G0 X0. Y0. Z0.",
+            "G01 X40. Y40. Z40. F100", (Way((40, 40, 40)),)),
+    Example("fanuc", ISO + "2-29, absolute", "G21 G90 G0 X55. Y20.",
+            "G17 G90 G03 X15. Y40. I-30. J-10. F150", (Way((15, 40), 25 + 10j, 90.0),)),
+    Example("fanuc", ISO + "2-29, incremental", "G21 G90 G0 X55. Y20.",
+            "G17 G91 G03 X-40. Y20. I-30. J-10. F150", (Way((15, 40), 25 + 10j, 90.0),)),
+    Example("fanuc", "SINUMERIK 802D Milling, ISO dialect M, 09.01, page 5-30, with decimal points",
+            "G21 G17", "N5 G0 G90 X35. Y60.\nN10 G3 X50. Y45. I0 J-15. F500",
+            (Way((35, 60)), Way((50, 45), 35 + 45j, 270.0))),
+    Example("fanuc", "Fanuc 15i/150i-MA, B-63324EN, page 71: R takes precedence over I and J;"
+            " the arc is that of page 2-29", "G21 G90 G0 X55. Y20. F150",
+            "G03 X15. Y40. I-10. J3. R31.623", (Way((15, 40), 25 + 10j, 90.0),)),
     # Haas --------------------------------------------------------------------------------------
     Example("haas", "Advanced Haas Mill Programming Techniques, training manual, page 26",
             "G20",
@@ -121,6 +120,10 @@ EXAMPLES = (
              Way((-2, -0.69), -1.94 - 0.69j, -90.0), Way((-2, 0.69)),
              Way((-1.94, 0.75), -1.94 + 0.69j, -90.0), Way((0, 0.75)),
              Way((0.5, 1.25), 0 + 1.25j, 90.0), Way((0, 1.25))), INCH),
+    Example("haas", "Advanced Haas Mill Programming Techniques, training manual, page 24, before"
+            " the cycle", "G20",
+            "T1 M06\nG90 G54 G00 X1.0 Y1.0\nS1500 M03\nG43 Z0.1 H1 M08\nG1 Z0 F30.",
+            (Way((1, 1)), Way((1, 1, 0.1)), Way((1, 1, 0))), INCH),
     # Sinumerik ---------------------------------------------------------------------------------
     Example("sinumerik", ONE + "188", "G90 G710",
             "N10 G17 S400 M3\nN20 G0 X40 Y-6 Z2\nN30 G1 Z-3 F40\nN40 X12 Y-20\nN50 G0 Z100 M30",
@@ -201,9 +204,70 @@ def test_fanuc_begins_compensation_with_a_line() -> None:
     assert "compensation" not in {each.rule for each in good.findings} - {"left-on"}
 
 
+@pytest.mark.parametrize(
+    ("machine", "text", "length", "found"),
+    [
+        ("fanuc", "G21\nG1 X1000 F100.", 1.0, True),
+        ("fanuc", "G21\nG1 X1000.0 F100.", 1000.0, False),
+    ],
+)
+def test_a_coordinate_without_a_point(machine: str, text: str, length: float, found: bool) -> None:
+    """Fanuc B-63682EN/01, page 54, and SINUMERIK ISO Milling 04.07, page 1-13: X1000 is 1 mm."""
+    ran = run(f"G17 G90 G94 G0 X0. Y0. Z0.\n{text}\n", load(machine))
+    assert ran.moves[-1].end.real == pytest.approx(length, abs=1e-12)
+    assert found == ("decimal-point" in {each.rule for each in ran.findings})
+
+
+@pytest.mark.parametrize(
+    ("machine", "unit", "text", "feed", "found"),
+    [
+        ("haas", "G20", "F12", 0.0012 * INCH, True),
+        ("haas", "G20", "F12.", 12 * INCH, False),
+        ("haas", "G21", "F12", 0.012, True),
+        ("fanuc", "G20", "F12", 0.12 * INCH, True),
+        ("fanuc", "G21", "F12", 12.0, False),
+        ("mach3", "G21", "F12", 12.0, False),
+    ],
+)
+def test_a_feed_without_a_point(
+    machine: str, unit: str, text: str, feed: float, found: bool
+) -> None:
+    """Haas, "Help with the decimal points", F12; SINUMERIK ISO Milling 04.07, page 1-13, F."""
+    ran = run(f"G17 {unit} G90 G94 G0 X0. Y0. Z0.\nG1 X1. {text}\n", load(machine))
+    assert ran.moves[-1].feed == pytest.approx(feed, rel=1e-12)
+    assert found == ("decimal-point" in {each.rule for each in ran.findings})
+
+
+@pytest.mark.parametrize(
+    ("machine", "text", "seconds", "found"),
+    [
+        ("haas", "P2000", 2.0, False),
+        ("haas", "P2.", 2.0, False),
+        ("haas", "P1.5", 1.5, False),
+        ("fanuc", "P2000", 2.0, False),
+        ("fanuc", "P2.", 0.002, True),
+    ],
+)
+def test_a_dwell_with_and_without_a_point(
+    machine: str, text: str, seconds: float, found: bool
+) -> None:
+    """Haas 96-8000, June 1999, page 164; SINUMERIK ISO Milling 04.07, page 3-67, of P."""
+    ran = run(f"G21 G90 G94\nG4 {text}\n", load(machine))
+    (dwell,) = (each for each in ran.events if each.kind == "dwell")
+    assert dwell.seconds == pytest.approx(seconds)
+    assert found == bool({"number", "dwell"} & {each.rule for each in ran.findings})
+
+
+def test_an_end_beside_the_arc_is_found() -> None:
+    """SINUMERIK ISO Milling 04.07, page 2-30, and B-63324EN, page 71: a spiral would result."""
+    head = "G21 G90 G94 G17 G0 X0. Y0. Z0.\n"
+    ran = run(head + "G01 X100. Y0. F200.\nG03 X-50. I-100.\n", load("fanuc"))
+    assert "arc-radius" in {each.rule for each in ran.findings}
+
+
 def test_every_controller_has_examples() -> None:
     counts = {each.machine: 0 for each in EXAMPLES}
     for each in EXAMPLES:
         counts[each.machine] += 1
-    assert counts.pop("haas") == 1
+    assert counts.pop("haas") == 2
     assert min(counts.values()) >= 3

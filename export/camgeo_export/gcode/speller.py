@@ -194,7 +194,8 @@ class Speller:
         text = number(feed / scale, self.numbers.feed_decimals)
         if float(text) <= 0.0:
             raise ValueError(f"a feed of {feed} mm/min cannot be written")
-        return f"{text}." if self.numbers.point == "required" and "." not in text else text
+        pointed = self.numbers.point == "required" or self.numbers.feed_increment is not None
+        return f"{text}." if pointed and "." not in text else text
 
     def _new(self, feed: str) -> str:
         """The feed if it changes; else nothing."""

@@ -14,6 +14,7 @@ from camgeo_export.gcode.moves import Event
 from camgeo_export.interpreter.block import AXES, Block
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.decode import unused
+from camgeo_export.interpreter.lengths import feed
 from camgeo_export.interpreter.motion import Mover
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import UNKNOWN, State
@@ -152,8 +153,14 @@ class Executor:
         if "F" in block.values and "dwell" not in block.actions:
             per_turn = state.mode("feed mode") == "feed per revolution"
             numbers = self._controller.machine.numbers
-            part = numbers.inch_feed if state.mode("unit") == "inch" else 1.0
-            state.feed = block.value("F") * self._scale * part * (state.speed if per_turn else 1.0)
+            unit = state.mode("unit")
+            part = numbers.inch_feed if unit == "inch" else 1.0
+            value = feed(block, self._controller, unit)
+            if value != block.value("F"):
+                text = f"F{block.values['F'].text}"
+                what = f"{text} without a decimal point counts in increments: {value:g} a minute"
+                self._report(block, "decimal-point", what, ok=f"{text}.")
+            state.feed = value * self._scale * part * (state.speed if per_turn else 1.0)
             self._check_feed(block)
 
     def _check_feed(self, block: Block) -> None:
@@ -247,6 +254,8 @@ class Executor:
                 continue
             block.values.pop(each)
             if each != letter or in_seconds:
+                return number.value, f"{each}{number.text}"
+            if number.has_point and controller.machine.dwell.point_seconds:
                 return number.value, f"{each}{number.text}"
             if number.has_point:
                 what = "a dwell in whole milliseconds takes no decimal point"
