@@ -58,7 +58,12 @@ LINUXCNC = (
     Change("coolant off while cutting", "linuxcnc", "G1 Y-5.0", "M9\nG1 Y-5.0", "coolant",
            "G1 Y-5.0"),
     Change("no tool", "linuxcnc", "T1 M6\n", "", "no-tool", "G1 Z-3.0 F100"),
-    Change("no tool length", "linuxcnc", "G43 H1\n", "", "tool-length", "G1 Z-3.0 F100"),
+    Change("no tool length", "linuxcnc", "G43 H1\n", "", "tool-length", "G0 Z5.0",
+           "a traverse along Z before"),
+    Change("no length of the second tool", "linuxcnc", "G0 Z5.0\nM9", "G0 Z5.0\nT2 M6\nS900 M3\n"
+           "G1 X-19.0 F200\nG0 Z5.0\nM9", "tool-length", "G1 X-19.0 F200", "a cut without"),
+    Change("length put out of force", "linuxcnc", "G1 Y-5.0", "G49\nG1 Y-5.0", "tool-length",
+           "G1 Y-5.0"),
     Change("length of another tool", "linuxcnc", "G43 H1", "G43 H2", "tool-length", "G43 H2"),
     Change("tool change in the cut", "linuxcnc", "G1 Y-5.0", "T2 M6\nG43 H2\nS3000 M3\nG1 Y-5.0",
            "low-stop", "T2 M6"),
@@ -146,7 +151,7 @@ OTHERS = (
     Change("CYCLE832 of two", "sinumerik", "(0.005,1,1)", "(0.005,1)", "missing-word",
            "CYCLE832(0.005,1)"),
     Change("dwell of a feed", "sinumerik", "G4 F2", "G4 F200", "dwell", "G4 F200"),
-    Change("no D", "sinumerik", "D1\n", "", "tool-length", "G1 Z-3.0 F100"),
+    Change("no D", "sinumerik", "D1\n", "", "tool-length", "G0 Z5.0"),
     Change("wrong sense", "heidenhain", "X-5.0 Y+10.0 DR-", "X-5.0 Y+10.0 DR+", "arc-sweep",
            "18 C X-5.0 Y+10.0 DR+ R0", "270 degrees"),
     Change("no sense", "heidenhain", "X-5.0 Y+10.0 DR-", "X-5.0 Y+10.0", "arc-form",
@@ -188,6 +193,21 @@ def test_each_is_found(change: Change) -> None:
     wanted = [k + 1 for k, line in enumerate(lines) if line == change.line] if change.line else [0]
     assert {each.line for each in own} & set(wanted), own
     assert any(change.said in str(each) for each in own)
+
+
+@pytest.mark.parametrize(
+    ("machine", "old", "new"),
+    [
+        # the length may be named before the tool is changed, and be put out of force for a retract
+        ("linuxcnc", "T1 M6\nG43 H1\n", "G43 H1\nT1 M6\n"),
+        ("fanuc", "M9\nM5\n", "M9\nG0 G49 Z200.\nM5\n"),
+        # D1 holds for the next tool, too
+        ("sinumerik", "SUPA G0 Z0 D0\nT1\nM6\nD1\n", "T2\nM6\nD1\nSUPA G0 Z0\nT1\nM6\n"),
+    ],
+)
+def test_lengths_of_tools_that_are_right(machine: str, old: str, new: str) -> None:
+    assert old in GOOD[machine]
+    assert linted(GOOD[machine].replace(old, new), machine).findings == ()
 
 
 def test_there_are_enough() -> None:

@@ -185,9 +185,10 @@ class Executor:
         if changes and state.side:
             self._report(block, "compensation", "a change of the tool under compensation")
         self._leave_tool()
-        state.tool = state.chosen
-        if self._controller.machine.dialect == "klartext":  # its length comes into force with it
-            self._put_length(state.tool)
+        state.tool, state.measured = state.chosen, 0
+        lasting = self._controller.length_letter == "D" and state.offset > 0
+        if lasting or self._controller.machine.dialect == "klartext":
+            self._put_length(state.tool)  # its length comes into force with it, or its edge D
         state.modes["spindle"] = "spindle off"  # controllers stop it
         if changes:
             self._event(block, "tool change")
@@ -312,6 +313,7 @@ class Executor:
         state = self.state
         if self._controller.machine.tool_change.by_hand:
             number = state.tool  # the operator has set Z with it
+        state.measured = state.tool if number else state.measured
         if number != state.offset and math.isfinite(state.z):
             state.z_before, state.z = state.z, math.nan
         state.offset = number

@@ -32,6 +32,9 @@ class Hazards:
         """Find what is dangerous in a move."""
         if move.kind == "rapid":
             self._rapid(move)
+            if move.z_end != move.z_start and math.isfinite(move.z_end) and state.tool:
+                what = "a traverse along Z before the length of the tool is in force"
+                self._length(move, state.has_length, what)
         else:
             self._cut(move, state)
 
@@ -74,11 +77,15 @@ class Hazards:
         controller = self._controller
         if controller.changes_tools:
             self._once(move, "no-tool", move.tool > 0, "a cut before a tool is in the spindle")
-            in_force = move.offset > 0 or not controller.needs_length
-            what = "a cut without the length of the tool in force"
-            self._once(move, "tool-length", in_force, what)
+            in_force = move.offset > 0 and state.has_length
+            self._length(move, in_force, "a cut without the length of the tool in force")
         if move.coolant == "off" and min(move.z_start, move.z_end) < self._bench.stock_top:
             state.dry = state.dry or move.line
+
+    def _length(self, move: CutterMove, holds: bool, what: str) -> None:
+        """Find that no length of the tool holds, where the controller needs one."""
+        needed = self._controller.changes_tools and self._controller.needs_length
+        self._once(move, "tool-length", holds or not needed, what)
 
     def _once(self, move: CutterMove, rule: str, holds: bool, what: str) -> None:
         """Find what does not hold, the first time of several in a row."""

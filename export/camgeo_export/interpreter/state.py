@@ -24,6 +24,8 @@ class State:
     feed : programmed, 0 if none was, or if a change of the feed's mode has cancelled it.
     chosen, tool : numbers of the tool that is prepared, and of the one in the spindle.
     offset : number of the tool whose length is in force; 0 if none is.
+    measured : the tool that was in the spindle when a length was last put into force; 0 after a
+        change.
     radius_offset : number of the radius offset of the compensation.
     stated_radius : of the compensation, where the program states it itself; NaN if it does not.
     work_offset : word of the work offset; empty before one is stated.
@@ -50,6 +52,7 @@ class State:
     chosen: int = 0
     tool: int = 0
     offset: int = 0
+    measured: int = 0
     radius_offset: int = 0
     stated_radius: float = math.nan
     work_offset: str = ""
@@ -76,6 +79,11 @@ class State:
         """Whether the spindle turns."""
         on = ("spindle clockwise", "spindle counter-clockwise")
         return self.mode("spindle") in on and self.speed > 0.0
+
+    @property
+    def has_length(self) -> bool:
+        """Whether a length was put into force for the tool in the spindle."""
+        return self.tool in (self.offset, self.measured)
 
     @property
     def coolant(self) -> str:
