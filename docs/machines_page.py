@@ -131,8 +131,8 @@ def _arcs(machine: Machine) -> str:
 
 
 def _change(machine: Machine) -> str:
-    blocks = _code(machine.tool_change.change + machine.tool_change.length_offset)
-    return f"by hand at {blocks}" if machine.tool_change.by_hand else blocks
+    blocks = machine.tool_change.change + machine.tool_change.length_offset
+    return _code(blocks) if machine.tool_change.change else "none: one tool in a program"
 
 
 def _code(blocks: tuple[str, ...] | list[str]) -> str:

@@ -194,10 +194,10 @@ class ToolChange:
 
     Attributes
     ----------
-    change : blocks, with {tool} and {speed}.
+    change : blocks, with {tool} and {speed}; none if a program cannot change tools: then it has one
+        tool, which is in the spindle with its length set.
     length_offset : blocks that put the tool's length into force, with {tool} and {z}, the clearance
         height; with {z} they move there.
-    by_hand : the operator changes the tool, and sets its length: the first one is in the spindle.
     repeat : whether the tool is called at each operation, also if it is in the spindle.
     approach : "z-first": to the clearance height, then across; "xy-first": across where the retract
         has left the tool, then down to the clearance height.
@@ -205,7 +205,6 @@ class ToolChange:
 
     change: Annotated[tuple[str, ...], blocks_with("tool", "speed")]
     length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
-    by_hand: Flag = False
     repeat: Flag = False
     approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
 

@@ -11,7 +11,7 @@ from camgeo.errors import SceneError, ToleranceError
 from camgeo.toolpath import machine as machines
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.spec import GcodeSpec, Tool
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.writer import WRITER
@@ -28,9 +28,14 @@ def spec(name: str) -> GcodeSpec:
     return GcodeSpec(machine=name, coolant="flood", spin_up=1.5)
 
 
+def second_tool(name: str) -> Tool | None:
+    """Another tool, if programs for the machine may have two."""
+    return OTHER if machines.load(name).tool_change.change else None
+
+
 def program(name: str, tolerance: float = TOLERANCE) -> list[str]:
-    """The blocks of a program of two tools, without their numbers."""
-    product = StubProduct(gcode=spec(name), second_tool=OTHER)
+    """The blocks of a program, of two tools if the machine changes them, without their numbers."""
+    product = StubProduct(gcode=spec(name), second_tool=second_tool(name))
     lines = WRITER.write(product, tolerance).data.decode("ascii").splitlines()
     numbers = machines.load(name).text.line_numbers is not None
     return [re.sub(r"^N?\d+ (?=\S)", "", line) if numbers else line for line in lines]
@@ -99,19 +104,21 @@ def test_each_operation_states_all_that_it_needs(name: str) -> None:
     for block in machine.program.safe_start:
         if block != "{work_offset}" or next(iter(machine.work_offsets.values())):
             stated((block,))
-    change = stated(machine.tool_change.change)
     start = stated(machine.spindle.clockwise)
-    assert change < start < stated(machine.dwell.blocks)
-    if machine.tool_change.length_offset:
-        assert change < stated(machine.tool_change.length_offset)
+    assert start < stated(machine.dwell.blocks)
     assert machine.coolant.flood is not None
     assert start < stated(machine.coolant.flood)
-    assert stated(machine.coolant.off) < stated(machine.spindle.off) < change
+    off = stated(machine.coolant.off)
+    assert off < start
+    if change := machine.tool_change.change:
+        assert off < stated(machine.spindle.off) < stated(change) < start
+        if machine.tool_change.length_offset:
+            assert stated(change) < stated(machine.tool_change.length_offset)
+        if not any("{z}" in block for block in machine.retract.blocks):
+            assert stated(machine.retract.blocks) < stated(change)
     across = positions(head, r"X.*Y")[0]
     down = positions(head, r"Z[-+]?5\.0")[-1]
     assert (across < down) == (machine.tool_change.approach == "xy-first")
-    if not any("{z}" in block for block in machine.retract.blocks):
-        assert stated(machine.retract.blocks) < change
     assert re.search(r"F\d", lines[cut])
 
 
@@ -162,14 +169,12 @@ def test_a_block_of_several_lines_has_one_number() -> None:
     ]  # fmt: skip
 
 
-def test_a_tool_that_the_operator_changes() -> None:
-    """The first is in the spindle; at the next one the program halts with everything off."""
-    lines = program("grbl")
-    halts = positions(lines, r"^M0$")
-    assert len(halts) == 1
-    assert lines[halts[0] - 1] == "(change to tool 7, diameter 4 mm, set Z 0)"
-    assert lines[halts[0] - 2] == "M5"
-    assert not [line for line in lines if re.search(r"M6|T\d", line) and line[0] != "("]
+def test_a_program_for_a_machine_without_a_tool_change_has_one_tool() -> None:
+    assert not [line for line in blocks_of("grbl") if re.search(r"M6|M0|T\d", line)]
+    with pytest.raises(SceneError, match="tools 1 and 7 are needed: write one for each") as caught:
+        WRITER.write(StubProduct(gcode=spec("grbl"), second_tool=OTHER), TOLERANCE)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("output.gcode.machine", "'Grbl'")
 
 
 def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:

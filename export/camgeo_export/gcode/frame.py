@@ -122,11 +122,7 @@ class Program:
         other = before is not None and before.number != tool.number
         if before is not None and (other or machine.tool_change.repeat):
             self.lines += machine.spindle.off
-        if machine.tool_change.by_hand:
-            if other:
-                note = f"change to tool {tool.number}, diameter {number(tool.diameter)} mm, set Z 0"
-                self.lines += (*self._commented([note]), *machine.tool_change.change)
-        elif before is None or other or machine.tool_change.repeat:
+        if before is None or other or machine.tool_change.repeat:
             words = {"tool": str(tool.number), "speed": self._speed(tool)}
             self.lines += filled(machine.tool_change.change, **words)
         self._tool = tool

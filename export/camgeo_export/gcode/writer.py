@@ -8,6 +8,7 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.numeric.checked import one_of
 from camgeo.product.product import Product
+from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import KEY, Machine, load
 from camgeo.toolpath.machining_time import toolpath_time
 from camgeo.toolpath.spec import GcodeSpec
@@ -33,6 +34,7 @@ class GcodeWriter:
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
         cuts = [operation.cut for operation in toolpath.operations]
+        _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)
         program = written(toolpath, machine, shares, setup, about)
         lines = numbered(program.lines, machine)
@@ -82,6 +84,15 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
 def _short(length: float) -> float:
     """A share of the budget, to four digits."""
     return float(f"{length:.4g}")
+
+
+def _check_tools(cuts: list[Cut], machine: Machine) -> None:
+    tools = dict.fromkeys(cut.tool.number for cut in cuts)
+    if len(tools) > 1 and not machine.tool_change.change:
+        named = " and ".join(map(str, tools))
+        message = f"a program cannot change tools there, but tools {named} are needed"
+        allowed = "write one for each of them, or use a profile with tool_change.change"
+        raise SceneError([Fault(KEY, repr(machine.name), f"{message}: {allowed}")])
 
 
 def _check_length(lines: list[str], machine: Machine) -> None:

@@ -194,9 +194,8 @@ class Executor:
             self._event(block, "tool change")
 
     def put_in(self, number: int) -> None:
-        """Put a tool into the spindle by hand, its length set."""
-        self._leave_tool()
-        self.state.tool = self.state.offset = number
+        """Say which tool is in the spindle from the start, its length set."""
+        self.state.chosen = self.state.tool = self.state.offset = number
 
     def _leave_tool(self) -> None:
         """Judge the coolant of the tool that leaves the spindle."""
@@ -311,8 +310,8 @@ class Executor:
     def _put_length(self, number: int) -> None:
         """Put a tool's length into force: where the spindle was, Z is another number now."""
         state = self.state
-        if self._controller.machine.tool_change.by_hand:
-            number = state.tool  # the operator has set Z with it
+        if not self._controller.changes_tools:
+            number = state.tool  # Z was set with it
         state.measured = state.tool if number else state.measured
         if number != state.offset and math.isfinite(state.z):
             state.z_before, state.z = state.z, math.nan
@@ -363,13 +362,7 @@ class Executor:
         if flow is None or flow == "optional stop":
             return
         if flow == "stop":
-            by_hand = self._controller.machine.tool_change.by_hand
-            if by_hand and state.chosen != state.tool:
-                self.put_in(state.chosen)
-                self._event(block, "tool change")
-                state.z_before, state.z = state.z, math.nan  # the operator has set it again
-            else:
-                self._event(block, "stop")
+            self._event(block, "stop")
             return
         self._leave_tool()
         for group, what in (("spindle", "the spindle turns"), ("coolant", "the coolant flows")):

@@ -30,8 +30,8 @@ NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 OPERATION: Final = "operation "
 """A comment that begins with it names the operation that follows."""
 
-BY_HAND: Final = re.compile(r"(tool|change to tool) (\d{1,6})\b", re.ASCII | re.IGNORECASE)
-"""A comment that names a tool, where the operator changes tools at a stop."""
+IN_SPINDLE: Final = re.compile(r"tool (\d{1,6}):", re.ASCII | re.IGNORECASE)
+"""A comment that names the tool of a program, where programs do not change it."""
 
 CONTROL: Final = re.compile(r"\s*+%")
 
@@ -220,10 +220,10 @@ class _Program:
         if note.lower().startswith(OPERATION):
             name = note[len(OPERATION) :].strip()
             state.operation = self._names.get(name.upper(), name)
-        if self._machine.tool_change.by_hand and (found := BY_HAND.match(note)):
-            state.chosen = int(found[2])
-            if not state.tool:  # the first one is in the spindle when the program starts
-                self._executor.put_in(state.chosen)
+        if self._controller.changes_tools or state.tool:
+            return
+        if found := IN_SPINDLE.match(note):
+            self._executor.put_in(int(found[1]))
 
     def _control(self, number: int, block: str) -> None:
         """`%` begins a program, and ends it if it began one."""

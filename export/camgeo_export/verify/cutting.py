@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 
@@ -18,9 +17,6 @@ from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
 from camgeo_export.gcode.comments import Stated, about_operation, about_program, comment_texts
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
-
-CHANGE = r"change to tool \d"
-"""What the operator is told where tools are changed by hand."""
 
 PRINTED = 0.5 * 10.0**-FEED_DECIMALS * (1.0 + 1e-9)
 """Rounding of a printed speed or diameter, in its unit."""
@@ -147,8 +143,7 @@ def _comments(product: Product, program: Run, stated: Stated, machine: Machine) 
     for cut in product.milled.cuts:
         texts += about_operation(cut, grid)
     expected = [line.strip() for line in comment_texts(texts, machine.text)]
-    notes = (note for note in program.comments if not re.match(CHANGE, note, re.IGNORECASE))
-    for found, wanted in zip_longest(notes, expected, fillvalue=""):
+    for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
         if found != wanted:
             return failed("comments", f"'{found}' where '{wanted}' is expected")
     return Check("comments", "", float(len(expected)), ok=True)
