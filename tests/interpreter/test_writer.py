@@ -46,3 +46,24 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
     checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), origin.tolerance)
     assert [check for check in checks if check.ok is False] == []
     assert WRITER.measure(product, data) <= origin.tolerance
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "sinumerik", "heidenhain"])
+def test_what_is_said_at_a_stop_is_for_the_operator(machine: str) -> None:
+    """It is no part of what a program states of itself."""
+    profile, product = load(machine), StubProduct(gcode=GcodeSpec(machine=machine))
+    data = WRITER.write(product, TOLERANCE).data
+    text = profile.text
+    note = f"{text.comment_open}move the clamp{text.comment_close}"
+    if text.letters == "upper":
+        note = note.upper()
+    lines = data.decode().splitlines()
+    place = next(k for k, line in enumerate(lines) if "operation outline" in line.lower())
+    off, on = profile.spindle.off[0], profile.spindle.clockwise[0].format(speed="3000")
+    halted = [*lines[:place], off, note, *profile.program.stop, on, *lines[place:]]
+    found = "\n".join(halted).encode()
+    checks = VERIFIER.checks(product, found, Reading("a.nc", ours=True), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+    stray = "\n".join([*lines[:place], note, *lines[place:]]).encode()
+    checks = VERIFIER.checks(product, stray, Reading("a.nc", ours=True), TOLERANCE)
+    assert [check.name for check in checks if check.ok is False] == ["comments"]

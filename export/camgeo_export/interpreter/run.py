@@ -51,7 +51,8 @@ class Run:
         path, infinite without a bound.
     naive_cam : how far it may move points before that [mm].
     moves, events : in the order of running.
-    comments : those that stand alone in their lines, without brackets.
+    comments : those that stand alone in their lines, without brackets; what is said right before
+        a stop is for the operator and left out.
     findings : by line.
     complete : whether the program was read to its end, not up to the last finding allowed.
     """
@@ -171,6 +172,7 @@ class _Program:
         self._klartext = Klartext(self._controller, self._state, self._findings)
         self._names = {name.upper(): name for name in bench.operations}
         self._comments: list[str] = []
+        self._before_block = 0
         self._percent = 0
         self._blocks = 0
         self._said_after = False
@@ -196,6 +198,14 @@ class _Program:
         if self._ended(number):
             return
         self._blocks += 1
+        events = len(self._executor.events)
+        self._block(number, block, klartext)
+        if any(event.kind == "stop" for event in self._executor.events[events:]):
+            del self._comments[self._before_block :]
+        self._before_block = len(self._comments)
+
+    def _block(self, number: int, block: str, klartext: bool) -> None:
+        """Run the block of a line."""
         if klartext:
             for each in self._klartext.blocks(number, block):
                 self._executor.run(each)
