@@ -65,7 +65,6 @@ class TextForm:
     longest_line : of the longest line that the controller reads.
     letters : "upper" if comments, too, are written in capitals; else "any".
     forbidden : characters that must not stand in a comment; "_" takes their place.
-    nested_comments : whether the controller reads brackets within a comment.
     line_ending : "lf" or "crlf".
     line_numbers : step of the numbers of the blocks; None for none.
     """
@@ -76,7 +75,6 @@ class TextForm:
     longest_line: LineLength
     letters: Annotated[str, partial(one_of, choices=("any", "upper"))] = "any"
     forbidden: Text = ""
-    nested_comments: Flag = False
     line_ending: Annotated[str, partial(one_of, choices=("lf", "crlf"))] = "lf"
     line_numbers: Annotated[int, partial(whole, least=1, most=1000)] | None = None
 

@@ -80,7 +80,10 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert main(["lint", str(path), "--machine", "fanuc", "--clearance", "6", "--json"]) == BROKEN
     assert json.loads(capsys.readouterr().out)["clearance_mm"] == 6.0
     assert main(["lint", str(path), "--machine", "fanuk"]) == WRONG
-    assert "did you mean fanuc?" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "machine = 'fanuk'" in said
+    assert "output" not in said
+    assert "did you mean fanuc?" in said
     with pytest.raises(SystemExit):
         main(["lint", str(path), "--machine", "fanuc", "--radius", "1"])
     for words in (["--clearance", "-1"], ["--radius", "1=0"]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from camgeo.toolpath.machine_fields import MEANINGS
 from camgeo_export.interpreter.codes import COMMON, GROUP_OF
 from camgeo_export.interpreter.rules import RULES
 from tests.interpreter.test_foolish import LINUXCNC, OTHERS
@@ -37,3 +38,4 @@ def test_most_rules_are_broken_by_a_foolish_program() -> None:
 
 def test_meanings_are_in_groups() -> None:
     assert set(COMMON.values()) <= GROUP_OF.keys()
+    assert set(MEANINGS) == GROUP_OF.keys()  # profiles name what the interpreter knows

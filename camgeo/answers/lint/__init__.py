@@ -124,7 +124,7 @@ def lint(paths: Sequence[Path], machine: str, bench: Bench | None = None) -> Lin
     SceneError
         If there is no such profile, or it is wrong.
     """
-    profile, work, runs = load(machine), bench or Bench(), linter()
+    profile, work, runs = load(machine, "machine"), bench or Bench(), linter()
     return Lint(profile, work, tuple(_program(path, profile, work, runs) for path in paths))
 
 

@@ -26,7 +26,7 @@ def decode(words: Words, controller: Controller, findings: Findings) -> Block:
     block = Block(words.line)
     for letter, number in words.words:
         if letter in ("G", "M"):
-            _code(block, normal(letter, number.text), controller, findings)
+            code(block, normal(letter, number.text), controller, findings)
         else:
             _value(block, letter, number, controller, findings)
     for address, way in words.ways.items():
@@ -42,7 +42,8 @@ def decode(words: Words, controller: Controller, findings: Findings) -> Block:
     return block
 
 
-def _code(block: Block, word: str, controller: Controller, findings: Findings) -> None:
+def code(block: Block, word: str, controller: Controller, findings: Findings) -> None:
+    """Put the G or M word `word` into a block; what the controller lacks is found."""
     meaning = controller.meanings.get(word)
     if meaning is None:
         name = controller.machine.name
@@ -106,7 +107,7 @@ def _command(
     controller: Controller,
     findings: Findings,
 ) -> None:
-    meaning = (controller.machine.words.meaning or {}).get(name)
+    meaning = controller.machine.words.meaning_of(name)
     if name not in controller.names and meaning is None:
         word = name if arguments is None else f"{name}(...)"
         findings.add(block.line, "unknown-word", f"{controller.machine.name} has no {shown(word)}")

@@ -15,9 +15,6 @@ from camgeo_export.interpreter.state import State
 SLACK: Final = 1e-9
 """Heights are compared as printed; what lies between is rounding of the change of units [mm]."""
 
-ONCE: Final = ("no-feed", "no-spindle", "no-tool", "tool-length")
-"""Rules that every further cut breaks too: they are found once, until they are mended."""
-
 
 class Hazards:
     """Judges moves one after another."""
@@ -88,7 +85,9 @@ class Hazards:
         self._once(move, "tool-length", holds or not needed, what)
 
     def _once(self, move: CutterMove, rule: str, holds: bool, what: str) -> None:
-        """Find what does not hold, the first time of several in a row."""
+        """Find what does not hold, the first time of several in a row: each further cut breaks it
+        too, until it is mended.
+        """
         if holds:
             self._said.discard(rule)
         elif rule not in self._said:

@@ -13,8 +13,9 @@ from typing import Final
 from camgeo.reading import number_of
 from camgeo.units import MM_PER
 from camgeo_export.interpreter.block import Block, Number
-from camgeo_export.interpreter.codes import GROUP_OF, KNOWN, normal
+from camgeo_export.interpreter.codes import normal
 from camgeo_export.interpreter.controller import Controller
+from camgeo_export.interpreter.decode import code
 from camgeo_export.interpreter.iso import shown
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import State
@@ -61,6 +62,9 @@ SIDES: Final = {
     "RR": "compensation right",
 }
 
+COMBINED: Final = {"M13": ("M3", "M8"), "M14": ("M4", "M8")}
+"""Words that do what two others do."""
+
 UNREAD: Final = re.compile(r"(APPR|DEP|RND|CHF|FN|LBL|CALL|FL|FC|FCT|FLT|Q|SEL|TCH|PLANE)\b")
 """First words of what is known, but not read."""
 
@@ -81,7 +85,6 @@ class Klartext:
         self._findings = findings
         self._begun = False
         self._cycle = ""
-        self._side = ""
 
     def blocks(self, line: int, text: str) -> list[Block]:
         """The blocks of a line in capitals, without comment."""
@@ -266,7 +269,9 @@ class Klartext:
             self._findings.add(block.line, "number", what)
             return
         if letter == "M":
-            self._code(block, normal("M", text))
+            word = normal("M", text)
+            for each in COMBINED.get(word, (word,)):
+                code(block, each, self._controller, self._findings)
             return
         name = letter.removeprefix("I") if letter != "I" else letter
         if name in block.values:
@@ -277,28 +282,6 @@ class Klartext:
         elif name in ("X", "Y", "Z", "PA"):
             block.relative[name] = False
         block.values[name] = Number(value, text)
-
-    def _code(self, block: Block, word: str) -> None:
-        if word in ("M13", "M14"):  # M3 or M4 with M8
-            self._code(block, "M3" if word == "M13" else "M4")
-            self._code(block, "M8")
-            return
-        meaning = self._controller.meanings.get(word)
-        if meaning is None:
-            name, use = self._controller.machine.name, KNOWN.get(word, "")
-            known = word in self._controller.accepted
-            what = f"{word} is outside what is read" if known else f"{name} has no {word}"
-            rule = "unsupported" if known else "unknown-word"
-            self._findings.add(block.line, rule, what, use)
-            return
-        group = GROUP_OF[meaning]
-        if group == "once":
-            block.actions[meaning], block.words[meaning] = meaning, word
-        elif group != "none":
-            if group in block.codes:
-                what = f"{block.words[group]} and {word} are both of the group {group}"
-                self._findings.add(block.line, "conflict", what)
-            block.codes[group], block.words[group] = meaning, word
 
     def _refuse(self, line: int, text: str) -> None:
         unread = UNREAD.match(text)
