@@ -122,7 +122,7 @@ LINUXCNC = (
 
 OTHERS = (
     Change("X10 is 10 um", "fanuc", "G1 X-10.0 F300", "G1 X-10 F300", "decimal-point",
-           "G1 X-10 F300", "counts in increments"),
+           "G1 X-10 F300", "counts in 0.001 mm or 0.0001 inch; allowed: X-10.0"),
     Change("dwell in seconds", "fanuc", "G4 P2000", "G4 P2", "dwell", "G4 P2", "0.002 s"),
     Change("home by way of the part", "fanuc", "G0 Z5.0\nM9\nM5\nG91 G28 Z0.\nG90",
            "M9\nM5\nG90 G28 Z-5.0", "rapid-plunge", "G90 G28 Z-5.0"),
@@ -208,6 +208,19 @@ def test_each_is_found(change: Change) -> None:
 def test_lengths_of_tools_that_are_right(machine: str, old: str, new: str) -> None:
     assert old in GOOD[machine]
     assert linted(GOOD[machine].replace(old, new), machine).findings == ()
+
+
+@pytest.mark.parametrize("machine", GOOD)
+@pytest.mark.parametrize("other", GOOD)
+def test_a_program_in_the_other_dialect_is_found_once(machine: str, other: str) -> None:
+    found = linted(GOOD[other], machine)
+    if load(machine).dialect != load(other).dialect:
+        (finding,) = found.findings
+        assert finding.rule == "unreadable"
+        assert "format, not" in finding.what or "not in conversational" in finding.what
+        assert not found.complete
+    else:
+        assert not any("conversational" in each.what for each in found.findings)
 
 
 def test_there_are_enough() -> None:

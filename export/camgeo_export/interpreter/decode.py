@@ -37,8 +37,7 @@ def decode(words: Words, controller: Controller, findings: Findings) -> Block:
         if address != "T":
             findings.add(block.line, "unsupported", f'{address}="{shown(text)}" is not read')
         block.names[address] = text
-    if controller.machine.numbers.point == "required":
-        _check_points(block, findings)
+    _check_points(block, controller, findings)
     return block
 
 
@@ -143,13 +142,17 @@ def _smoothing(block: Block, arguments: str, findings: Findings) -> None:
     block.values["tolerance"] = Number(value, parts[0])
 
 
-def _check_points(block: Block, findings: Findings) -> None:
+def _check_points(block: Block, controller: Controller, findings: Findings) -> None:
     """Coordinates without a decimal point, where the controller counts them in increments."""
+    increment = controller.machine.numbers.increment
+    if increment is None:
+        return
     for letter, number in block.values.items():
         if letter in COORDINATES and not number.has_point and number.value != 0.0:
-            allowed = f"{letter}{number.text}."
-            what = f"{letter}{number.text} without a decimal point counts in increments"
-            findings.add(block.line, "decimal-point", what, allowed=allowed)
+            word = f"{letter}{number.text}"
+            what = f"{word} without a decimal point counts in {increment.mm:g} mm"
+            what = f"{what} or {increment.inch:g} inch"
+            findings.add(block.line, "decimal-point", what, allowed=f"{word}.0")
 
 
 def unused(block: Block, used: Set[str], findings: Findings) -> None:

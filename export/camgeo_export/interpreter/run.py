@@ -33,6 +33,12 @@ OPERATION: Final = "operation "
 IN_SPINDLE: Final = re.compile(r"tool (\d{1,6}):", re.ASCII | re.IGNORECASE)
 """A comment that names the tool of a program, where programs do not change it."""
 
+G_WORDS: Final = re.compile(r"(?:N\d++\s*+)?+[GOT]\s*+\d|[%(]", re.ASCII)
+"""The first block of a program in G words."""
+
+CONVERSATIONAL: Final = re.compile(r"(?:\d++\s++)?+BEGIN\s++PGM\b", re.ASCII)
+"""The first block of a program in Heidenhain's conversational format."""
+
 CONTROL: Final = re.compile(r"\s*+%")
 
 NAME: Final = re.compile(r"\s*+[O:]\s*+\d++\s*+", re.ASCII)
@@ -198,11 +204,27 @@ class _Program:
         if self._ended(number):
             return
         self._blocks += 1
+        self._check_dialect(number, block, klartext)
         events = len(self._executor.events)
         self._block(number, block, klartext)
         if any(event.kind == "stop" for event in self._executor.events[events:]):
             del self._comments[self._before_block :]
         self._before_block = len(self._comments)
+
+    def _check_dialect(self, number: int, block: str, klartext: bool) -> None:
+        """A program in the other dialect is found once, at its first block; raises Enough."""
+        if self._blocks > 1:
+            return
+        if klartext and G_WORDS.match(block):
+            what, other = "a program in G words, not in conversational format", "iso"
+        elif not klartext and CONVERSATIONAL.match(block):
+            what = "a program in Heidenhain's conversational format, not in G words"
+            other = "klartext"
+        else:
+            return
+        allowed = f'a machine profile with dialect = "{other}"'
+        self._findings.add(number, "unreadable", what, allowed=allowed)
+        raise Enough
 
     def _block(self, number: int, block: str, klartext: bool) -> None:
         """Run the block of a line."""
