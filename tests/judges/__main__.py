@@ -5,33 +5,51 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Final
 
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import bad, grbl, rs274
+from tests.judges import bad, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges.files import Given, files, scenes
 from tests.judges.paths import Leg, difference
-from tests.judges.programs import milled_scenes, programs, random_program, workshop
+from tests.judges.programs import SIX, milled_scenes, programs, random_program, workshop
 
-RANDOM: Final = 30
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is judged: six scenes and some random programs, or with `--all` all there is."""
+
+    everything: bool
+
+    @property
+    def milled(self) -> list[str]:
+        return milled_scenes() if self.everything else list(SIX)
+
+    @property
+    def random(self) -> int:
+        return 30 if self.everything else 10
+
+    def with_a(self, kind: str) -> list[str]:
+        return scenes(kind) if self.everything else list(SIX)
+
 
 Runs = Callable[[str], tuple[list[Leg], object]]
 
 
-def compared(machine: str, runs: Runs, *, absolute_centres: bool) -> str:
-    """What a judge of paths says of all fixture scenes and of random programs."""
+def compared(machine: str, runs: Runs, extent: Extent, *, absolute_centres: bool) -> str:
+    """What a judge of paths says of programs of scenes and of random ones."""
     with tempfile.TemporaryDirectory() as name:
         folder = workshop(Path(name))
         texts = [
-            data.decode()
-            for scene in milled_scenes()
-            for _, data in programs(folder, scene, machine)
+            data.decode() for scene in extent.milled for _, data in programs(folder, scene, machine)
         ]
     made = [
         random_program(Random(seed), 300, absolute_centres=absolute_centres)
-        for seed in range(RANDOM)
+        for seed in range(extent.random)
     ]
     worst = [0.0, 0.0]
     for kind, each in enumerate((texts, made)):
@@ -43,11 +61,11 @@ def compared(machine: str, runs: Runs, *, absolute_centres: bool) -> str:
             worst[kind] = max(worst[kind], difference(found, legs))
     return (
         f"{len(texts)} programs of scenes within {worst[0]:.1e} mm,"
-        f" {RANDOM} random ones within {worst[1]:.1e} mm"
+        f" {extent.random} random ones within {worst[1]:.1e} mm"
     )
 
 
-def suite() -> str:
+def suite(extent: Extent) -> str:
     """What becomes of LinuxCNC's programs that must fail."""
     paths = bad.programs()
     missed = [path.name for path in paths if not bad.found(path)]
@@ -56,35 +74,54 @@ def suite() -> str:
     return f"{len(paths)} of {len(paths)} programs found out"
 
 
-JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[], str]], ...]] = (
+def read(judge: Callable[[Given], float], kinds: dict[str, str], extent: Extent) -> str:
+    """What a judge of files says of those of scenes; `kinds` has the unit of what it compares."""
+    told = []
+    for kind, unit in kinds.items():
+        with tempfile.TemporaryDirectory() as name:
+            apart = [judge(given) for given in files(Path(name), kind, extent.with_a(kind))]
+        told.append(f"{len(apart)} {kind.upper()} files within {max(apart):.1e}{unit}")
+    return ", ".join(told)
+
+
+SIZE, VOLUME = " mm of their size", " of their volume"
+
+JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]] = (
     (
         "LinuxCNC, rs274",
         rs274.absent,
-        lambda: compared("linuxcnc", rs274.run, absolute_centres=True),
+        lambda extent: compared("linuxcnc", rs274.run, extent, absolute_centres=True),
     ),
     ("LinuxCNC, tests/interp/bad", bad.absent, suite),
     (
         "Grbl 1.1, its parser",
         grbl.absent,
-        lambda: compared("grbl", grbl.run, absolute_centres=False),
+        lambda extent: compared("grbl", grbl.run, extent, absolute_centres=False),
     ),
+    ("FreeCAD", freecad.missing, partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME})),
+    ("LibreCAD", librecad.missing, partial(read, librecad.judge, {"dxf": SIZE})),
+    ("PrusaSlicer", prusa.missing, partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME})),
+    ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
 )
 """Name, why it is absent, and what it judges."""
 
 
 def main(words: list[str]) -> int:
     """Print the table; 1 if a judge disagrees, or with `--all` if one is absent."""
+    everything = "--all" in words
     code = 0
     for name, absent, judge in JUDGES:
         if reason := absent():
-            verdict, code = f"absent: {reason}", code or int("--all" in words)
+            verdict, code = f"absent: {reason}", code or int(everything)
         else:
             try:
-                verdict = f"ran: {judge()}"
+                verdict = f"ran: {judge(Extent(everything))}"
             except AssertionError as error:
                 verdict, code = f"FAILED: {error}", 1
         sys.stdout.write(f"{name:28}{verdict}\n")
+        sys.stdout.flush()
     return code
 
 
-sys.exit(main(sys.argv[1:]))
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

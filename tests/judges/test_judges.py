@@ -1,10 +1,12 @@
-"""What other interpreters say of our programs, where they are installed.
+"""What programs of others say of our files, where they are installed.
 
 `python -m tests.judges` shows which ran; here those that are absent are skipped with a word.
 """
 
 from __future__ import annotations
 
+import zlib
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -12,7 +14,9 @@ import pytest
 
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import bad, grbl, rs274
+from tests.judges import bad, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges.__main__ import JUDGES, main
+from tests.judges.files import Given, files, scenes
 from tests.judges.paths import difference
 from tests.judges.programs import (
     SIX,
@@ -22,6 +26,7 @@ from tests.judges.programs import (
     random_program,
     workshop,
 )
+from tests.judges.programs_of_others import Refusal
 from tests.long_form import LONG, examples
 
 NEAR = 1e-4
@@ -29,6 +34,7 @@ NEAR = 1e-4
 
 linuxcnc = pytest.mark.skipif(bool(rs274.absent()), reason=rs274.absent() or "is there")
 grbl_parser = pytest.mark.skipif(bool(grbl.absent()), reason=grbl.absent() or "is there")
+slicer = pytest.mark.skipif(bool(prusa.missing()), reason=prusa.missing() or "is there")
 suite = pytest.mark.skipif(bool(bad.absent()), reason=bad.absent() or "is there")
 
 
@@ -113,3 +119,88 @@ def test_a_path_that_differs_is_told() -> None:
     for wrong in ([*legs, legs[0]], legs[:2], [*legs[:2], Leg(3, "arc", legs[2].end, 2 + 2j, 1)]):
         with pytest.raises(AssertionError):
             difference(found, wrong)
+
+
+READERS = {
+    "freecad": (freecad, ("dxf", "stl")),
+    "librecad": (librecad, ("dxf",)),
+    "prusa": (prusa, ("stl", "3mf")),
+    "lib3mf": (lib3mf_reader, ("3mf",)),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [(name, kind) for name, (_, kinds) in READERS.items() for kind in kinds]
+)
+def test_others_read_the_files_that_we_wrote(name: str, kind: str, tmp_path: Path) -> None:
+    judge = READERS[name][0]
+    if reason := judge.missing():
+        pytest.skip(reason)
+    for given in files(tmp_path, kind, scenes(kind) if LONG else [SIX[0]]):
+        judge.judge(given)
+
+
+def test_lib3mf_refuses_another_body(tmp_path: Path) -> None:
+    (given,) = files(tmp_path, "3mf", [SIX[0]])
+    with pytest.raises(Refusal, match="its volume is"):
+        lib3mf_reader.judge(replace(given, volume=1.001 * given.volume))
+
+
+@slicer
+def test_a_slicer_refuses_an_open_body(tmp_path: Path) -> None:
+    (given,) = files(tmp_path, "stl", [SIX[0]])
+    data = given.path.read_bytes()
+    count = int.from_bytes(data[80:84], "little") - 1
+    given.path.write_bytes(data[:80] + count.to_bytes(4, "little") + data[84:-50])
+    with pytest.raises(Refusal, match="is not one closed body"):
+        prusa.judge(given)
+
+
+def test_the_size_of_what_is_stroked_is_read_from_a_page() -> None:
+    page = b"0.06 0 0 -0.06 0 842 cm\n0 0 m\n9999 0 l\nW* n\n100 200 m\n1300 200 l\n1300 700 l\nS\n"
+    paper = b"%PDF-1.4\nstream\n" + zlib.compress(page) + b"endstream\n"
+    point = 0.06 * 25.4 / 72.0
+    assert librecad.stroked(paper) == pytest.approx((1200.0 * point, 500.0 * point))
+
+
+@pytest.mark.parametrize(
+    ("says", "fault"),
+    [
+        ('{"size": [100.0, 50.01]}', ""),
+        ('{"size": [100.0, 50.1]}', "mm large"),
+        ('{"solid": true, "volume": 10.0}', ""),
+        ('{"solid": false, "volume": 10.0}', "not one closed body"),
+        ('{"solid": true, "volume": 10.1}', "its volume is"),
+        ('{"error": "it has no curves"}', "it has no curves"),
+    ],
+)
+def test_what_freecad_says_is_judged(
+    says: str, fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a program that says it in FreeCAD's place."""
+    program = tmp_path / "freecadcmd"
+    program.write_text(f"#!/bin/sh\necho Banner\necho 'camgeo: {says}'\n")
+    program.chmod(0o755)
+    monkeypatch.setenv(freecad.VARIABLE, str(program))
+    given = Given(tmp_path / "a.dxf", (100.0, 50.0), 10.0)
+    if fault:
+        with pytest.raises(Refusal, match=fault):
+            freecad.judge(given)
+    else:
+        freecad.judge(given)
+
+
+def test_a_variable_that_names_nothing_makes_a_judge_absent(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv(prusa.VARIABLE, str(tmp_path / "gone"))
+    assert prusa.missing() == f"{tmp_path / 'gone'} is not there"
+
+
+def test_the_table_fails_on_a_judge_that_is_absent_only_if_all_are_wanted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    judges = tuple((name, lambda: "gone", judge) for name, _, judge in JUDGES)
+    monkeypatch.setattr("tests.judges.__main__.JUDGES", judges)
+    assert (main([]), main(["--all"])) == (0, 1)
+    assert capsys.readouterr().out.count("absent: gone") == 2 * len(JUDGES)

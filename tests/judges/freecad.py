@@ -1,0 +1,46 @@
+"""FreeCAD imports drawings and bodies: of our size, closed, and of our volume."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from tests.judges.files import Given
+from tests.judges.programs_of_others import Refusal, absent, found, run
+
+VARIABLE: Final = "CAMGEO_FREECAD"
+NAMES: Final = ("freecadcmd", "FreeCADCmd", "freecad.cmd")
+
+SCRIPT: Final = Path(__file__).with_name("freecad_script.py")
+
+SIZE, VOLUME = 0.02, 1e-4
+"""How far a size [mm] and, relatively, a volume may be from ours."""
+
+
+def missing() -> str:
+    """Why it cannot judge here; empty if it can."""
+    return absent(VARIABLE, *NAMES)
+
+
+def judge(given: Given) -> float:
+    """The difference of size [mm] or of volume, relative; Refusal if it finds fault."""
+    call = [found(VARIABLE, *NAMES), str(SCRIPT)]
+    said = run(call, given.path.parent, CAMGEO_JUDGED=str(given.path))
+    lines = [line for line in said.splitlines() if line.startswith("camgeo: ")]
+    if not lines:
+        raise Refusal(f"{given.path.name} is not read: {said[-300:].strip()}")
+    read: dict[str, Any] = json.loads(lines[-1].removeprefix("camgeo: "))
+    if "error" in read:
+        raise Refusal(f"{given.path.name}: {read['error']}")
+    if "size" in read:
+        apart: float = max(abs(a - b) for a, b in zip(read["size"], given.size, strict=True))
+        if apart > SIZE:
+            raise Refusal(f"{given.path.name} is {read['size']} mm large, not {given.size}")
+        return apart
+    if not read["solid"]:
+        raise Refusal(f"{given.path.name} is not one closed body: {read}")
+    apart = abs(read["volume"] / given.volume - 1.0)
+    if apart > VOLUME:
+        raise Refusal(f"{given.path.name}: its volume is {read['volume']}, not {given.volume:g}")
+    return apart
