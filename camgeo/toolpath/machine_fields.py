@@ -36,9 +36,10 @@ MEANINGS: Final = (
     "absolute centres", "incremental centres", "inverse time", "feed per minute",
     "feed per revolution", "smoothing", "stop", "optional stop", "end", "spindle clockwise",
     "spindle counter-clockwise", "spindle off", "tool change", "flood", "mist", "through",
-    "coolant off", "no effect",
+    "coolant off", "no effect", "not read",
 )  # fmt: skip
-"""Meanings of G and M words that a profile can give to a word of another common meaning."""
+"""Meanings of G and M words that a profile can give to a word of another common meaning; a word
+"not read" is accepted, but programs with it cannot be judged."""
 
 
 def texts(key: str, given: Any) -> tuple[str, ...]:

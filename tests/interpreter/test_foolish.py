@@ -146,6 +146,7 @@ OTHERS = (
            "M8 (" + "x" * 80 + ")"),
     Change("big number of a block", "grbl", "M8", "N10000001 M8", "line-number", "N10000001 M8"),
     Change("comment in brackets", "sinumerik", "M8", "M8 (flood)", "unknown-word", "M8 (flood)"),
+    Change("zero shifted", "sinumerik", "G1 Y-5.0", "G58 X1\nG1 Y-5.0", "unsupported", "G58 X1"),
     Change("R for CR", "sinumerik", "I0.0 J-5.0", "CR=-5.0", "arc-sweep", "G2 X10.0 Y5.0 CR=-5.0",
            "270 degrees"),
     Change("CYCLE832 of two", "sinumerik", "(0.005,1,1)", "(0.005,1)", "missing-word",
@@ -208,6 +209,12 @@ def test_each_is_found(change: Change) -> None:
 def test_lengths_of_tools_that_are_right(machine: str, old: str, new: str) -> None:
     assert old in GOOD[machine]
     assert linted(GOOD[machine].replace(old, new), machine).findings == ()
+
+
+def test_further_work_offsets_of_a_sinumerik() -> None:
+    found = linted(GOOD["sinumerik"].replace("G54", "G505"), "sinumerik")
+    assert found.findings == ()
+    assert {move.work_offset for move in found.moves if move.kind != "rapid"} == {"G505"}
 
 
 @pytest.mark.parametrize("machine", GOOD)

@@ -38,4 +38,6 @@ def test_most_rules_are_broken_by_a_foolish_program() -> None:
 
 def test_meanings_are_in_groups() -> None:
     assert set(COMMON.values()) <= GROUP_OF.keys()
-    assert set(MEANINGS) == GROUP_OF.keys()  # profiles name what the interpreter knows
+    assert (
+        set(MEANINGS) - {"not read"} == GROUP_OF.keys()
+    )  # profiles name what the interpreter knows

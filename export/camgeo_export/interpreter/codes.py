@@ -52,6 +52,7 @@ COMMON: Final[Mapping[str, str]] = MappingProxyType(
         **dict.fromkeys(
             ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"), "work offset"
         ),
+        **{f"G{number}": "work offset" for number in range(505, 600)},
         "G61": "exact path", "G61.1": "exact stop", "G64": "continuous path",
         "G80": "cycle off",
         "G90": "absolute", "G91": "incremental",

@@ -65,6 +65,7 @@ def controller_of(machine: Machine) -> Controller:
     accepted |= {normal("M", f"{code:g}") for code in words.m}
     meanings = {word: COMMON[word] for word in accepted if word in COMMON}
     meanings |= dict(words.meaning or {})
+    meanings = {word: meaning for word, meaning in meanings.items() if meaning != "not read"}
     lengths = machine.tool_change.length_offset
     length_letter = ""
     if any("H{tool}" in block for block in lengths):
