@@ -44,6 +44,10 @@ LINUXCNC = (
     Change("plunge at rapid", "linuxcnc", "G1 Z-3.0 F100", "G0 Z-3.0", "rapid-plunge", "G0 Z-3.0"),
     Change("across and down", "linuxcnc", "G0 X-20.0 Y0.0", "G0 X-20.0 Y0.0 Z1.0",
            "rapid-diagonal", "G0 X-20.0 Y0.0 Z1.0"),
+    Change("across and down from above", "haas", "G0 X-20.0 Y0.0\n", "G0 X-20.0 Y0.0 Z1.0\n",
+           "rapid-diagonal", "G0 X-20.0 Y0.0 Z1.0", "from above to Z 1 mm"),
+    Change("across in the stock", "linuxcnc", "G1 X-20.0\nG0 Z5.0", "G0 X-20.0\nG0 Z5.0",
+           "rapid-in-stock", "G0 X-20.0", "at Z -3 mm, below the top of the stock"),
     Change("across too low", "linuxcnc", "G0 Z5.0\nG0 X-20.0", "G0 Z2.0\nG0 X-20.0", "rapid-height",
            "G0 X-20.0 Y0.0"),
     Change("across before Z", "linuxcnc", "G0 Z5.0\nG0 X-20.0 Y0.0\n", "G0 X-20.0 Y0.0\nG0 Z5.0\n",
@@ -209,6 +213,15 @@ def test_each_is_found(change: Change) -> None:
 def test_lengths_of_tools_that_are_right(machine: str, old: str, new: str) -> None:
     assert old in GOOD[machine]
     assert linted(GOOD[machine].replace(old, new), machine).findings == ()
+
+
+def test_holes_of_a_cycle_are_no_traverses() -> None:
+    """The cycle is found where it begins; coordinates alone run it again, until G80."""
+    holes = (
+        "G0 Z5.0\nG81 X1.0 Y1.0 Z-8.0 R1.0 F100.0\nX2.0\nY3.0\nG80\nX9.0\nG0 X9.0 Z5.0\nM9\nM5\nG91"
+    )
+    found = linted(GOOD["fanuc"].replace("G0 Z5.0\nM9\nM5\nG91", holes), "fanuc")
+    assert [each.rule for each in found.findings] == ["unsupported", "no-motion"]
 
 
 def test_further_work_offsets_of_a_sinumerik() -> None:

@@ -67,6 +67,10 @@ COMMON: Final[Mapping[str, str]] = MappingProxyType(
 )  # fmt: skip
 """The common meaning of a word, its number without leading zeros."""
 
+CYCLE: Final = "a cycle"
+"""Motion of the blocks of a cycle, which is found and not run: their places in the plane are known,
+and the height is taken for that at which it began."""
+
 KNOWN: Final[Mapping[str, str]] = MappingProxyType(
     {
         "G5": "a spline", "G5.1": "a spline", "G5.2": "a spline", "G5.3": "a spline",
@@ -75,7 +79,7 @@ KNOWN: Final[Mapping[str, str]] = MappingProxyType(
         **{f"G38.{number}": "a probe" for number in range(2, 6)},
         "G50": "a scale", "G51": "a scale", "G52": "a shifted zero",
         "G65": "a macro", "G66": "a macro", "G68": "a rotation", "G69": "a rotation",
-        **{f"G{number}": "a cycle" for number in (73, 74, 76, *range(81, 90))},
+        **{f"G{number}": CYCLE for number in (73, 74, 76, *range(81, 90))},
         "G92": "a shifted zero", "G92.1": "a shifted zero", "G92.2": "a shifted zero",
         "G96": "a constant surface speed", "G97": "a constant speed",
         "M19": "an angle of the spindle", "M98": "a subprogram", "M99": "the end of a subprogram",

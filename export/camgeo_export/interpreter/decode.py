@@ -6,7 +6,7 @@ from collections.abc import Set
 from typing import Final
 
 from camgeo_export.interpreter.block import Block, Number
-from camgeo_export.interpreter.codes import COORDINATES, GROUP_OF, KNOWN, normal
+from camgeo_export.interpreter.codes import COORDINATES, CYCLE, GROUP_OF, KNOWN, normal
 from camgeo_export.interpreter.controller import ALONE, Controller
 from camgeo_export.interpreter.iso import Words, shown
 from camgeo_export.interpreter.rules import Findings
@@ -48,6 +48,8 @@ def code(block: Block, word: str, controller: Controller, findings: Findings) ->
         name = controller.machine.name
         use = f", {KNOWN[word]}," if word in KNOWN else ""
         block.broken = block.broken or word.startswith("G")
+        if KNOWN.get(word) == CYCLE:
+            block.codes["motion"], block.words["motion"] = CYCLE, word
         if word in controller.accepted:
             findings.add(block.line, "unsupported", f"{word}{use} is outside what is read")
         else:

@@ -101,6 +101,8 @@ class Executor:
         for group in SIMPLE:
             if group in block.codes:
                 self.state.modes[group] = block.codes[group]
+        if "cycle" in block.codes:
+            self._mover.end_cycle()
         self._compensation(block)
         self._length(block)
         self._work_offset(block)

@@ -53,11 +53,12 @@ class Hazards:
                 add(move.line, "rapid-diagonal", what)
             return
         if across and vertical and low < free:
-            what = f"a traverse in the plane and along Z at once, from Z {move.z_start:g} to"
+            whence = "above" if math.isinf(move.z_start) else f"Z {move.z_start:g}"
+            what = f"a traverse in the plane and along Z at once, from {whence} to"
             allowed = f"both at once only above Z {bench.free:g} mm"
-            add(move.line, "rapid-diagonal", f"{what} {move.z_end:g} mm", allowed=allowed)
+            add(move.line, "rapid-diagonal", f"{what} Z {move.z_end:g} mm", allowed=allowed)
         elif across and low < top:
-            what = f"a traverse in the plane at Z {low:g} mm, below the safe height"
+            what = f"a traverse in the plane at Z {low:g} mm, below the top of the stock"
             add(move.line, "rapid-in-stock", what, allowed=f"Z {bench.stock_top:g} mm or more")
         elif across and low < free:
             what = f"a traverse in the plane at Z {low:g} mm, below the safe height"

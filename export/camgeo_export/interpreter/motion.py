@@ -13,6 +13,7 @@ from camgeo_export.gcode.moves import CutterMove, Kind
 from camgeo_export.interpreter.arc_words import ArcReader
 from camgeo_export.interpreter.arcs import Arc, about_pole, heading_after
 from camgeo_export.interpreter.block import ARMS, AXES, Block
+from camgeo_export.interpreter.codes import CYCLE
 from camgeo_export.interpreter.compensation import Compensator
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.frame import Frame
@@ -61,8 +62,16 @@ class Mover:
 
     def skip(self, block: Block) -> None:
         """Go on from the end of a block that is not run."""
-        if any(axis in block.values for axis in AXES):
+        if block.codes.get("motion") == CYCLE:  # each block with coordinates runs it again
+            self._state.modes["motion"] = CYCLE
+            self._state.at, _ = self._target(block)
+        elif any(axis in block.values for axis in AXES):
             self._state.at, self._state.z = self._target(block)
+
+    def end_cycle(self) -> None:
+        """Blocks with coordinates run a cycle no longer."""
+        if self._state.mode("motion") == CYCLE:
+            self._state.modes["motion"] = ""
 
     def move(self, block: Block) -> Set[str]:
         """Make the move of a block, if it has one; return the letters that it takes."""
@@ -75,6 +84,9 @@ class Mover:
         if block.words.get("length", "").endswith(".1"):
             return STRAIGHT  # Z is the length itself
         motion = "rapid" if block.arc == "rapid" else state.mode("motion")
+        if motion == CYCLE:
+            state.at, _ = self._target(block)
+            return block.values.keys()
         arms = any(arm in block.values for arm in (*ARMS, "R"))
         if block.arc in ("polar", "pole", "tangent"):
             axes = axes or ["pole"]
