@@ -163,6 +163,8 @@ OTHERS = (
            "18 C X-5.0 Y+10.0 R0", "without its sense"),
     Change("centre left out", "heidenhain", "20 CC X+5.0 Y+5.0\n", "", "arc-radius",
            "21 C X+10.0 Y+5.0 DR- R0"),
+    Change("F AUTO of nothing", "heidenhain", "L Z-3.0 R0 F100", "L Z-3.0 R0 F AUTO",
+           "missing-word", "14 L Z-3.0 R0 F AUTO", "without a feed F in TOOL CALL"),
     Change("FMAX down", "heidenhain", "L Z-3.0 R0 F100", "L Z-3.0 R0 FMAX", "rapid-plunge",
            "14 L Z-3.0 R0 FMAX"),
     Change("no tool", "heidenhain", "5 TOOL CALL 1 Z S3000\n", "", "no-tool", "14 L Z-3.0 R0 F100"),
@@ -213,6 +215,17 @@ def test_each_is_found(change: Change) -> None:
 def test_lengths_of_tools_that_are_right(machine: str, old: str, new: str) -> None:
     assert old in GOOD[machine]
     assert linted(GOOD[machine].replace(old, new), machine).findings == ()
+
+
+def test_f_auto_is_the_feed_of_the_tool_call() -> None:
+    text = GOOD["heidenhain"].replace("Z S3000", "Z S3000 F80").replace("R0 F300", "R0 F AUTO")
+    found = linted(text, "heidenhain")
+    assert found.findings == ()
+    assert [move.feed for move in found.moves if move.kind != "rapid"][:2] == [100.0, 80.0]
+
+
+def test_the_number_of_a_tool_alone_stops_no_spindle() -> None:
+    assert linted(GOOD["grbl"].replace("S3000 M3", "S3000 M3\nT1"), "grbl").findings == ()
 
 
 def test_holes_of_a_cycle_are_no_traverses() -> None:

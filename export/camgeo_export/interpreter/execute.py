@@ -191,8 +191,8 @@ class Executor:
         lasting = self._controller.length_letter == "D" and state.offset > 0
         if lasting or self._controller.machine.dialect == "klartext":
             self._put_length(state.tool)  # its length comes into force with it, or its edge D
-        state.modes["spindle"] = "spindle off"  # controllers stop it
         if changes:
+            state.modes["spindle"] = "spindle off"  # controllers stop it
             self._event(block, "tool change")
 
     def put_in(self, number: int) -> None:

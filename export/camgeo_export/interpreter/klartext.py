@@ -27,6 +27,7 @@ WORD: Final = re.compile(
       (?P<sense>DR\s*+[-+])(?![\d.])
     | (?P<side>R[0LR])(?![\d.])
     | (?P<fast>FMAX|F\s++MAX)
+    | (?P<auto>F\s*+AUTO)
     | (?P<letter>I?(?:PA|PR|[XYZ])|F|S|M|R|DL|DR|T)\s*+(?P<number>{NUMBER})
     )""",
     re.ASCII | re.VERBOSE,
@@ -84,6 +85,7 @@ class Klartext:
         self._state = state
         self._findings = findings
         self._begun = False
+        self._tool_feed: Number | None = None
         self._cycle = ""
 
     def blocks(self, line: int, text: str) -> list[Block]:
@@ -143,7 +145,9 @@ class Klartext:
     def _tool_call(self, line: int, found: re.Match[str]) -> list[Block]:
         block = self._words(line, re.sub(r"\bD[LR]\d*\s*+[-+]?[\d.]++", "", found[3]))
         if found[1] is None:  # another speed of the same tool
+            self._tool_feed = block.values.get("F", self._tool_feed)
             return [block]
+        self._tool_feed = block.values.get("F")
         number = found[1]
         if number.startswith('"'):
             what = "a tool called by name: its number is not known"
@@ -252,9 +256,19 @@ class Klartext:
                 self._compensate(block, found["side"])
             elif found["fast"]:
                 block.names["fast"] = "FMAX"
+            elif found["auto"]:
+                self._feed_of_tool(block)
             else:
                 self._word(block, found["letter"], found["number"])
         return block
+
+    def _feed_of_tool(self, block: Block) -> None:
+        """F AUTO: the feed that TOOL CALL states."""
+        if self._tool_feed is None:
+            what = "F AUTO without a feed F in TOOL CALL"
+            self._findings.add(block.line, "missing-word", what, allowed="TOOL CALL n Z S F")
+        else:
+            block.values["F"] = self._tool_feed
 
     def _compensate(self, block: Block, side: str) -> None:
         """R0, RL or RR: each block repeats what is active."""
