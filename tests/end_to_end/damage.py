@@ -325,6 +325,11 @@ def cut_short(data: bytes) -> bytes:
     return data[: len(data) * 7 // 10]
 
 
+def cut_between_lines(data: bytes) -> bytes:
+    """Cut short at the end of a line, so that every word is whole."""
+    return data[: data.rindex(b"\n", 0, len(data) * 7 // 10) + 1]
+
+
 # Meshes -------------------------------------------------------------------------------------------
 
 

@@ -45,7 +45,7 @@ DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
     "gcode: path blending": (".ngc", d.replaced(b"G61", b"G64", -1), {"path blending"}),
     "gcode: a word unknown": (".ngc", d.replaced(b"G61", b"G68"), {"program"}),
     "gcode: compensated": (".ngc", d.replaced(b"G61", b"G41"), {"compensation"}),
-    "gcode: cut short": (".ngc", d.cut_short, {"program"}),
+    "gcode: cut short": (".ngc", d.cut_between_lines, {"passes", "frame"}),
     "stl: a missing facet": (".stl", d.drop_facet, {"closed"}),
     "stl: a flipped facet": (".stl", d.flip_facet, {"oriented"}),
     "stl: a moved edge": (".stl", d.move_stl_vertex, {"deviation"}),
