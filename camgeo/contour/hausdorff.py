@@ -32,6 +32,9 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray,
 SHARPNESS = 1e-9
 """Largest fraction by which the bound exceeds the distance, apart from rounding."""
 
+HALF = 0.5 * SHARPNESS
+"""The fraction in each direction: the second starts from the bound of the first."""
+
 ROUNDING = 2.0**-52 * 4.0
 """Rounding of a distance, as a fraction of the contours' size."""
 
@@ -122,7 +125,7 @@ def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> 
     for _ in range(HALVINGS):
         # In the order of the cells, each of which has at least one piece.
         pairs, found, most = _bounded(cells, pieces, pairs, found, rounding)
-        loose = most > found * (1.0 + SHARPNESS) + rounding
+        loose = most > found * (1.0 + HALF) + rounding
         bound = max(bound, float(np.max(most[~loose], initial=0.0)))
         if not np.any(loose):
             return bound
