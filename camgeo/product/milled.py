@@ -13,7 +13,7 @@ from camgeo.pickled import Pickled
 if TYPE_CHECKING:
     from camgeo.formats.format import Options, Values
     from camgeo.product.drawn import DrawnDisc
-    from camgeo.toolpath.cut import Cut
+    from camgeo.toolpath.cut import ContourCut
     from camgeo.toolpath.moves import Toolpath
 
 
@@ -35,7 +35,7 @@ class MilledDisc(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @lazy
-    def cuts(self) -> tuple[Cut, ...]:
+    def cuts(self) -> tuple[ContourCut, ...]:
         """The exact cuts; GeometryError if the scene lacks what milling needs."""
         from camgeo.toolpath.sequence import cuts_of
 
@@ -47,10 +47,11 @@ class MilledDisc(Pickled):
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
         from camgeo.toolpath.machine import load
+        from camgeo.toolpath.moves import Heights
         from camgeo.toolpath.plan import plan_toolpath
 
         cuts, spec, effort = self.cuts, self.options[FORMAT], self.drawn.effort
-        limits, height = load(spec.machine).arcs, spec.safe_height
+        limits, heights = load(spec.machine).arcs, Heights.of(spec.safe_height)
         return self.ledger.run(
-            "toolpath", lambda: plan_toolpath(cuts, height, limits, tolerance, effort)
+            "toolpath", lambda: plan_toolpath(cuts, heights, limits, tolerance, effort)
         )

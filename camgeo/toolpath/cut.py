@@ -1,69 +1,209 @@
-"""What an operation cuts, exactly, before any tolerance."""
+"""What an operation cuts, exactly, before any tolerance.
+
+Three kinds: along a closed path of the cutter's centre, over an area between boundaries, and at
+points. All refer to boundaries of the part, and none knows the scene.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from functools import partial
+from typing import Annotated, Final
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import array, hold, instance, number, positive, shown
+from camgeo.numeric.checked import (
+    array,
+    check_fields,
+    finite,
+    hold,
+    instance,
+    instances,
+    number,
+    one_of,
+    point,
+    positive,
+    shown,
+    whole,
+)
 from camgeo.part.part import Boundary, require_boundary
-from camgeo.toolpath.spec import Tool
+from camgeo.toolpath.holding import Obstacle, Tabs
+from camgeo.toolpath.tool import Text, Tool, Truth
 
 MOST_PASSES: Final = 10_000
 """Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
 
+MOST_SPRINGS: Final = 10
+"""Rounds that take nothing off any more."""
 
-@dataclass(frozen=True, slots=True)
+COMPUTED: Final = "computed"
+WEAR: Final = "wear"
+CONTROL: Final = "control"
+
+COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
+
+Size = Annotated[float, partial(number, least=0.0, unit="mm")]
+Rounds = Annotated[int, partial(whole, least=0, most=MOST_SPRINGS)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """One operation to plan.
+    """One operation to plan; what its kinds have in common.
 
     Attributes
     ----------
     name : its identity, unique in the program and stated in the file.
     strategy : how it is cut, a name in `camgeo.toolpath.strategies.STRATEGIES`.
-    tool : the one that cuts it.
-    centre : the exact closed path of the cutter's centre. If it is a hole, as inside a bore, it is
-        run counter-clockwise, else clockwise, for climb milling (spindle clockwise).
-    right, left : names of the part's boundaries produced on either side of the cutter, seen in the
-        direction of cutting; empty where none is produced.
+    tool : the one that cuts it, with feeds, speed, stepdown and stepover as they are for this cut.
+    top : Z of the upper face of the material that it meets [mm], at least the first depth.
     depths : Z of each pass [mm], descending.
-    room : largest radius of the arcs that lead onto and off the path [mm]; 0 for none.
-    note : for the machine operator, or empty.
+    allowance : left on the walls [mm] for a later cut.
+    obstacles : clamps and screws to be cleared, above whose tops only traverses go.
+    climb : whether it is climb milling, with the material on the right of a cutter that turns
+        clockwise, or else conventional.
+    stop : what the operator does before it, after a programmed stop; empty without one.
+    note : for the operator, or empty.
 
     Raises
     ------
     GeometryError
-        With key "toolpath" if a text or the tool is invalid, the depths do not descend or the room
-        is negative; with key "part" if the centre's path is not a boundary.
+        With key "toolpath" if a text, the tool or an obstacle is invalid, or the depths do not
+        descend below the top.
     """
 
-    name: str
-    strategy: str
+    name: Annotated[Text, "toolpath"]
+    strategy: Annotated[Text, "toolpath"]
     tool: Tool
-    centre: Boundary
-    right: str
-    left: str
+    top: Annotated[float, finite, "toolpath"]
     depths: tuple[float, ...]
-    room: float = 0.0
-    note: str = ""
+    allowance: Annotated[Size, "toolpath"] = 0.0
+    obstacles: tuple[Obstacle, ...] = ()
+    climb: Annotated[Truth, "toolpath"] = True
+    stop: Annotated[Text, "toolpath"] = ""
+    note: Annotated[Text, "toolpath"] = ""
 
     def __post_init__(self) -> None:
-        for text in (self.name, self.strategy, self.right, self.left, self.note):
-            instance("toolpath", text, str, "a text")
-        instance("toolpath", self.tool, Tool, "a tool")
-        require_boundary(self.centre)
+        check_fields(self)
         depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
-        if not len(depths) or not np.all(np.diff(depths) < 0.0):
-            raise GeometryError("must be descending depths", "toolpath", shown(self.depths))
-        hold(
-            self,
-            depths=tuple(depths.tolist()),
-            room=number("toolpath", self.room, least=0.0, unit="mm"),
-        )
+        if not len(depths) or not np.all(np.diff(depths) < 0.0) or depths[0] > self.top:
+            message = f"must be descending depths below {self.top:g} mm"
+            raise GeometryError(message, "toolpath", shown(self.depths))
+        given = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
+        obstacles = instances("toolpath", given, (Obstacle,), "obstacles")
+        hold(self, depths=tuple(depths.tolist()), obstacles=obstacles)
+
+    @property
+    def bottom(self) -> float:
+        """Z of the last pass [mm]."""
+        return self.depths[-1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContourCut(Cut):
+    """Along a closed path of the cutter's centre: a finish, a slot, a chamfer.
+
+    Attributes
+    ----------
+    centre : the exact closed path of the cutter's centre, the allowance included. If it is a hole,
+        as inside a bore, climb milling runs it counter-clockwise, else clockwise.
+    right, left : names of the part's boundaries produced on either side of the cutter, seen in the
+        direction of climb milling; empty where none is produced.
+    room : largest radius of the arcs that lead onto and off the path [mm]; 0 for none, where the
+        cutter enters along the path itself.
+    cleared : whether the material beside the path, as far as leads go, is gone down to the last
+        depth: then the cutter may go straight down there.
+    springs : rounds at the last depth after the first one there, which remove what deflection left.
+    tabs : bridges to leave, or None.
+    compensation : "computed"; "wear", the computed path with the wear of the tool's table on
+        top; "control", the boundary itself, offset by the controller.
+
+    Raises
+    ------
+    GeometryError
+        As `Cut`; with key "part" if the centre's path is not a boundary.
+    """
+
+    centre: Boundary
+    right: Annotated[Text, "toolpath"] = ""
+    left: Annotated[Text, "toolpath"] = ""
+    room: Annotated[Size, "toolpath"] = 0.0
+    cleared: Annotated[Truth, "toolpath"] = False
+    springs: Annotated[Rounds, "toolpath"] = 0
+    tabs: Tabs | None = None
+    compensation: Annotated[str, partial(one_of, choices=COMPENSATIONS), "toolpath"] = COMPUTED
+
+    def __post_init__(self) -> None:
+        Cut.__post_init__(self)
+        require_boundary(self.centre)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AreaCut(Cut):
+    """All material between walls, or between walls and the outline of the blank.
+
+    The area lies on the side of each wall without material, within the stock. The cutter's edge
+    stays off every wall by the allowance; its centre may leave the area where no wall is, across
+    the outline of the stock and over what is cleared.
+
+    Attributes
+    ----------
+    walls : boundaries of the part, each a hole or not: a bore alone is a hole to be opened, an
+        outline alone is to be laid free of the stock, two flanks enclose a groove; none at all is
+        a face, cleared all over.
+    stock : outline of the blank; None if walls enclose the area.
+    cleared : holes that are there already, down to the last depth.
+    stepover : largest distance between neighbouring paths [mm].
+
+    Raises
+    ------
+    GeometryError
+        As `Cut`; with key "part" if a wall is not a boundary; with key "toolpath" if there is
+        neither a wall nor a stock, or the stepover exceeds the cutter's diameter.
+    """
+
+    walls: tuple[Boundary, ...]
+    stock: Boundary | None = None
+    cleared: tuple[Boundary, ...] = ()
+    stepover: Annotated[float, positive, "toolpath"]
+
+    def __post_init__(self) -> None:
+        Cut.__post_init__(self)
+        stock = () if self.stock is None else (self.stock,)
+        walls = instance("toolpath", self.walls, tuple, "a tuple of boundaries")
+        cleared = instance("toolpath", self.cleared, tuple, "a tuple of boundaries")
+        for each in (*walls, *stock, *cleared):
+            require_boundary(each)
+        if not walls and not stock:
+            raise GeometryError("an area needs a wall or the outline of the blank", "toolpath")
+        if self.stepover > self.tool.diameter:
+            message = f"must be at most the cutter's diameter, {self.tool.diameter:g} mm"
+            raise GeometryError(message, "toolpath", f"{self.stepover:g}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointCut(Cut):
+    """Straight down at points: holes drilled in pecks, each of the `depths` one.
+
+    Attributes
+    ----------
+    points : complex [mm].
+
+    Raises
+    ------
+    GeometryError
+        As `Cut`; with key "toolpath" if there are no points.
+    """
+
+    points: tuple[complex, ...]
+
+    def __post_init__(self) -> None:
+        Cut.__post_init__(self)
+        points = instance("toolpath", self.points, tuple, "a tuple of points")
+        if not points:
+            raise GeometryError("needs a point", "toolpath", shown(points))
+        hold(self, points=tuple(point("toolpath", each, "mm") for each in points))
 
 
 def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:
@@ -72,14 +212,14 @@ def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...
     Raises
     ------
     GeometryError
-        With key "output.gcode.pass_depth", if that makes more than `MOST_PASSES`.
+        With key "tool.stepdown", if that makes more than `MOST_PASSES`.
     """
     depth = positive("part", top - bottom, "mm")
     count = 1
     if largest is not None:
-        share = depth / positive("output.gcode.pass_depth", largest, "mm") * (1.0 - 1e-12)
+        share = depth / positive("tool.stepdown", largest, "mm") * (1.0 - 1e-12)
         if share > MOST_PASSES:
             message = f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that"
-            raise GeometryError(message, "output.gcode.pass_depth", f"{largest:g}")
+            raise GeometryError(message, "tool.stepdown", f"{largest:g}")
         count = max(1, math.ceil(share))
     return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)

@@ -25,7 +25,7 @@ from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.checked import check_fields, positive
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, Toolpath
-from camgeo.toolpath.spec import FeedRate
+from camgeo.toolpath.tool import FeedRate
 
 SECONDS = 60.0
 """Of a minute, the unit of time of feeds."""

@@ -6,11 +6,12 @@ Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import LARGEST, finite, hold, instance, positive, shown
+from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, positive, shown
 from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.tool import Tool
 
 Point = tuple[float, float, float]
 
@@ -83,13 +84,45 @@ Move = Rapid | Feed | ArcFeed
 
 
 @dataclass(frozen=True, slots=True)
+class Heights:
+    """Z of traverses [mm].
+
+    Attributes
+    ----------
+    clearance : between operations, above blank and clamps.
+    retract : within an operation, above the blank.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `output.gcode`, if a height is not above 0, or the retract height above the
+        clearance.
+    """
+
+    clearance: float
+    retract: float
+
+    def __post_init__(self) -> None:
+        clearance = positive("output.gcode.clearance_height", self.clearance, "mm")
+        key = "output.gcode.retract_height"
+        retract = number(key, self.retract, above=0.0, most=clearance, unit="mm")
+        hold(self, clearance=clearance, retract=retract)
+
+    @classmethod
+    def of(cls, height: float) -> Self:
+        """Both at `height` [mm]."""
+        return cls(height, height)
+
+
+@dataclass(frozen=True, slots=True)
 class Operation:
-    """One operation of the program, with all its passes.
+    """One operation of the program, with all its passes; it can be restarted alone.
 
     Attributes
     ----------
     cut : what it cuts, with its tool.
-    moves : in order; the first is a traverse to the safe height above the first point.
+    moves : in order; the first is a traverse to the clearance height above the first point, the
+        last one leads up to that height again.
 
     Raises
     ------
@@ -112,6 +145,21 @@ class Operation:
         """The moves without the halts between them."""
         return tuple(move for move in self.moves if not isinstance(move, Stop))
 
+    @property
+    def name(self) -> str:
+        """Unique in the program."""
+        return self.cut.name
+
+    @property
+    def tool(self) -> Tool:
+        """What cuts, and how it is run."""
+        return self.cut.tool
+
+    @property
+    def coolant(self) -> str | None:
+        """One of `camgeo.toolpath.tool.COOLANTS`, or None if nobody states it."""
+        return self.cut.tool.coolant
+
 
 @dataclass(frozen=True, slots=True)
 class Toolpath:
@@ -119,25 +167,28 @@ class Toolpath:
 
     Attributes
     ----------
-    safe_height : Z of all traverses [mm].
+    heights : of its traverses.
     operations : in the order of cutting, each with its own name.
 
     Raises
     ------
     GeometryError
-        With key "output.gcode.safe_height", if that is not above 0; with key "toolpath", if two
-        operations have the same name.
+        With key "toolpath", if two operations have the same name.
     """
 
-    safe_height: float
+    heights: Heights
     operations: tuple[Operation, ...]
 
     def __post_init__(self) -> None:
-        height = positive("output.gcode.safe_height", self.safe_height, "mm")
-        hold(self, safe_height=height)
+        instance("toolpath", self.heights, Heights, "heights")
         for each in instance("toolpath", self.operations, tuple, "a tuple of operations"):
             instance("toolpath", each, Operation, "an operation")
         names = [each.cut.name for each in self.operations]
         if len(set(names)) < len(names):
             message = "each operation needs its own name"
             raise GeometryError(message, "toolpath", ", ".join(names))
+
+    @property
+    def safe_height(self) -> float:
+        """Z [mm] of traverses from one operation to the next."""
+        return self.heights.clearance

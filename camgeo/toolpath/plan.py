@@ -13,13 +13,13 @@ from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Move, Operation, Point, Stop, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES
 
 
 def plan_toolpath(
     cuts: Iterable[Cut],
-    safe_height: float,
+    heights: Heights,
     limits: ArcLimits,
     tolerance: float,
     effort: Effort = "fewest",
@@ -38,14 +38,15 @@ def plan_toolpath(
     operations: list[Operation] = []
     left = PROGRAM_LINES
     for cut in cuts:
-        moves = STRATEGIES[cut.strategy](cut, safe_height, tolerance, effort)
-        of_cut = islice(divided(moves, limits.largest_turn), left + 1)
-        operation = Operation(cut, tuple(of_cut))
+        moves = STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
+        first, *others = islice(divided(moves, limits.largest_turn), left + 1)
+        stop = (Stop(cut.stop),) if cut.stop else ()
+        operation = Operation(cut, (first, *stop, *others))
         left -= len(operation.moves)
         if left < 0:
             raise too_long()
         operations.append(operation)
-    return Toolpath(safe_height, tuple(operations))
+    return Toolpath(heights, tuple(operations))
 
 
 def too_long() -> FileError:

@@ -8,14 +8,14 @@ from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Part, Wall
-from camgeo.toolpath.cut import Cut, passes
-from camgeo.toolpath.spec import Tool
+from camgeo.toolpath.cut import ContourCut, passes
+from camgeo.toolpath.tool import Tool
 
 SAME = 2.0**-48
 """Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
 
 
-def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]:
+def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[ContourCut, ...]:
     """The bore first, as it is cut while the blank is whole; then outline or groove.
 
     The rim is that of the blank. `pass_depth` [mm] is the largest depth of a pass; None for a
@@ -28,7 +28,7 @@ def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]
     """
     part.require_heights()
     walls = {wall.boundary.name: wall for wall in part.walls}
-    cuts: list[Cut] = []
+    cuts: list[ContourCut] = []
     if "bore" in walls:
         cuts.append(_bore(walls["bore"], tool, pass_depth))
     if "outline" in walls:
@@ -38,18 +38,28 @@ def cuts_of(part: Part, tool: Tool, pass_depth: float | None) -> tuple[Cut, ...]
     return tuple(cuts)
 
 
-def _profile(wall: Wall, tool: Tool, pass_depth: float | None, room: float, note: str = "") -> Cut:
+def _profile(
+    wall: Wall, tool: Tool, pass_depth: float | None, room: float, note: str = ""
+) -> ContourCut:
     """Along a wall from its upper edge to its lower one, with the material on the right."""
     boundary = wall.boundary
     depths = passes(wall.z1, wall.z0, pass_depth)
     path = boundary.offset(tool.radius)
     name = boundary.name
-    return Cut(
-        name, "profile", tool, path, right=name, left="", depths=depths, room=room, note=note
+    return ContourCut(
+        name=name,
+        strategy="profile",
+        tool=tool,
+        top=wall.z1,
+        depths=depths,
+        centre=path,
+        right=name,
+        room=room,
+        note=note,
     )
 
 
-def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
+def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> ContourCut:
     """Around the inside of the bore; an end mill cannot cut a keyway."""
     bore = wall.boundary
     assert isinstance(bore, ExactBoundary)  # as every bore is
@@ -64,7 +74,7 @@ def _bore(wall: Wall, tool: Tool, pass_depth: float | None) -> Cut:
     return _profile(wall, tool, pass_depth, room / 2.0, note)
 
 
-def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> list[Cut]:
+def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> list[ContourCut]:
     """One round of a cutter as wide as the groove on the pitch curve, or one along each flank.
 
     Where a flank is trimmed, the roller sweeps more than two rounds along the remaining flanks
@@ -80,8 +90,17 @@ def _groove(inner: Wall, outer: Wall, tool: Tool, pass_depth: float | None) -> l
         path = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
         centre = CurveBoundary("path of the cutter along the groove", hole=True, path=path)
         depths = passes(outer.z1, outer.z0, pass_depth)
-        names = outer.boundary.name, inner.boundary.name
-        return [Cut("groove", "slot", tool, centre, *names, depths)]
+        slot = ContourCut(
+            name="groove",
+            strategy="slot",
+            tool=tool,
+            top=outer.z1,
+            depths=depths,
+            centre=centre,
+            right=outer.boundary.name,
+            left=inner.boundary.name,
+        )
+        return [slot]
     if side < 0.0 or tool.diameter < half:
         raise GeometryError(
             f"the cutter of a groove must be no larger than {like}, and at least half as large,"

@@ -1,4 +1,4 @@
-"""The specification of the milling program and its tool in a scene."""
+"""The specification of the milling program in a scene."""
 
 from __future__ import annotations
 
@@ -7,17 +7,11 @@ from functools import partial
 from typing import Annotated, Final
 
 from camgeo.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, instance, number, positive, whole
-
-LARGEST_NUMBER: Final = 99_999
-"""Of a tool in a controller's tool table."""
+from camgeo.numeric.checked import check_fields, instance, number, whole
+from camgeo.toolpath.tool import FeedRate, SpindleSpeed, Tool, ToolNumber
 
 LONGEST_SPIN_UP: Final = 600.0
 """Seconds that a spindle may take."""
-
-ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
-SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
-FeedRate = Annotated[float, partial(positive, unit="mm/min")]
 
 SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP, unit="s")]
 Name = Annotated[str, partial(instance, kind=str, what="a text")]
@@ -26,38 +20,6 @@ ProgramNumber = Annotated[int, partial(whole, least=1, most=9999)]
 Profile = Annotated[
     str, partial(instance, kind=str, what="the name or the file of a machine profile")
 ]
-
-
-@dataclass(frozen=True, slots=True)
-class Tool:
-    """An end mill.
-
-    Attributes
-    ----------
-    number : in the tool table.
-    diameter : [mm].
-    spindle_speed : [rev/min], clockwise.
-    feed, plunge_feed : in the plane and along Z [mm/min].
-
-    Raises
-    ------
-    GeometryError
-        With the key of the scene, if a value is not above 0.
-    """
-
-    number: Annotated[ToolNumber, "tool_number"]
-    diameter: Annotated[Length, "tool_diameter"]
-    spindle_speed: SpindleSpeed
-    feed: FeedRate
-    plunge_feed: FeedRate
-
-    def __post_init__(self) -> None:
-        check_fields(self, "output.gcode.")
-
-    @property
-    def radius(self) -> float:
-        """Half the diameter [mm]."""
-        return self.diameter / 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,5 +65,11 @@ class GcodeSpec:
     def tool(self) -> Tool:
         """The end mill, and how it is run."""
         return Tool(
-            self.tool_number, self.tool_diameter, self.spindle_speed, self.feed, self.plunge_feed
+            number=self.tool_number,
+            diameter=self.tool_diameter,
+            spindle_speed=self.spindle_speed,
+            feed=self.feed,
+            plunge_feed=self.plunge_feed,
+            stepdown=self.pass_depth,
+            plunges=True,
         )

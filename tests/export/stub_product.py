@@ -35,10 +35,11 @@ from camgeo.scene.document import document
 from camgeo.scene.scene import Scene
 from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath import machine
-from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import divided
-from camgeo.toolpath.spec import GcodeSpec, Tool
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 
@@ -219,7 +220,7 @@ class StubProduct(Product):
         return self.gcode.tool, self.second_tool or self.gcode.tool
 
     @property
-    def cuts(self) -> tuple[Cut, ...]:
+    def cuts(self) -> tuple[ContourCut, ...]:
         bore, outline = self.tools
         radius = self.pitch_radius - self.roller_radius
         made = (
@@ -227,7 +228,16 @@ class StubProduct(Product):
             (CircleBoundary("outline", False, radius, self.centre), outline),
         )
         return tuple(
-            Cut(each.name, "profile", tool, each.offset(tool.radius), each.name, "", DEPTHS, 1.0)
+            ContourCut(
+                name=each.name,
+                strategy="profile",
+                tool=tool,
+                top=0.0,
+                depths=DEPTHS,
+                centre=each.offset(tool.radius),
+                right=each.name,
+                room=1.0,
+            )
             for each, tool in made
         )
 
@@ -241,7 +251,7 @@ class StubProduct(Product):
             assert isinstance(cut.centre, CircleBoundary)
             moves = _moves(cut, contour, cut.centre.centre, self.gcode.safe_height)
             operations.append(Operation(cut, tuple(divided(moves, largest))))
-        return Toolpath(self.gcode.safe_height, tuple(operations))
+        return Toolpath(Heights.of(self.gcode.safe_height), tuple(operations))
 
     @property
     def value_table(self) -> Table:
@@ -260,7 +270,9 @@ class StubProduct(Product):
 DEPTHS = (-4.0, -8.0)
 
 
-def _moves(cut: Cut, contour: Contour, centre: complex, safe_height: float) -> Iterator[Move]:
+def _moves(
+    cut: ContourCut, contour: Contour, centre: complex, safe_height: float
+) -> Iterator[Move]:
     """Two passes along `contour`, entered and left tangentially on quarter circles."""
     tool = cut.tool
     start = complex(contour.vertices[0])

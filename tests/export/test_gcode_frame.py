@@ -10,8 +10,9 @@ import pytest
 from camgeo.errors import SceneError, ToleranceError
 from camgeo.toolpath import machine as machines
 from camgeo.toolpath.machine import Machine
-from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.spec import GcodeSpec, Tool
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.writer import WRITER
@@ -184,7 +185,7 @@ def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:
         Stop("move the clamp (left)"), Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0),
         Rapid((1.0, 2.0, 5.0)),
     )  # fmt: skip
-    path = Toolpath(5.0, (Operation(cut, moves),))
+    path = Toolpath(Heights.of(5.0), (Operation(cut, moves),))
     found = {}
     for name in ("linuxcnc", "haas", "sinumerik"):
         machine = machines.load(name)
@@ -212,7 +213,7 @@ def test_an_operation_that_ends_low_is_left_with_the_length_of_its_tool(name: st
     machine = machines.load(name)
     first, second = StubProduct(gcode=spec(name), second_tool=OTHER).cuts[:2]
     moves = (Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0), Rapid((1.0, 2.0, 1.0)))
-    path = Toolpath(5.0, (Operation(first, moves), Operation(second, moves)))
+    path = Toolpath(Heights.of(5.0), (Operation(first, moves), Operation(second, moves)))
     setup = Setup("x", "mm", "G54", "off", 0.0)
     lines = written(path, machine, budget(machine, "mm", 0.01), setup, ()).lines
     low = positions(lines, r"Z[-+]?1\.0+( R0 FMAX)?$")
@@ -307,7 +308,7 @@ def test_a_helix_keeps_its_pitch(name: str) -> None:
     moves = (Rapid((3.0, 0.0, 5.0)), Feed((3.0, 0.0, 0.0), 100.0), *turns, Rapid((3.0, 0.0, 5.0)))
     setup = Setup("x", "mm", "", "off", 0.0)
     shares = budget(machine, "mm", 0.01)
-    made = written(Toolpath(5.0, (Operation(cut, moves),)), machine, shares, setup, ())
+    made = written(Toolpath(Heights.of(5.0), (Operation(cut, moves),)), machine, shares, setup, ())
     assert (made.speller.arcs == 2) == machine.arcs.helical
     if machine.arcs.helical:
         assert any(re.match(r"G3 X-3.0+ Y0.0+ Z-0.50+ I-3.0+ J0.0+", line) for line in made.lines)
@@ -332,6 +333,6 @@ def test_centres_may_be_absolute() -> None:
     down = Feed((10.0, 10.0, -1.0), 100.0)
     moves = (Rapid((10.0, 10.0, 5.0)), down, arc, Rapid((10.0, 12.0, 5.0)))
     setup = Setup("x", "mm", "G54", "off", 0.0)
-    path = Toolpath(5.0, (Operation(cut, moves),))
+    path = Toolpath(Heights.of(5.0), (Operation(cut, moves),))
     lines = written(path, absolute, budget(absolute, "mm", 0.01), setup, ()).lines
     assert "G3 X10.0000 Y12.0000 I10.0000 J11.0000 F200" in lines

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.spec import Tool
+from camgeo.toolpath.tool import Tool
 from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.interpreter.run import run
@@ -35,7 +35,9 @@ from tests.export.stub_product import StubProduct
 from tests.export.verified import TOLERANCE, checked, faults
 from tests.packages import repacked
 
-PRODUCT = StubProduct(second_tool=Tool(2, 8.0, 2500.0, 250.0, 80.0))
+PRODUCT = StubProduct(
+    second_tool=Tool(number=2, diameter=8.0, spindle_speed=2500.0, feed=250.0, plunge_feed=80.0)
+)
 
 
 # Programs -----------------------------------------------------------------------------------------

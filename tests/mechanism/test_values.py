@@ -42,10 +42,13 @@ from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Layer, Part, Wall
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut
+from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
-from camgeo.toolpath.spec import GcodeSpec, Tool
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
+from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import Tool
 from tests.reference import POLYNOMIAL
 
 ROOMS = ("mechanism", "curve")
@@ -61,8 +64,24 @@ PITCH = PitchCurve(RISE, ROLLER, 1)
 FLANK = CurveBoundary("outline", hole=False, path=whole(WorkingCurve(PITCH, -10.0)))
 BORE = ExactBoundary("bore", hole=True, exact=Contour.circle(10.0))
 LAYER = Layer(-5.0, 0.0, (FLANK, BORE))
-TOOL = Tool(1, 6.0, 3000.0, 300.0, 100.0)
-CUT = Cut("bore", "profile", TOOL, BORE, "bore", "", (-1.0, -2.0), 1.0)
+TOOL = Tool(
+    number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0, corner_radius=0.5,
+    tip_angle=2.0, flutes=3, flute_length=20.0, stick_out=30.0, shank_diameter=6.0, stepdown=2.0,
+    stepover=1.0, engagement=1.0, ramp_angle=0.1,
+)  # fmt: skip
+CUT = ContourCut(
+    name="bore", strategy="profile", tool=TOOL, top=1.0, depths=(-1.0, -2.0), centre=BORE,
+    right="bore", room=1.0,
+)  # fmt: skip
+AREA = AreaCut(
+    name="bore", strategy="bore", tool=TOOL, top=1.0, depths=(-1.0, -2.0), walls=(BORE,),
+    stepover=1.0,
+)  # fmt: skip
+HOLES = PointCut(
+    name="holes", strategy="drill", tool=TOOL, top=1.0, depths=(-1.0,), points=(1.0 + 2.0j,)
+)
+TABS = Tabs(4, 5.0, 1.0)
+CLAMP = Clamp(place=40.0 + 0j, length=20.0, width=10.0, height=15.0, angle=0.5)
 HOME = Rapid((0.0, 0.0, 5.0))
 MACHINE = load("linuxcnc")
 
@@ -98,11 +117,22 @@ EXAMPLES: tuple[Any, ...] = (
     Part((LAYER,)),
     TOOL,
     CUT,
+    AREA,
+    HOLES,
+    Stock(shape="round", diameter=100.0),
+    Stock(length=100.0, width=100.0),
+    TABS,
+    CLAMP,
+    CLAMP.obstacle,
+    Holding(kind="tabs", through=0.5, tabs=TABS),
+    Holding(kind="onion-skin", skin=0.3),
+    Heights(5.0, 2.0),
     HOME,
+    Stop("move the clamp"),
     Feed((0.0, 0.0, -1.0), 100.0),
     ArcFeed((0.0, 0.0, -1.0), (5.0, 0.0), ccw=True, feed=100.0),
     Operation(CUT, (HOME,)),
-    Toolpath(5.0, (Operation(CUT, (HOME,)),)),
+    Toolpath(Heights.of(5.0), (Operation(CUT, (HOME,)),)),
     MACHINE,
     *(getattr(MACHINE, each.name) for each in fields(MACHINE) if is_table(each.name)),
     MACHINE.numbers.decimals,
@@ -113,13 +143,13 @@ EXAMPLES: tuple[Any, ...] = (
 
 SIGNED = {
     "offset", "face_offset", "guide_angle", "deflection", "lever_angle", "angle", "distance",
-    "z0", "z1",
+    "z0", "z1", "top",
 }  # fmt: skip
 """Numbers that may be negative; all others are above 0, or 0 as the radius of a knife edge."""
 
 NOT_NEGATIVE = {
-    "room", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation", "share",
-    "smallest", "largest", "spin_up",
+    "room", "allowance", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation",
+    "share", "smallest", "largest", "spin_up",
 }  # fmt: skip
 """Numbers that may be as near to 0 as doubles are."""
 
@@ -151,7 +181,7 @@ def allowed(annotation: str, value: Any) -> bool:
     if isinstance(value, str):
         return annotation == "str"
     if isinstance(value, tuple):
-        return annotation == "tuple[float, ...]"
+        return annotation in ("tuple[float, ...]", "tuple[complex, ...]")
     if isinstance(value, bool):
         return annotation == "bool"
     if isinstance(value, complex):
@@ -201,7 +231,8 @@ def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
     if annotation.startswith("float") and not signed:
         values += [value for value in SMALL if name not in NOT_NEGATIVE or value < 0.0]
     if annotation.startswith("int"):
-        values += [0, -2, 0.5, 100_000]
+        values += [] if name == "springs" else [0]
+        values += [-2, 0.5, 100_000]
     if name in ANGLES:
         values += [90.0, -90.0, 1e30]
     return values

@@ -11,16 +11,25 @@ import pytest
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.cut import MOST_PASSES, Cut, passes
+from camgeo.toolpath.cut import MOST_PASSES, ContourCut, passes
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 
 SPEC = GcodeSpec(pass_depth=2.0)
 
 BORE = ExactBoundary("bore", hole=True, exact=Contour.circle(5.0))
 
-CUT = Cut("bore", "profile", SPEC.tool, BORE, "bore", "", (-2.0, -4.0), 1.0)
+CUT = ContourCut(
+    name="bore",
+    strategy="profile",
+    tool=SPEC.tool,
+    top=0.0,
+    depths=(-2.0, -4.0),
+    centre=BORE,
+    right="bore",
+    room=1.0,
+)
 
 HOME = Rapid((0.0, 0.0, 5.0))
 
@@ -40,6 +49,9 @@ def test_places_have_their_coordinates() -> None:
         {"depths": ()},
         {"depths": (-4.0, -2.0)},
         {"depths": (-2.0, math.nan)},
+        {"top": -3.0},
+        {"allowance": -0.1},
+        {"compensation": "left"},
     ],
 )
 def test_cuts(change: dict[str, Any]) -> None:
@@ -55,17 +67,20 @@ def test_operations_begin_above_the_part_and_have_names_of_their_own() -> None:
         Operation(CUT, (Feed((0.0, 0.0, -1.0), 100.0), HOME))
     operation = Operation(CUT, (HOME,))
     with pytest.raises(GeometryError, match="its own name"):
-        Toolpath(5.0, (operation, operation))
+        Toolpath(Heights.of(5.0), (operation, operation))
     with pytest.raises(GeometryError) as caught:
-        Toolpath(math.nan, (operation,))
-    assert caught.value.key == "output.gcode.safe_height"
+        Heights(math.nan, 2.0)
+    assert caught.value.key == "output.gcode.clearance_height"
+    with pytest.raises(GeometryError, match="to 5") as caught:
+        Heights(5.0, 6.0)
+    assert caught.value.key == "output.gcode.retract_height"
 
 
 def test_no_more_passes_than_sense() -> None:
     assert len(passes(0.0, -10.0, 10.0 / MOST_PASSES)) == MOST_PASSES
     with pytest.raises(GeometryError, match=r"must be at least 0\.001 mm") as caught:
         passes(0.0, -10.0, 1e-9)
-    assert caught.value.key == "output.gcode.pass_depth"
+    assert caught.value.key == "tool.stepdown"
 
 
 def test_blocks_of_a_machine_can_be_filled_in() -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machining_time import (
     Dynamics,
     arc_sweep,
@@ -21,11 +21,13 @@ from camgeo.toolpath.machining_time import (
     toolpath_time,
     traverse_time,
 )
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.spec import Tool
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.toolpath.tool import Tool
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0)
 """v = 100 mm/s after 0.2 s and 10 mm."""
+
+TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
 
 ROUNDING = 1e-12
 """Of sums of a few products and roots, far above 2^-52 times their number."""
@@ -41,8 +43,10 @@ def time_of(length: float, radius: float, feed: float, acceleration: float) -> f
 
 def program(*moves: Move) -> Toolpath:
     rim = ExactBoundary("rim", hole=False, exact=Contour.circle(10.0))
-    cut = Cut("rim", "profile", Tool(1, 6.0, 3000.0, 300.0, 100.0), rim, "rim", "", (-1.0,))
-    return Toolpath(5.0, (Operation(cut, moves),))
+    cut = ContourCut(
+        name="rim", strategy="profile", tool=TOOL, top=0.0, depths=(-1.0,), centre=rim, right="rim"
+    )
+    return Toolpath(Heights.of(5.0), (Operation(cut, moves),))
 
 
 @pytest.mark.parametrize(
@@ -175,5 +179,5 @@ def test_a_helix_is_as_long_as_its_path_and_a_halt_takes_no_time() -> None:
     whole = toolpath_time(program(start, down, helix), MACHINE)
     assert whole - before == pytest.approx(10.0 * math.pi * math.sqrt(2.0), rel=1e-9)
     rim = program(start, down, helix).operations[0]
-    halted = Toolpath(5.0, (Operation(rim.cut, (*rim.moves, Stop("turn it over"))),))
+    halted = Toolpath(Heights.of(5.0), (Operation(rim.cut, (*rim.moves, Stop("turn it over"))),))
     assert toolpath_time(halted, MACHINE) == whole

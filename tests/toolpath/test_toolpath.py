@@ -11,20 +11,19 @@ import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour, Effort
+from camgeo.contour.contour import Effort
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
-from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.build import build_part
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath import plan
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import Cut, PointCut
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
 from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
@@ -59,7 +58,7 @@ def _toolpath(
     built = build_part(contact, inner, outer, part, 0.01)
     gcode = GcodeSpec(tool_diameter=tool, **spec)
     cuts = cuts_of(built, gcode.tool, gcode.pass_depth)
-    return plan_toolpath(cuts, gcode.safe_height, LIMITS, TOLERANCE)
+    return plan_toolpath(cuts, Heights.of(gcode.safe_height), LIMITS, TOLERANCE)
 
 
 def _operations(toolpath: Toolpath) -> dict[str, Operation]:
@@ -239,7 +238,9 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
                 # Straight up, or over the part at the safe height.
                 assert after.end[2] == 7.0
                 assert after.end[:2] == before.end[:2] or before.end[2] == 7.0
-            elif after.end[2] != before.end[2]:
+                continue
+            assert isinstance(after, Feed | ArcFeed)
+            if after.end[2] != before.end[2]:
                 assert isinstance(after, Feed)
                 assert after.feed == 40
                 assert after.end[:2] == before.end[:2]
@@ -300,7 +301,7 @@ def test_cuts_know_what_is_on_either_side(
     cuts = cuts_of(part, GcodeSpec(tool_diameter=tool).tool, 4.0)
     assert [(cut.name, cut.strategy, cut.right, cut.left) for cut in cuts] == expected
     walls = {wall.boundary.name: wall for wall in part.walls}
-    toolpath = plan_toolpath(cuts, 5.0, LIMITS, TOLERANCE)
+    toolpath = plan_toolpath(cuts, Heights.of(5.0), LIMITS, TOLERANCE)
     for cut, operation in zip(cuts, toolpath.operations, strict=True):
         assert operation.cut is cut
         path = _outline(operation.travel)
@@ -320,7 +321,10 @@ def test_arcs_are_divided_as_the_machine_wants(largest: float) -> None:
     inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
     part = build_part(Contact.INNER, inner, outer, PART, 0.01)
     cuts = cuts_of(part, GcodeSpec().tool, None)
-    found = [plan_toolpath(cuts, 5.0, each, TOLERANCE).operations for each in (LIMITS, limits)]
+    found = [
+        plan_toolpath(cuts, Heights.of(5.0), each, TOLERANCE).operations
+        for each in (LIMITS, limits)
+    ]
     for whole_arcs, parts in zip(*found, strict=True):
         one, other = _outline(whole_arcs.moves), _outline(parts.moves)
         assert np.max(np.abs(other.sweeps)) <= math.radians(largest) * (1.0 + 1e-9)
@@ -330,14 +334,14 @@ def test_arcs_are_divided_as_the_machine_wants(largest: float) -> None:
 def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """The plan asks the registry alone; nothing else has to know of it."""
 
-    def drill(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> list[Move]:
-        above, down = (0.0, 0.0, safe_height), (0.0, 0.0, cut.depths[-1])
+    def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
+        above, down = (0.0, 0.0, heights.clearance), (0.0, 0.0, cut.bottom)
         return [Rapid(above), Feed(down, cut.tool.plunge_feed), Rapid(above)]
 
     monkeypatch.setattr(plan, "STRATEGIES", {**STRATEGIES, "drill": drill})
-    bore = ExactBoundary("bore", hole=True, exact=Contour.circle(3.0))
-    cut = Cut("hole", "drill", GcodeSpec().tool, bore, "bore", "", (-8.0,))
-    (operation,) = plan_toolpath((cut,), 5.0, LIMITS, TOLERANCE).operations
+    tool = GcodeSpec().tool
+    cut = PointCut(name="hole", strategy="drill", tool=tool, top=0.0, depths=(-8.0,), points=(0j,))
+    (operation,) = plan_toolpath((cut,), Heights.of(5.0), LIMITS, TOLERANCE).operations
     assert operation.travel[1] == Feed((0.0, 0.0, -8.0), 100.0)
 
 

@@ -17,9 +17,9 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.build import build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Heights, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
 from camgeo.toolpath.sequence import cuts_of
 from camgeo.toolpath.spec import GcodeSpec
@@ -38,12 +38,14 @@ def _toolpath(
     contact: Contact, inner: Path, outer: Path, tool: float, part: PartSpec = PART
 ) -> Toolpath:
     limits = load("linuxcnc").arcs
-    return plan_toolpath(_cuts_of(contact, inner, outer, tool, part), 5.0, limits, TOLERANCE)
+    return plan_toolpath(
+        _cuts_of(contact, inner, outer, tool, part), Heights.of(5.0), limits, TOLERANCE
+    )
 
 
 def _cuts_of(
     contact: Contact, inner: Path, outer: Path, tool: float, part: PartSpec = PART
-) -> tuple[Cut, ...]:
+) -> tuple[ContourCut, ...]:
     built = build_part(contact, inner, outer, part, 0.01)
     return cuts_of(built, GcodeSpec(tool_diameter=tool).tool, None)
 

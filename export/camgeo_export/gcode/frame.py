@@ -14,7 +14,7 @@ from typing import Final
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import filled
 from camgeo.toolpath.moves import Operation, Point, Stop, Toolpath
-from camgeo.toolpath.spec import Tool
+from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.gcode.blocks import Budget, Grid, number
 from camgeo_export.gcode.comments import about_operation, commented

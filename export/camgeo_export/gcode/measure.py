@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import Machine, load
 from camgeo.units import MM_PER
 from camgeo.verifying.linting import Bench
@@ -51,7 +51,7 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     return Bench(clearance=product.options[FORMAT].safe_height - 0.5 * step, operations=names)
 
 
-def _check_complete(cuts: tuple[Cut, ...], program: Run, loops: list[Loop]) -> None:
+def _check_complete(cuts: tuple[ContourCut, ...], program: Run, loops: list[Loop]) -> None:
     """Every cut must use its tool, on its closed path at each of its depths."""
     tools = {cut.name: cut.tool.number for cut in cuts}
     for loop in loops:

@@ -9,7 +9,7 @@ from itertools import zip_longest
 from camgeo.errors import ToleranceError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import Machine
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
@@ -45,7 +45,9 @@ def _heights(program: Run, safe_height: float) -> Check:
     return Check("traverses", "", f"at Z {safe_height:g} mm", ok=True)
 
 
-def _of_cut(cut: Cut, moves: Sequence[CutterMove], program: Run, machine: Machine) -> list[Check]:
+def _of_cut(
+    cut: ContourCut, moves: Sequence[CutterMove], program: Run, machine: Machine
+) -> list[Check]:
     """Tool, speed and feeds of one operation, and that its cuts are level or straight down."""
     tool, scale = cut.tool, program.mm_per_unit
     step = machine.numbers.feed_step("mm" if scale == MM_PER["mm"] else "inch")
@@ -110,7 +112,7 @@ def _work_offset(product: Product, program: Run, machine: Machine) -> Check:
     return Check("work offset", "", expected, expected, ok=True)
 
 
-def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
+def _cutters(cuts: Sequence[ContourCut], stated: Stated) -> Check:
     """The cutters that its comments name are those that it is computed for."""
     wanted = {cut.tool.number: cut.tool.diameter for cut in cuts}
     named = dict(stated.tools)

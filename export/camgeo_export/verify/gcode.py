@@ -9,7 +9,7 @@ from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.reading import PROGRAM, check_text
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import load
 from camgeo.verifying.linting import Bench
 from camgeo.verifying.verification import (
@@ -138,7 +138,7 @@ def _key(contour: Contour) -> bytes:
     return contour.vertices.tobytes() + contour.sweeps.tobytes()
 
 
-def _passes(cut: Cut, loops: list[Loop], slack: float) -> Check:
+def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
     """One closed path at each depth."""
     heights = [loop.z for loop in loops]
     missing = [depth for depth in cut.depths if all(abs(z - depth) > slack for z in heights)]

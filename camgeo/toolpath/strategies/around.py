@@ -1,29 +1,23 @@
-"""Milling strategies: each makes the moves of a cut. A new one is a function and a line below.
-
-Every strategy runs around the closed path of the cutter's centre, and begins and ends with a
-traverse at the safe height.
-"""
+"""Rounds along the closed path of the cutter's centre, at each depth."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from types import MappingProxyType
-from typing import Final
+from collections.abc import Iterator
 
 import numpy as np
 
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.leads import quarter_circle_lead, started
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid
 
 HALF_TURN = math.pi
 """No arc of a program exceeds half a turn: controllers are strict beyond that."""
 
 
-def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> Iterator[Move]:
+def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
     """Along one boundary, outside material or inside a hole, with tangential leads.
 
     At each depth: down next to the path, onto it and once around, off it and up.
@@ -33,21 +27,26 @@ def profile(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> I
     GeometryError
         If the cutter is too large for the boundary, or there is no room for leads.
     """
+    cut = contour_cut(cut)
     contour = fitted(cut, tolerance, effort)
     point = complex(contour.vertices[0])
     lead = quarter_circle_lead(contour, cut.room)
     centre = (lead.centre.real, lead.centre.imag)
     feed = cut.tool.feed
+    found: list[Move] = []
     for z in cut.depths:
-        yield Rapid((lead.start.real, lead.start.imag, safe_height))
-        yield Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed)
-        yield ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed)
-        yield from once_round(contour, z, feed)
-        yield ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed)
-        yield Rapid((lead.end.real, lead.end.imag, safe_height))
+        found += (
+            Rapid((lead.start.real, lead.start.imag, heights.clearance)),
+            Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed),
+            ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed),
+            *once_round(contour, z, feed),
+            ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed),
+            Rapid((lead.end.real, lead.end.imag, heights.clearance)),
+        )
+    return found
 
 
-def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> Iterator[Move]:
+def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
     """One round between two boundaries, with a cutter as wide as the gap.
 
     Down on the path itself, once around at each depth, and up at the end.
@@ -57,23 +56,23 @@ def slot(cut: Cut, safe_height: float, tolerance: float, effort: Effort) -> Iter
     GeometryError
         If the cutter is too large for the slot.
     """
+    cut = contour_cut(cut)
     contour = fitted(cut, tolerance, effort)
     x, y = float(contour.vertices[0].real), float(contour.vertices[0].imag)
-    yield Rapid((x, y, safe_height))
+    found: list[Move] = [Rapid((x, y, heights.clearance))]
     for z in cut.depths:
-        yield Feed((x, y, z), cut.tool.plunge_feed)
-        yield from once_round(contour, z, cut.tool.feed)
-    yield Rapid((x, y, safe_height))
+        found += (Feed((x, y, z), cut.tool.plunge_feed), *once_round(contour, z, cut.tool.feed))
+    return [*found, Rapid((x, y, heights.clearance))]
 
 
-Strategy = Callable[[Cut, float, float, Effort], Iterable[Move]]
-"""Yields the moves of a cut from it, the safe height [mm], the tolerance of its path [mm] and the
-effort of fitting."""
+def contour_cut(cut: Cut) -> ContourCut:
+    """The cut, if it is one along a path; else TypeError."""
+    if not isinstance(cut, ContourCut):
+        raise TypeError(f"{cut.name}: the strategy {cut.strategy} runs along a path")
+    return cut
 
-STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType({"profile": profile, "slot": slot})
 
-
-def fitted(cut: Cut, tolerance: float, effort: Effort) -> Contour:
+def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     """The cutter's path as lines and arcs within `tolerance` [mm], in the direction of cutting.
 
     It begins in the middle of its longest piece.

@@ -1,0 +1,163 @@
+"""How a blank is held while it is milled."""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Final
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
+from camgeo.mechanism.values import Angle, Length, Place, Radius
+from camgeo.numeric.checked import check_fields, finite, hold, instance, instances, one_of, whole
+from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.part import Boundary, require_boundary
+from camgeo.toolpath.tool import Text, Truth
+
+TABS: Final = "tabs"
+SCREWS: Final = "screws"
+ONION_SKIN: Final = "onion-skin"
+CLAMPS: Final = "clamps"
+FIXTURE: Final = "fixture"
+
+HOLDINGS: Final = (TABS, SCREWS, ONION_SKIN, CLAMPS, FIXTURE)
+
+MOST_TABS: Final = 100
+
+TabCount = Annotated[int, partial(whole, least=1, most=MOST_TABS)]
+Height = Annotated[float, partial(finite, unit="mm")]
+
+
+@dataclass(frozen=True, slots=True)
+class Tabs:
+    """Bridges that a through-cut leaves between part and waste.
+
+    Attributes
+    ----------
+    count : evenly spaced along the wall.
+    width : of each along the wall [mm].
+    height : above the lower face of the part [mm].
+
+    Raises
+    ------
+    GeometryError
+        With the key in `holding`, if a value is invalid.
+    """
+
+    count: TabCount
+    width: Length
+    height: Length
+
+    def __post_init__(self) -> None:
+        check_fields(self, "holding.")
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """What no cutter may touch: an upright body below `top` [mm], above the upper face of the part.
+
+    Attributes
+    ----------
+    name : for messages.
+    outline : around it.
+    top : its height; 0 is the upper face of the part.
+    """
+
+    name: Text
+    outline: Boundary
+    top: Height
+
+    def __post_init__(self) -> None:
+        check_fields(self, "holding.")
+        require_boundary(self.outline)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clamp:
+    """A clamp on the blank, a rectangle, or a screw, a circle.
+
+    Attributes
+    ----------
+    place : of its centre, seen from the cam axis [mm].
+    length, width : along its own x and y [mm]; of a circle both are its diameter.
+    height : of its top above the upper face of the part [mm].
+    angle : of its x from that of the cam [rad].
+    round : whether it is a circle.
+    since : name of the operation before which it is set; empty if it is there from the start.
+    until : name of the operation before which it is taken away; empty if it stays.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `clamp`, if a value is invalid.
+    """
+
+    place: Place
+    length: Length
+    width: Length
+    height: Length
+    angle: Angle = 0.0
+    round: Truth = False
+    since: Text = ""
+    until: Text = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, "clamp.")
+
+    @property
+    def obstacle(self) -> Obstacle:
+        """What cutters must clear."""
+        what = "screw" if self.round else "clamp"
+        name = f"{what} at {self.place.real:g}, {self.place.imag:g} mm"
+        if self.round:
+            contour = Contour.circle(self.length / 2.0, self.place)
+        else:
+            corner = 0.5 * complex(self.length, self.width)
+            corners = np.array([-corner, corner.conjugate(), corner, -corner.conjugate()])
+            contour = Contour.polygon(self.place + corners * cmath.exp(1j * self.angle))
+        return Obstacle(name, ExactBoundary(what, hole=False, exact=contour), self.height)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Holding:
+    """How the blank is held, and what becomes of the part when it is cut out of it.
+
+    Attributes
+    ----------
+    kind : "tabs"; "screws" through the part, onto what lies below; "onion-skin", a skin below the
+        part that is removed later; "clamps" on the part; "fixture", from below: vacuum, tape, soft
+        jaws, a longer blank in a chuck.
+    through : how far through-cuts go below the lower face of the part [mm].
+    tabs : of kind "tabs".
+    skin : thickness of an onion skin [mm].
+    clamps : and screws, of any kind.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `holding`, if a value is invalid, missing, or belongs to another kind.
+    """
+
+    kind: Annotated[str, partial(one_of, choices=HOLDINGS)]
+    through: Radius = 0.0
+    tabs: Tabs | None = None
+    skin: Length | None = None
+    clamps: tuple[Clamp, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self, "holding.")
+        given = instance("holding.clamps", self.clamps, tuple, "a tuple of clamps")
+        hold(self, clamps=instances("holding.clamps", given, (Clamp,), "clamps"))
+        own = {"tabs": TABS, "skin": ONION_SKIN}
+        for key, kind in own.items():
+            if (getattr(self, key) is not None) != (self.kind == kind):
+                message = "is missing" if self.kind == kind else f'belongs to kind "{kind}"'
+                raise GeometryError(message, f"holding.{key}")
+        if self.kind in (CLAMPS, SCREWS) and not self.clamps:
+            what = self.kind.removesuffix("s")
+            raise GeometryError(
+                f"needs [[holding.{what}]] at least once", "holding.kind", self.kind
+            )

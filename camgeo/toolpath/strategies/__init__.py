@@ -1,0 +1,21 @@
+"""Milling strategies: each makes the moves of a cut. A new one is a function and a line below.
+
+Each begins with a traverse at the clearance height above its first point, and ends at that height.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from camgeo.contour.contour import Effort
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.moves import Heights, Move
+from camgeo.toolpath.strategies.around import profile, slot
+
+Strategy = Callable[[Cut, Heights, float, Effort], list[Move]]
+"""Gives the moves of a cut from it, the heights of traverses, the tolerance of its path [mm] and
+the effort of fitting."""
+
+STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType({"profile": profile, "slot": slot})
