@@ -94,7 +94,7 @@ def fitted(flank: CurveBoundary, form: Form, effort: Effort, tolerance: float) -
 def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
     """The row with all values that exist."""
     form, effort, tolerance = row.form, row.effort, row.tolerance
-    # Feed and machine of the scene, or the defaults of a scene.
+    # Machine of the scene, or the default; without a tool there is no feed, and no time.
     spec = design.disc.options[gcode.FORMAT]
     dynamics = load(spec.machine).dynamics
     flanks = flanks_of(design)
@@ -122,8 +122,10 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
             ),
         )
         plain = [contour for contour in contours if isinstance(contour, Contour)]
-        if plain and dynamics is not None:
-            spent = sum(contour_time(each, spec.feed, dynamics.acceleration) for each in plain)
+        milling = design.scene.milling
+        if plain and dynamics is not None and milling is not None:
+            feed = milling.tools[0].feed
+            spent = sum(contour_time(each, feed, dynamics.acceleration) for each in plain)
             row = replace(row, round_seconds=spent)
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))

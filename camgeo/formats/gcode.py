@@ -8,34 +8,85 @@ from typing import Any, Final
 
 from camgeo.declared import schema_beside
 from camgeo.formats.format import Format, Values, groove_has_a_depth
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.spec import EARLIER, NEEDED, STATE, GcodeSpec
+
+TABLE: Final = ("output", "gcode")
 
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
     numbers = {"tool_number": int, "program_number": int, "spindle_speed": float}
     converted = {key: make(table[key]) for key, make in numbers.items() if key in table}
-    return GcodeSpec(**{**table, **converted})
+    if "tools" in table:
+        converted["tools"] = table["tools"].name
+    given = {**table, **converted}
+    if "safe_height" in given:
+        given["clearance_height"] = given.pop("safe_height")
+    return GcodeSpec(**given)
+
+
+def milling_has_a_tool(values: Values) -> Iterator[tuple[str, str]]:
+    """A tool is stated, in the scene, in a library or by earlier keys."""
+    if not _has_tools(values) and values.lacks(*TABLE, "tool_diameter"):
+        yield "", "needs [[tool]]: a tool, and how it is run"
+
+
+def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]:
+    """Earlier keys stand alone, and state all that nobody may invent."""
+    given = [key for key in EARLIER if values.get(*TABLE, key) is not None]
+    if given and not values.lacks("tool"):
+        for key in given:
+            yield key, f"contradicts [[tool]]: state it as {EARLIER[key]} there"
+        return
+    if given and values.lacks(*TABLE, "tool_diameter"):
+        yield "tool_diameter", "is missing: the other keys state how this tool is run"
+    if "tool_diameter" in given:
+        for key in NEEDED:
+            if values.lacks(*TABLE, key):
+                yield key, f"is missing: {STATE}"
+    heights = (values.get(*TABLE, key) for key in ("safe_height", "clearance_height"))
+    if None not in heights:
+        yield "safe_height", "contradicts clearance_height; give that alone"
+
+
+def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
+    """It is stated how the blank is held, wherever a cut goes through it."""
+    if not values.lacks("holding"):
+        return
+    bore = values.get("part", "bore")
+    through = values.get("follower", "contact") != "groove" or (
+        bore is not None and values.get("stock", "bore") != bore
+    )
+    if through:
+        yield "", "needs [holding]: a cut goes through the blank, and what it cuts free is held"
 
 
 def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
-    """The end mill fits into the groove and the bore."""
-    key = "tool_diameter"
-    tool = values.get("output", "gcode", key)
-    if tool is None:
-        return
+    """The one end mill of earlier keys fits into the groove and the bore."""
+    written = values.exact(*TABLE, "tool_diameter")
+    if written is not None:
+        yield from (("tool_diameter", message) for message in misfits(values, written))
+
+
+def misfits(values: Values, diameter: Decimal) -> Iterator[str]:
+    """Why an end mill, with a diameter as it is written, does not fit into groove and bore."""
     contact = values.get("follower", "contact")
     roller = values.exact("follower", "roller_radius")
     if contact == "groove" and roller and values.valid("follower", "side_clearance"):
         play = values.exact("follower", "side_clearance") or Decimal(0)
         width = 2 * roller + play  # as they are written: a cutter may fill the groove
-        written = values.exact("output", "gcode", key)
-        if written is not None and written > width:
+        if diameter > width:
             what = "the roller's diameter and side_clearance" if play else "the roller's diameter"
-            yield key, f"must not exceed the width of the groove, {what} {float(width):g}"
-    bore = values.get("part", "bore")
-    if contact != "outer" and bore is not None and tool >= bore:
-        yield key, f"must be less than the bore to be milled, {bore:g}"
+            yield f"must not exceed the width of the groove, {what} {float(width):g}"
+    bore = values.exact("part", "bore")
+    if contact == "outer" or bore is None or bore == values.exact("stock", "bore"):
+        return
+    if diameter >= bore:
+        yield f"must be less than the bore to be milled, {float(bore):g}"
+
+
+def _has_tools(values: Values) -> bool:
+    return not (values.lacks("tool") and values.lacks(*TABLE, "tools"))
 
 
 def machine_has(values: Values) -> Iterator[tuple[str, str]]:
@@ -66,7 +117,14 @@ FORMAT: Final = Format(
     ".ngc",
     parse,
     schema_beside(__file__),
-    ("follower", "part.thickness", "output.gcode.tool_diameter"),
-    (groove_has_a_depth, tool_fits, machine_has),
+    ("follower", "part.thickness"),
+    (
+        groove_has_a_depth,
+        milling_has_a_tool,
+        a_through_cut_is_held,
+        earlier_keys_state_a_whole_tool,
+        tool_fits,
+        machine_has,
+    ),
     program_suffix,
 )

@@ -24,7 +24,7 @@ from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import broken_rules
-from camgeo.scene.schema import definition, schema_for
+from camgeo.scene.schema import MILLING, definition, schema_for
 from camgeo.scene.schema_faults import judge
 from camgeo.scene.valid_values import ValidValues
 from camgeo.units import RPM, TURN
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
+    from camgeo.toolpath.milling import MillingSpec
 
 Built = TypeVar("Built")
 
@@ -72,6 +73,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     returning = None if mount is None or follower is None else builder.returning(mount, follower)
     effects = builder.effects({fault.key for fault in faults})
     output = builder.output()
+    milling = builder.milling(output)
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += inside.faults
@@ -89,6 +91,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         "returning": returning,
         "effects": effects,
         "output": output,
+        "milling": milling,
         **builder.rest(speed_curve),
     }
 
@@ -261,6 +264,15 @@ class Builder:
                 options[form.name] = self._engine(place, partial(form.parse, table))
         ripple = given.pop("accuracy", {}).get("ripple", False)
         return OutputSpec(options=Options(options), accuracy_ripple=ripple, **given)
+
+    def milling(self, output: OutputSpec) -> MillingSpec | None:
+        """What the scene says on milling; None if it says nothing, or nothing valid."""
+        named = any(name in self.values.scene.plain for name in MILLING)
+        if not (named or "gcode" in output.options.given):
+            return None
+        from camgeo.scene.milling import MillingBuilder  # few scenes mill
+
+        return MillingBuilder(self.inside).spec(output.options.given.get("gcode"))
 
     def _top(self, name: str) -> dict[str, Any]:
         """One of the scene's tables in the units inside; empty if it is missing or not valid."""

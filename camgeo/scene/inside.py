@@ -26,13 +26,16 @@ SCALES: Final[dict[str, float]] = {
     "N m s/rad": 1e3,
     "MPa": 1.0,
     "mm/s": 1.0,
+    "m/min": 1e3,
     "Hz": 2.0 * math.pi,
     "hours": 3600.0,
     "s": 1.0,
     "rev/min": RPM,
     "degrees": math.pi / 180.0,
 }
-"""From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`."""
+"""From the units of a scene to mm, s, t, N and rad (rad/s for Hz), by the schema's `x-unit`.
+
+Cutting speeds are in mm/min, as feeds are."""
 
 LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate")
 """References of numbers in the scene's unit of length, unless they have a default in mm."""

@@ -13,7 +13,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
-from camgeo.scene.schema import BY_DATA, EFFECTS, SHAPES, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
 from camgeo.scene.valid_values import ValidValues
 
 TURN: Final = Decimal(360)
@@ -243,6 +243,14 @@ def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
             yield ("output", form.name, key), message
 
 
+def milling_is_stated(values: ValidValues) -> Iterator[Broken]:
+    """The tables on milling have all that nobody may invent."""
+    if any(name in values.scene.plain for name in MILLING):
+        from camgeo.scene.milling import broken_tables  # few scenes mill
+
+        yield from broken_tables(values)
+
+
 def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
     """The part has the boundaries that its contact needs, and no others."""
     contact = values.contact
@@ -364,6 +372,7 @@ RULES: Final[tuple[Rule, ...]] = (
     linkage_drives_the_follower,
     effects_suit_the_machine,
     formats_have_what_they_need,
+    milling_is_stated,
     contact_and_part_agree,
     roller_is_possible,
     part_is_possible,

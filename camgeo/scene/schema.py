@@ -1,8 +1,8 @@
 """The JSON Schema of the scene format: the one definition of its keys, types and ranges.
 
 It is composed of the file next to this module, the declarations of followers and linkages for their
-tables and of laws for their parameters, and the tables of effects and formats. A scene is checked
-against a schema with the tables of those that it names and no others.
+tables and of laws for their parameters, and the tables of effects, formats and milling. A scene is
+checked against a schema with the tables of those that it names and no others.
 
 In addition to the keywords of JSON Schema it has these, for the messages:
 
@@ -60,6 +60,9 @@ INFLECTION: Final = "inflection"
 SHAPES: Final = (INFLECTION, *OPTIONS)
 """Keys of a move that shape its law."""
 
+MILLING: Final = ("tool", "stock", "holding", "operation")
+"""Keys of the tables on milling."""
+
 Node = dict[str, Any]
 """An object of the schema."""
 
@@ -71,7 +74,7 @@ Declared = TypeVar("Declared")
 
 @functools.cache
 def schema() -> Node:
-    """Return the schema without effects and formats; it is shared and must not be changed."""
+    """Return the schema without effects, formats and milling; shared, and never to be changed."""
     return _with_laws(_with_kinds(json.loads(SCHEMA_FILE.read_bytes())))
 
 
@@ -169,7 +172,30 @@ def schema_for(values: Mapping[str, Any]) -> Composed:
 
     Of the other effects and formats it has only the names, for the messages.
     """
-    return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)))
+    mills = any(name in values for name in MILLING)
+    return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)), mills=mills)
+
+
+def milling_tables() -> Node:
+    """Return the schemas of the tables on milling, by their keys."""
+    from camgeo.toolpath.milling import tables  # few scenes mill
+
+    return tables()
+
+
+@functools.cache
+def library_schema() -> Composed:
+    """Return the schema of a file of tools."""
+    units = schema()["properties"]["units"]
+    keys = {"units": {**units, "properties": {"length": units["properties"]["length"]}}}
+    root = {
+        "type": "object",
+        "required": ["tool"],
+        "additionalProperties": False,
+        "properties": {**keys, "tool": milling_tables()["tool"]},
+        "$defs": schema()["$defs"],
+    }
+    return Composed(root, Draft202012Validator(root), (), ())
 
 
 def _effects(named: Any) -> Named[Effect]:
@@ -195,10 +221,11 @@ def _formats(output: Any) -> Named[Format[Any]]:
 
 
 @functools.lru_cache(maxsize=64)
-def _composed(effects: Named[Effect], formats: Named[Format[Any]]) -> Composed:
+def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: bool) -> Composed:
     root = with_tables(
         {name: effect.schema if effect else {} for name, effect in effects},
         {name: form.schema if form else {} for name, form in formats},
+        milling_tables() if mills else {},
     )
     try:
         validator = Draft202012Validator(root)
@@ -213,7 +240,7 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]]) -> Composed:
     )
 
 
-def with_tables(effects: Tables, formats: Tables) -> Node:
+def with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
     """Return the schema with these tables; what it shares must not be changed."""
     top = schema()["properties"]
     own = {**top[EFFECTS], "properties": {name: dict(table) for name, table in effects.items()}}
@@ -222,7 +249,8 @@ def with_tables(effects: Tables, formats: Tables) -> Node:
     listed["description"] = listed["description"].format(formats=", ".join(formats))
     tables = {name: _optional(table) for name, table in formats.items()}
     output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}
-    return {**schema(), "properties": {**top, EFFECTS: own, OUTPUT: output}}
+    own_tables = {EFFECTS: own, OUTPUT: output, **milling}
+    return {**schema(), "properties": {**top, **own_tables}}
 
 
 def _optional(table: Mapping[str, Any]) -> Node:

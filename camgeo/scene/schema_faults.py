@@ -12,7 +12,7 @@ from camgeo.declared import allowed
 from camgeo.errors import Fault, meant, nearest
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, quoted
-from camgeo.scene.schema import Node, definition, node_at, resolved, schema, schema_for
+from camgeo.scene.schema import Composed, Node, definition, node_at, resolved, schema, schema_for
 
 UNKNOWN: Final = "additionalProperties"
 """What the validator calls an unknown key."""
@@ -39,7 +39,11 @@ class Verdict:
 
 def judge(scene: Document) -> Verdict:
     """Check a scene against the schema."""
-    schema = schema_for(scene.plain)
+    return judged(scene, schema_for(scene.plain))
+
+
+def judged(scene: Document, schema: Composed) -> Verdict:
+    """Check a document against a schema."""
     found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
     errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
               for each in found]  # fmt: skip

@@ -14,14 +14,15 @@ from camgeo.effects.effect import Effect
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.rules import Only
 from camgeo.formats.registry import FORMATS, find_format
-from camgeo.scene.schema import Node, with_tables
+from camgeo.scene.schema import Node, milling_tables, with_tables
 
 
 def whole_schema(names: Iterable[str] = EFFECTS) -> Node:
     """Return the schema with the tables of the effects `names`; the caller's own to change."""
     effects = [find_effect(name) for name in names]
     formats = {name: find_format(name).schema for name in FORMATS}
-    root: Node = copy.deepcopy(with_tables({each.name: each.schema for each in effects}, formats))
+    named = {each.name: each.schema for each in effects}
+    root: Node = copy.deepcopy(with_tables(named, formats, milling_tables()))
     for effect in effects:
         table = root["properties"]["effects"]["properties"][effect.name]
         for rule in _bounds(effect):

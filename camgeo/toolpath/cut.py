@@ -26,17 +26,13 @@ from camgeo.numeric.checked import (
     point,
     positive,
     shown,
-    whole,
 )
 from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.holding import Obstacle, Tabs
-from camgeo.toolpath.tool import Text, Tool, Truth
+from camgeo.toolpath.tool import Rounds, Text, Tool, Truth
 
 MOST_PASSES: Final = 10_000
 """Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
-
-MOST_SPRINGS: Final = 10
-"""Rounds that take nothing off any more."""
 
 COMPUTED: Final = "computed"
 WEAR: Final = "wear"
@@ -45,7 +41,6 @@ CONTROL: Final = "control"
 COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
 
 Size = Annotated[float, partial(number, least=0.0, unit="mm")]
-Rounds = Annotated[int, partial(whole, least=0, most=MOST_SPRINGS)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

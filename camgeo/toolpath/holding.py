@@ -1,21 +1,19 @@
-"""How a blank is held while it is milled."""
+"""How a blank is held while it is milled; imports nothing that computes."""
 
 from __future__ import annotations
 
 import cmath
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
-import numpy as np
-
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, Length, Place, Radius
 from camgeo.numeric.checked import check_fields, finite, hold, instance, instances, one_of, whole
-from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.tool import Text, Truth
+
+if TYPE_CHECKING:
+    from camgeo.part.part import Boundary
 
 TABS: Final = "tabs"
 SCREWS: Final = "screws"
@@ -28,7 +26,6 @@ HOLDINGS: Final = (TABS, SCREWS, ONION_SKIN, CLAMPS, FIXTURE)
 MOST_TABS: Final = 100
 
 TabCount = Annotated[int, partial(whole, least=1, most=MOST_TABS)]
-Height = Annotated[float, partial(finite, unit="mm")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +63,16 @@ class Obstacle:
     top : its height; 0 is the upper face of the part.
     """
 
-    name: Text
+    name: str
     outline: Boundary
-    top: Height
+    top: float
 
     def __post_init__(self) -> None:
-        check_fields(self, "holding.")
+        from camgeo.part.part import require_boundary
+
+        instance("holding", self.name, str, "a text")
         require_boundary(self.outline)
+        hold(self, top=finite("holding.height", self.top, "mm"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,6 +110,11 @@ class Clamp:
     @property
     def obstacle(self) -> Obstacle:
         """What cutters must clear."""
+        import numpy as np
+
+        from camgeo.contour.contour import Contour
+        from camgeo.part.boundaries import ExactBoundary
+
         what = "screw" if self.round else "clamp"
         name = f"{what} at {self.place.real:g}, {self.place.imag:g} mm"
         if self.round:

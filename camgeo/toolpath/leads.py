@@ -81,5 +81,5 @@ def quarter_circle_lead(path: Contour, room: float) -> Lead:
         radius /= 2.0
     raise GeometryError(
         "there is no room for a tangential lead-in next to the outline; a smaller cutter may help",
-        key="output.gcode.tool_diameter",
+        key="tool",
     )

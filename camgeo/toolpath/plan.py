@@ -31,7 +31,7 @@ def plan_toolpath(
     Raises
     ------
     GeometryError
-        With key "output.gcode.tool_diameter", if a cutter is too large for its cut.
+        With key "tool", if a cutter is too large for its cut.
     FileError
         If there are more moves than lines are allowed in a program that is read.
     """
@@ -53,7 +53,7 @@ def too_long() -> FileError:
     """The error for a program that would not be read back."""
     return FileError(
         f"the program would have more than {PROGRAM_LINES:,} lines, the limit for a program that is"
-        " read; a larger tolerance or output.gcode.pass_depth needs fewer"
+        " read; a larger tolerance or a larger stepdown needs fewer"
     )
 
 

@@ -4,22 +4,41 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
+from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, instance, number, whole
-from camgeo.toolpath.tool import FeedRate, SpindleSpeed, Tool, ToolNumber
+from camgeo.toolpath.tool import CoolantWord, FeedRate, SpindleSpeed, Text, Tool, ToolNumber
+
+if TYPE_CHECKING:
+    from camgeo.toolpath.moves import Heights
 
 LONGEST_SPIN_UP: Final = 600.0
 """Seconds that a spindle may take."""
 
+CLEARANCE: Final = 5.0
+"""Z of traverses [mm] unless a scene states it."""
+
 SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP, unit="s")]
-Name = Annotated[str, partial(instance, kind=str, what="a text")]
 ProgramNumber = Annotated[int, partial(whole, least=1, most=9999)]
 
 Profile = Annotated[
     str, partial(instance, kind=str, what="the name or the file of a machine profile")
 ]
+
+EARLIER: Final = {
+    "tool_diameter": "diameter",
+    "tool_number": "number",
+    "spindle_speed": "spindle_speed",
+    "feed": "feed",
+    "plunge_feed": "plunge_feed",
+    "pass_depth": "stepdown",
+}
+"""Earlier keys that state the one tool of a program, with those of `[[tool]]`."""
+
+NEEDED: Final = ("spindle_speed", "feed", "plunge_feed", "pass_depth")
+"""Those of them that nobody may invent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,47 +48,75 @@ class GcodeSpec:
     Attributes
     ----------
     machine : name of a machine profile, or the path of a profile file (TOML).
-    tool_diameter, tool_number : of the end mill.
-    spindle_speed : rev/min.
-    feed, plunge_feed : in the plane and along Z.
-    pass_depth : largest depth of one pass; None for a single pass.
-    safe_height : Z of traverses above the upper face.
-    coolant : "off" or another kind that the machine has.
+    tools : name of the file with tools that the scene names; empty for none.
+    clearance_height : Z of traverses between operations, above the upper face.
+    retract_height : Z of traverses within an operation; None for the clearance height.
+    coolant : "off" or another kind that the machine has, for tools that do not state theirs.
     work_offset : its name in the machine's profile; empty for the first there.
     spin_up : dwell behind the start of the spindle [s]; None for the machine's own.
     program_number : on controllers that number programs.
+    tool_diameter, tool_number, spindle_speed, feed, plunge_feed, pass_depth : of the one tool of
+        earlier scenes; None, or 1 for its number, where it is not stated.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is invalid.
+        With the key, if a value is invalid, or an earlier key lacks another one.
     """
 
     machine: Profile = "linuxcnc"
-    tool_diameter: Length = 6.0
-    tool_number: ToolNumber = 1
-    spindle_speed: SpindleSpeed = 3000.0
-    feed: FeedRate = 300.0
-    plunge_feed: FeedRate = 100.0
-    pass_depth: Length | None = None
-    safe_height: Length = 5.0
-    coolant: Name = "off"
-    work_offset: Name = ""
+    tools: Text = ""
+    clearance_height: Length = CLEARANCE
+    retract_height: Length | None = None
+    coolant: CoolantWord = "off"
+    work_offset: Text = ""
     spin_up: SpinUp | None = None
     program_number: ProgramNumber = 1
+    tool_diameter: Length | None = None
+    tool_number: ToolNumber | None = None
+    spindle_speed: SpindleSpeed | None = None
+    feed: FeedRate | None = None
+    plunge_feed: FeedRate | None = None
+    pass_depth: Length | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "output.gcode.")
+        if self.retract_height is not None:
+            key = "output.gcode.retract_height"
+            number(key, self.retract_height, most=self.clearance_height, unit="mm")
 
     @property
-    def tool(self) -> Tool:
-        """The end mill, and how it is run."""
-        return Tool(
-            number=self.tool_number,
-            diameter=self.tool_diameter,
-            spindle_speed=self.spindle_speed,
-            feed=self.feed,
-            plunge_feed=self.plunge_feed,
-            stepdown=self.pass_depth,
-            plunges=True,
-        )
+    def heights(self) -> Heights:
+        """Of traverses."""
+        from camgeo.toolpath.moves import Heights  # a declaration imports nothing that computes
+
+        clearance = self.clearance_height
+        return Heights(clearance, self.retract_height or clearance)
+
+    @property
+    def safe_height(self) -> float:
+        """Z of traverses between operations [mm]."""
+        return self.clearance_height
+
+    @property
+    def tool(self) -> Tool | None:
+        """The tool of the earlier keys; None if they state none.
+
+        It plunges, as programs with these keys always did.
+
+        Raises
+        ------
+        GeometryError
+            With the key that is missing.
+        """
+        if self.tool_diameter is None:
+            return None
+        given = {name: getattr(self, key) for key, name in EARLIER.items()}
+        for key in NEEDED:
+            if given[EARLIER[key]] is None:
+                raise GeometryError(f"is missing: {STATE}", f"output.gcode.{key}")
+        return Tool(**{**given, "number": self.tool_number or 1}, plunges=True)
+
+
+STATE: Final = "nothing about how a tool is run is invented; better state the tool in [[tool]]"
+"""What to do where an earlier key is missing."""

@@ -1,18 +1,17 @@
-"""The blank from which a part is milled."""
+"""The blank from which a part is milled; imports nothing that computes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
-import numpy as np
-
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length, Place, Radius
 from camgeo.numeric.checked import check_fields, one_of
-from camgeo.part.boundaries import ExactBoundary
+
+if TYPE_CHECKING:
+    from camgeo.part.boundaries import ExactBoundary
 
 ROUND: Final = "round"
 PLATE: Final = "plate"
@@ -63,8 +62,24 @@ class Stock:
                 raise GeometryError(f'belongs to shape "{shape}"', f"stock.{key}")
 
     @property
+    def hole(self) -> ExactBoundary:
+        """The hole that it has on the cam axis; GeometryError if there is none."""
+        if self.bore is None:
+            raise GeometryError("the blank has no bore", "stock.bore")
+        from camgeo.contour.contour import Contour
+        from camgeo.part.boundaries import ExactBoundary
+
+        circle = Contour.circle(self.bore / 2.0)
+        return ExactBoundary("hole in the blank", hole=True, exact=circle)
+
+    @property
     def outline(self) -> ExactBoundary | None:
         """The upright face around it; None if it is not known."""
+        import numpy as np
+
+        from camgeo.contour.contour import Contour
+        from camgeo.part.boundaries import ExactBoundary
+
         if self.diameter is not None:
             circle = Contour.circle(self.diameter / 2.0, self.centre)
             return ExactBoundary("stock", hole=False, exact=circle)

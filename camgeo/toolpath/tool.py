@@ -16,6 +16,9 @@ LARGEST_NUMBER: Final = 99_999
 
 MOST_FLUTES: Final = 100
 
+MOST_SPRINGS: Final = 10
+"""Rounds that take nothing off any more."""
+
 END_MILL: Final = "end-mill"
 DRILL: Final = "drill"
 CHAMFER_MILL: Final = "chamfer-mill"
@@ -26,6 +29,7 @@ COOLANTS: Final = ("off", "flood", "mist", "through")
 
 ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
 FluteCount = Annotated[int, partial(whole, least=1, most=MOST_FLUTES)]
+Rounds = Annotated[int, partial(whole, least=0, most=MOST_SPRINGS)]
 SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
 FeedRate = Annotated[float, partial(positive, unit="mm/min")]
 Kind = Annotated[str, partial(one_of, choices=KINDS)]

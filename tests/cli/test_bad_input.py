@@ -131,8 +131,8 @@ def test_undercut_is_reported_and_nothing_written(tmp_path: Path, capsys: Captur
     [
         ([("bore = 20", "bore = 79")], r"part\.bore|the bore reaches"),
         (
-            [("tool_diameter = 8", "tool_diameter = 20.5")],
-            r"tool_diameter = 20\.5: must be less than the bore",
+            [("\ndiameter = 10", "\ndiameter = 20.5")],
+            r"diameter = 20\.5: must be less than the bore",
         ),
         ([("tolerance = 0.001", "tolerance = 1e-13")], r"output\.tolerance = 1e-13: must be"),
     ],

@@ -367,7 +367,7 @@ def test_the_needed_roller_radius_gives_the_safety_that_is_asked_for(
 
 def test_the_needed_roller_radius_keeps_the_play_of_a_groove() -> None:
     clearance = ("side_clearance = 0.08", "side_clearance = 3")
-    tool = ("tool_diameter = 12", "tool_diameter = 6")
+    tool = ("\ndiameter = 12", "\ndiameter = 6")
     table = {"limit": 1600.0, "width": 3.0}
     cam = scene("groove_clearance", clearance, tool)
     first = pressed(cam, steady(500.0), table)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import shapely
 
+from camgeo.toolpath.tool import Tool
 from tests.end_to_end.built import CHORDS, DENSE, Built
 from tests.end_to_end.exact import TURN, Flank
-from tests.end_to_end.program import Program, outline, run
+from tests.end_to_end.program import Move, Program, outline, run
 from tests.measuring import DensePath, polygon
 
 POINTS = 20_000
@@ -30,31 +31,62 @@ def program(built: Built) -> Program:
     return run(built.file(".ngc"))
 
 
-def _exact_paths(built: Built) -> dict[str, np.ndarray]:
+def _tool(built: Built) -> Tool:
+    """The one tool of the scene."""
+    milling = built.design.scene.milling
+    assert milling is not None
+    (tool,) = milling.tools
+    return tool
+
+
+def _allowance(built: Built, operation: str) -> float:
+    """What an operation leaves on its wall, as the sequence was planned."""
+    return next(cut.allowance for cut in built.design.disc.milled.cuts if cut.name == operation)
+
+
+def _exact_paths(built: Built, program: Program) -> dict[str, np.ndarray]:
     """Dense points of each cutter path, by the tool's radius and the sides of the material."""
-    names = {name: path.dense(DENSE) for name, path in _flank_paths(built).items()}
-    if built.spec.bore is not None and built.design.cam.contact != "outer":
-        radius = (built.spec.bore - built.gcode.tool_diameter) / 2.0
-        names["bore"] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-    return names
+    found: dict[str, np.ndarray] = {}
+    for name in set(program.operations) - {""}:
+        wall, away = name.removeprefix("rough "), _tool(built).radius + _allowance(built, name)
+        if wall == "bore":
+            assert built.spec.bore is not None
+            radius = built.spec.bore / 2.0 - away
+            found[name] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
+        else:
+            found[name] = _flank_path(built, wall, away).dense(DENSE)
+    return found
 
 
-def _flank_paths(built: Built) -> dict[str, Flank]:
-    """The cutter paths along flanks, by the names of their operations."""
-    tool = built.gcode.tool_diameter / 2.0
-    if built.design.cam.contact == "inner":
-        return {"outline": built.flank("inner", tool)}
-    if built.design.cam.contact == "outer":
-        return {"outline": built.flank("outer", -tool)}
-    inner, outer = built.flank("inner", tool), built.flank("outer", -tool)
-    return {"inner flank": inner, "outer flank": outer}
+def _flank_path(built: Built, wall: str, away: float) -> Flank:
+    """The path of a cutter's centre along a flank."""
+    if wall == "inner flank" or (wall == "outline" and built.design.cam.contact == "inner"):
+        return built.flank("inner", away)
+    return built.flank("outer", -away)
 
 
 def _depth(built: Built, operation: str) -> float:
-    flanks = ("inner flank", "outer flank")
-    depth = built.spec.groove_depth if operation in flanks else built.thickness
-    assert depth is not None
-    return depth
+    if "flank" in operation:
+        assert built.spec.groove_depth is not None
+        return built.spec.groove_depth
+    milling = built.design.scene.milling
+    assert milling is not None
+    assert milling.holding is not None
+    return built.thickness + milling.holding.through - (milling.holding.skin or 0.0)
+
+
+def _is_rough(operation: str) -> bool:
+    return operation.startswith("rough ")
+
+
+def _rounds(operation: str, moves: list[Move]) -> list[list[Move]]:
+    """The closed rounds at one depth, without the leads of a finish."""
+    found: list[list[Move]] = [[]]
+    for move in moves if _is_rough(operation) else moves[1:-1]:
+        if found[-1] and found[-1][-1].end == found[-1][0].start:
+            found.append([])
+        found[-1].append(move)
+    return found
 
 
 def test_frame(built: Built, program: Program) -> None:
@@ -71,17 +103,17 @@ def test_frame(built: Built, program: Program) -> None:
             assert (
                 np.isnan(lowest)
                 or move.start == move.end
-                or (lowest == pytest.approx(built.gcode.safe_height))
+                or (lowest == pytest.approx(built.gcode.clearance_height))
             )
-            assert move.z_end == pytest.approx(built.gcode.safe_height)
+            assert move.z_end == pytest.approx(built.gcode.clearance_height)
         else:
             assert move.feed > 0.0
             assert move.spindle
         if move.code == 1 and move.z_end != move.z_start:
             assert move.start == move.end  # plunges straight down
-            assert move.feed == pytest.approx(built.gcode.plunge_feed)
+            assert move.feed == pytest.approx(_tool(built).plunge_feed)
         elif move.code > 0:
-            assert move.feed == pytest.approx(built.gcode.feed)
+            assert move.feed == pytest.approx(_tool(built).feed)
         if move.code > 1:
             radii = abs(move.start - move.centre), abs(move.end - move.centre)
             assert abs(radii[0] - radii[1]) <= ARC_ERROR
@@ -89,26 +121,32 @@ def test_frame(built: Built, program: Program) -> None:
 
 
 def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
-    exact = _exact_paths(built)
-    assert set(program.operations) - {""} == set(exact)
+    exact = _exact_paths(built, program)
+    finished = {name for name in exact if not _is_rough(name)}
+    assert finished == {name.removeprefix("rough ") for name in exact}
     worst = 0.0
     for name, points in exact.items():
         path = DensePath(points)
         passes = program.passes(name)
         depth = _depth(built, name)
-        count = math.ceil(depth / (built.gcode.pass_depth or depth) - 1e-9)
+        stepdown = _tool(built).stepdown
+        assert stepdown is not None
+        count = math.ceil(depth / stepdown - 1e-9) if _is_rough(name) else 1
         levels = [moves[0].z_end for moves in passes]
         assert levels == pytest.approx([-depth * (k + 1) / count for k in range(count)], abs=1e-4)
-        loops = [outline(moves[1:-1]) for moves in passes]  # without lead-in and lead-out
+        rounds = [_rounds(name, moves) for moves in passes]
+        assert [len(each) for each in rounds] == [1 if _is_rough(name) else 2] * count  # a spring
+        loops = [outline(each) for one in rounds for each in one]
         for loop in loops:
             assert abs(loop.starts[0] - loop.ends[-1]) <= GAP
             assert np.array_equal(loop.starts, loops[0].starts)  # all passes equally
         there = loops[0].distances(points[:: DENSE // POINTS])
         back = path.distances(loops[0].dense(POINTS))
         worst = max(worst, float(np.max(there)), float(np.max(back)))
+        wall = name.removeprefix("rough ")
         # Climb milling, spindle clockwise: clockwise round material, else counter-clockwise.
-        climb = -1 if name in ("inner flank",) or built.design.cam.contact == "inner" else 1
-        assert np.sign(loops[0].area) == (climb if name != "bore" else 1)
+        climb = -1 if wall == "inner flank" or built.design.cam.contact == "inner" else 1
+        assert np.sign(loops[0].area) == (climb if wall != "bore" else 1)
     worst += program.blending
     assert worst <= built.tolerance + CHORDS
     assert built.deviation(".ngc") >= worst - CHORDS
@@ -117,9 +155,11 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
 def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
     """Once a pass, about the corner itself, and about the roller's centre where it turned."""
     step = STEP[built.design.scene.unit]
-    for name, path in _flank_paths(built).items():
-        for moves in program.passes(name):
-            arcs = [move for move in moves[1:-1] if move.code > 1]
+    for name in set(program.operations) - {"", "bore", "rough bore"}:
+        away = _tool(built).radius + _allowance(built, name)
+        path = _flank_path(built, name.removeprefix("rough "), away)
+        for moves in (each for cut in program.passes(name) for each in _rounds(name, cut)):
+            arcs = [move for move in moves if move.code > 1]
             for hinge, arm, sweep in path.turns:
                 # Ends rounded by half a diagonal of the last decimal tilt the chord of a short
                 # arc, and its centre swings by as much.
@@ -133,7 +173,7 @@ def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
 
 def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     """Leads and plunges included: all of the path keeps the tool's radius from the material."""
-    tool = built.gcode.tool_diameter / 2.0
+    tool = _tool(built).radius
     boundaries = {exact.name: exact for exact in built.through + built.groove}
     against = {
         "bore": [("bore", True)],
@@ -144,9 +184,9 @@ def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     for name in set(program.operations) - {""}:
         moves = program.passes(name)[-1]
         points = np.append(outline(moves).dense(5_000), moves[-1].end)
-        for boundary, inside in against[name]:
+        for boundary, inside in against[name.removeprefix("rough ")]:
             exact = boundaries[boundary]
-            circle = name == "bore"  # the keyway is not milled
+            circle = boundary == "bore"  # the keyway is not milled
             radius = (built.spec.bore or 0.0) / 2.0
             room = radius - np.abs(points) if circle else exact.path.distances(points)
             assert np.min(room) >= tool - built.tolerance - CHORDS
@@ -156,7 +196,7 @@ def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
 
 
 def test_leads_are_tangential(built: Built, program: Program) -> None:
-    for name in set(program.operations) - {""}:
+    for name in (each for each in set(program.operations) - {""} if not _is_rough(each)):
         for moves in program.passes(name):
             first, second, last = moves[0], moves[1], moves[-1]
             assert last.start == second.start

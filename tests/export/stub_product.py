@@ -38,6 +38,7 @@ from camgeo.toolpath import machine
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import divided
+from camgeo.toolpath.sequence import Sequence
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
@@ -109,6 +110,8 @@ def there_and_back(stroke: float) -> plan.MotionPlan:
 
 NO_SCENE: Any = None
 
+TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
+
 CAM = Cam(
     Drive(there_and_back(10.0)), TranslatingRoller(base_radius=35.0, roller_radius=8.0), rotation=-1
 )
@@ -131,6 +134,7 @@ class StubProduct(Product):
     groove: bool = False
     dxf: DxfSpec = field(default_factory=DxfSpec)
     gcode: GcodeSpec = field(default_factory=GcodeSpec)
+    tool: Tool = TOOL
     thickness: float | None = 8.0
     scale: float = 1.0
     scene_hash: str = "0123456789abcdef" * 4
@@ -152,7 +156,8 @@ class StubProduct(Product):
     def values(self) -> Values:
         keys = [
             "follower.kind = 'plate'",
-            f"output.gcode.tool_diameter = {self.gcode.tool.diameter}",
+            f"tool = [{{ diameter = {self.tool.diameter} }}]",
+            "holding.kind = 'fixture'",
         ]
         keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
         text = "\n".join(keys)
@@ -217,7 +222,7 @@ class StubProduct(Product):
     @property
     def tools(self) -> tuple[Tool, Tool]:
         """Of the bore and of the outline."""
-        return self.gcode.tool, self.second_tool or self.gcode.tool
+        return self.tool, self.second_tool or self.tool
 
     @property
     def cuts(self) -> tuple[ContourCut, ...]:
@@ -240,6 +245,18 @@ class StubProduct(Product):
             )
             for each, tool in made
         )
+
+    @property
+    def contour_cuts(self) -> tuple[ContourCut, ...]:
+        return self.cuts
+
+    @property
+    def sequence(self) -> Sequence:
+        return Sequence(self.cuts, ())
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        return ()
 
     def toolpath(self, tolerance: float) -> Toolpath:
         largest = machine.load(self.gcode.machine).arcs.largest_turn

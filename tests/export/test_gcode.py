@@ -25,7 +25,7 @@ from camgeo_export.gcode.speller import Speller
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.export.stub_product import StubProduct
+from tests.export.stub_product import TOOL, StubProduct
 
 LINUXCNC = machines.load("linuxcnc")
 
@@ -86,7 +86,7 @@ def test_frame_of_the_program() -> None:
 
 def test_each_operation_can_be_restarted_alone() -> None:
     """It states the modal state, its tool and length, the spindle and the height."""
-    first = GcodeSpec().tool
+    first = TOOL
     tools = {
         "same": first,
         "speed": replace(first, spindle_speed=5000.0),

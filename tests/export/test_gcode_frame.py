@@ -16,13 +16,13 @@ from camgeo.toolpath.tool import Tool
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.writer import WRITER
-from tests.export.stub_product import StubProduct
+from tests.export.stub_product import TOOL, StubProduct
 
 NAMES = machines.names()
 
 TOLERANCE = 0.01
 
-OTHER = replace(GcodeSpec().tool, number=7, diameter=4.0)
+OTHER = replace(TOOL, number=7, diameter=4.0)
 
 
 def spec(name: str) -> GcodeSpec:
@@ -270,7 +270,7 @@ def test_work_offset_and_program_number() -> None:
 def test_a_feed_in_inches_has_the_unit_of_the_controller() -> None:
     """Of Heidenhain F counts in tenths of an inch per minute, with three decimals."""
     feed = 25.4 * 12.34567
-    tool = replace(GcodeSpec().tool, feed=feed)
+    tool = replace(TOOL, feed=feed)
     found = {}
     for name in ("haas", "linuxcnc", "heidenhain"):
         product = StubProduct(gcode=GcodeSpec(machine=name), unit="inch", second_tool=tool)

@@ -45,7 +45,7 @@ def test_declarations_import_nothing_that_computes() -> None:
     loaded = {name for name in done.stdout.split() if name.startswith("camgeo")}
     declared = {name for name in loaded if name.startswith("camgeo.formats")}
     assert declared >= {f"camgeo.formats.{name}" for name in modules}
-    toolpath = {"camgeo.toolpath", "camgeo.toolpath.spec"}
+    toolpath = {"camgeo.toolpath", "camgeo.toolpath.spec", "camgeo.toolpath.tool"}
     assert loaded - declared <= {"camgeo.numeric.checked", "camgeo.declared", *toolpath}
 
 

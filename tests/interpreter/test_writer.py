@@ -17,11 +17,11 @@ from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run_bytes
 from camgeo_export.verify.gcode import VERIFIER
-from tests.export.stub_product import StubProduct
+from tests.export.stub_product import TOOL, StubProduct
 
 TOLERANCE = 0.02
 
-OTHER = replace(GcodeSpec().tool, number=7, diameter=4.0)
+OTHER = replace(TOOL, number=7, diameter=4.0)
 
 
 @pytest.mark.parametrize("unit", ["mm", "inch"])

@@ -45,6 +45,7 @@ from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut
 from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.machine import load
+from camgeo.toolpath.milling import MillingSpec, OperationSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.stock import Stock
@@ -108,7 +109,9 @@ EXAMPLES: tuple[Any, ...] = (
     Keyway(6.0, 3.0, 0.5),
     PartSpec(10.0, 20.0, Keyway(6.0, 3.0), 200.0, 5.0),
     Limits(1.0),
-    GcodeSpec(pass_depth=2.0),
+    GcodeSpec(retract_height=2.0),
+    OperationSpec(kind="finish", tool=1, boundary="outline"),
+    MillingSpec(tools=(TOOL,), stock=Stock()),
     DxfSpec(),
     FLANK,
     BORE,

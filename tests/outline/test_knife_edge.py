@@ -102,7 +102,7 @@ def test_a_concave_corner_is_drawn_and_no_cutter_makes_it() -> None:
     assert np.min(np.abs(fit.contour.vertices - corner)) <= 1e-12
     with pytest.raises(GeometryError, match="a concave part of it") as caught:
         design.disc.milled.toolpath(1e-3)
-    assert caught.value.key == "output.gcode.tool_diameter"
+    assert caught.value.key == "tool"
 
 
 def test_the_check_states_that_any_curvature_fits() -> None:

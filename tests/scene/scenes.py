@@ -51,9 +51,19 @@ tolerance = 0.001
 entity = "arcs"
 [output.gcode]
 machine = "linuxcnc"
-tool_diameter = 8
 [output.csv]
 step = 0.5
+[[tool]]
+number = 1
+diameter = 10
+flute_length = 22
+spindle_speed = 3000
+feed = 300
+plunge_feed = 100
+stepdown = 3
+[holding]
+kind = "fixture"
+through = 0.5
 """
 
 ROCKER = """\
@@ -126,8 +136,17 @@ groove_depth = 10
 bore = 25
 [output]
 formats = ["dxf", "stl", "gcode"]
-[output.gcode]
-tool_diameter = 10
+[[tool]]
+number = 1
+diameter = 10
+flute_length = 22
+spindle_speed = 3000
+feed = 300
+plunge_feed = 100
+stepdown = 3
+[holding]
+kind = "fixture"
+through = 0.5
 """
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from decimal import Decimal
 
 import pytest
@@ -14,8 +15,23 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, Move
 from camgeo.part.spec import Keyway, PartSpec
+from camgeo.toolpath.holding import Holding
+from camgeo.toolpath.milling import MillingSpec
+from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import Tool
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
+
+TOOL = Tool(
+    number=1,
+    diameter=10.0,
+    flute_length=22.0,
+    spindle_speed=3000.0,
+    feed=300.0,
+    plunge_feed=100.0,
+    stepdown=3.0,
+)
 
 
 def test_plate() -> None:
@@ -29,7 +45,10 @@ def test_plate() -> None:
     assert scene.part == PartSpec(thickness=12.0, bore=20.0, keyway=Keyway(6.0, 2.8, 0.0))
     assert scene.output.formats == ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png")
     assert scene.output.tolerance == 0.001
-    assert scene.output.options[gcode.FORMAT] == GcodeSpec(tool_diameter=8.0)
+    assert scene.output.options[gcode.FORMAT] == GcodeSpec()
+    assert scene.milling == MillingSpec(
+        tools=(TOOL,), stock=Stock(), holding=Holding(kind="fixture", through=0.5)
+    )
     assert scene.output.options[csv.FORMAT].step == Decimal("0.5")
 
 
@@ -119,29 +138,46 @@ def test_groove() -> None:
     assert scene.part == PartSpec(thickness=20.0, bore=25.0, rim=200.0, groove_depth=10.0)
 
 
-def test_all_of_the_milling_table() -> None:
+def test_earlier_keys_state_one_tool() -> None:
     table = """tool_diameter = 8
 tool_number = 3
 spindle_speed = 2500.5
 feed = 200
 plunge_feed = 50
 pass_depth = 1.5
-safe_height = 2"""
-    scene = loaded(PLATE, ("tool_diameter = 8", table))
-    assert scene.output.options[gcode.FORMAT] == GcodeSpec(
-        "linuxcnc", 8.0, 3, 2500.5, 200.0, 50.0, 1.5, 2.0
-    )
+safe_height = 2
+"""
+    tables = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
+    scene = loaded(PLATE, ('machine = "linuxcnc"\n', table), (tables, ""))
+    assert scene.output.options[gcode.FORMAT].heights == Heights(2.0, 2.0)
+    assert scene.milling is not None
+    assert scene.milling.earlier
+    assert scene.milling.tools == (
+        Tool(
+            number=3, diameter=8.0, spindle_speed=2500.5, feed=200.0, plunge_feed=50.0,
+            stepdown=1.5, plunges=True,
+        ),
+    )  # fmt: skip
 
 
 def test_inches() -> None:
     scene = loaded(
-        PLATE, ('"mm"', '"inch"'), ("tolerance = 0.001", "tolerance = 0.0001"), ("0.5", "0.25")
-    )
+        PLATE, ('"mm"', '"inch"'), ("tolerance = 0.001", "tolerance = 0.0001"),
+        ("step = 0.5", "step = 0.25"),
+    )  # fmt: skip
     assert scene.unit == "inch"
     assert scene.follower == TranslatingRoller(50 * 25.4, 10 * 25.4, offset=12 * 25.4)
     assert scene.part == PartSpec(12 * 25.4, 20 * 25.4, Keyway(6 * 25.4, 2.8 * 25.4))
     assert scene.output.tolerance == 0.0001 * 25.4
-    # A tool's defaults are millimetres, whatever the scene's unit.
-    assert scene.output.options[gcode.FORMAT] == GcodeSpec(tool_diameter=8 * 25.4)
+    # The default height of traverses is millimetres, whatever the scene's unit.
+    assert scene.output.options[gcode.FORMAT] == GcodeSpec()
+    assert scene.milling is not None
+    assert scene.milling.tools == (
+        replace(
+            TOOL, diameter=254.0, flute_length=22 * 25.4, feed=300 * 25.4, plunge_feed=100 * 25.4,
+            stepdown=3 * 25.4,
+        ),
+    )  # fmt: skip
+    assert scene.milling.holding == Holding(kind="fixture", through=0.5 * 25.4)
     assert scene.output.options[csv.FORMAT].step == Decimal("0.25")
     assert scene.speed == loaded(PLATE).speed

@@ -37,13 +37,14 @@ UNITS = {
     "N m s/rad": 1e3,
     "MPa": 1.0,
     "mm/s": 1.0,
+    "m/min": 1e3,
     "Hz": 2.0 * math.pi,
     "hours": 3600.0,
     "s": 1.0,
     "rev/min": math.pi / 30.0,
     "degrees": math.pi / 180.0,
 }
-"""The value of 1 of each unit in mm, s, t, N and rad."""
+"""The value of 1 of each unit in mm, s, t, N and rad; of a cutting speed in mm/min."""
 
 
 def declared(name: str, **options: Any) -> Effect:

@@ -110,6 +110,7 @@ def test_lengths_and_angles_are_converted() -> None:
         ("to = 12", "to = 0.5"), ("[-16, 16]", "[-0.75, 1]"), ("bore = 20", "bore = 0.75"),
         ("{ width = 6, depth = 2.8 }", "{ width = 0.2, depth = 0.1 }"),
         ("tolerance = 0.001", "tolerance = 0.0001"), ("diameter = 10", "diameter = 0.5"),
+        ("stepover = 2", "stepover = 0.1"),
     )  # fmt: skip
     follower = parse_scene(inch).follower
     assert follower == TranslatingFlat(1.5 * 25.4, math.radians(60.0), 1, (-0.75 * 25.4, 25.4))

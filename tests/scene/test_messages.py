@@ -14,6 +14,8 @@ from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
 
 Change = tuple[str, str]
 
+TOOL = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
+
 FAULTS: list[tuple[str, list[Change], str]] = [
     # the frame of the format
     (PLATE, [("camgeo = 1\n", "")], "camgeo: is missing: Version"),
@@ -63,7 +65,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (
         GROOVE,
         [("radius = 8", "radius = 8\nside_clearance = 0.1"), ("ter = 10", "ter = 16.2")],
-        "tool_diameter = 16.2: must not exceed the width of the groove, .*side_clearance 16.1",
+        "diameter = 16.2: must not exceed the width of the groove, .*side_clearance 16.1",
     ),
     (PLATE, [("radius = 50", "radius = 1e10")], "base_radius = 1e10: .* 1e-9 to 1e9"),
     (PLATE, [("radius = 50", "radius = true")], "base_radius = true: must be a positive number"),
@@ -137,9 +139,9 @@ FAULTS: list[tuple[str, list[Change], str]] = [
         [("diameter = 10", "diameter = 16.1")],
         "must not exceed the width of the gro.* 16",
     ),
-    (PLATE, [("diameter = 8", "diameter = 20")], "must be less than the bore to be milled, 20"),
-    (PLATE, [("tool_diameter = 8\n", "")], "output.gcode.tool_diameter: is missing: Diameter of"),
-    (GROOVE, [("[output.gcode]\ntool_diameter = 10", "")], r"needs \[output\.gcode\] tool_"),
+    (PLATE, [("diameter = 10", "diameter = 20")], "must be less than the bore to be milled, 20"),
+    (PLATE, [("\ndiameter = 10", "")], r"tool\[1\].diameter: is missing: Diameter of the cutting"),
+    (PLATE, [(TOOL, "")], r'formats\[2\] = "gcode": needs \[\[tool\]\]: a tool, and how it is run'),
     (PLATE, [('"svg"', '"swg"')], r'output.formats\[6\] = "swg": .*did you mean "svg"'),
     (PLATE, [('"svg"', '"dxf"')], "must be a list of formats, each named once"),
     (PLATE, [('"arcs"', '"splines"')], r'"splines": .*did you mean "spline"\?'),

@@ -165,7 +165,7 @@ def test_an_edit_is_the_scene_that_says_so() -> None:
         "motion[2].law": "cycloidal",
         "motion.4.inflection": 0.45,
         "part.keyway": None,
-        "output.gcode.feed": 250.5,
+        "tool[1].feed": 250.5,
         "limits": {"radius_ratio": Decimal("0.8")},
     }
     changes = (
@@ -173,7 +173,7 @@ def test_an_edit_is_the_scene_that_says_so() -> None:
         ('"modified-sine"', '"cycloidal"'),
         ("0.4\n", "0.45\n"),
         ("keyway = { width = 6, depth = 2.8 }\n", ""),
-        ("tool_diameter = 8", "tool_diameter = 8\nfeed = 250.5"),
+        ("\nfeed = 300", "\nfeed = 250.5"),
         ("transmission_angle = 60\nradius_ratio = 0.7", "radius_ratio = 0.8"),
     )
     changed = scene.with_values(edits)

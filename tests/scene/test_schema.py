@@ -50,13 +50,12 @@ def test_defaults_are_those_of_the_engine() -> None:
     assert output["dxf"]["properties"]["entity"]["default"] == DxfSpec().entity
     gcode = output["gcode"]["properties"]
     assert gcode["machine"]["default"] == GcodeSpec().machine
-    assert gcode["tool_number"]["default"] == GcodeSpec().tool_number
-    assert gcode["spindle_speed"]["default"] == GcodeSpec().spindle_speed
     limits = schema()["properties"]["limits"]["properties"]
     assert limits["radius_ratio"]["default"] == Limits().radius_ratio
     assert f"{OutputSpec().tolerance:g} mm" in output["tolerance"]["description"]
-    for key in ("feed", "plunge_feed", "safe_height"):
-        assert f"Default {getattr(GcodeSpec(), key):g} mm" in gcode[key]["description"]
+    assert (
+        f"Default {GcodeSpec().clearance_height:g} mm" in gcode["clearance_height"]["description"]
+    )
 
 
 def test_tables_allow_no_unknown_keys() -> None:

@@ -14,16 +14,16 @@ from camgeo.part.boundaries import ExactBoundary
 from camgeo.toolpath.cut import MOST_PASSES, ContourCut, passes
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.tool import Tool
 
-SPEC = GcodeSpec(pass_depth=2.0)
+TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
 
 BORE = ExactBoundary("bore", hole=True, exact=Contour.circle(5.0))
 
 CUT = ContourCut(
     name="bore",
     strategy="profile",
-    tool=SPEC.tool,
+    tool=TOOL,
     top=0.0,
     depths=(-2.0, -4.0),
     centre=BORE,

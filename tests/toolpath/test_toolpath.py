@@ -19,15 +19,19 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
 from camgeo.part.build import build_part
+from camgeo.part.part import Part
 from camgeo.part.spec import Keyway, PartSpec
 from camgeo.toolpath import plan
-from camgeo.toolpath.cut import Cut, PointCut
+from camgeo.toolpath.cut import ContourCut, Cut, PointCut
+from camgeo.toolpath.holding import Holding
 from camgeo.toolpath.machine import load
+from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.sequence import cuts_of
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.sequence import sequence_of
+from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.strategies import STRATEGIES
+from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dense, dwell, move
 from tests.measuring import DensePath, Outline
 
@@ -39,6 +43,16 @@ SAGITTA = 5e-6
 LIMITS = load("linuxcnc").arcs
 
 ROLLER = 8.0
+
+HEIGHTS = Heights.of(7.0)
+
+THROUGH = 0.5
+"""How far cuts go below the part [mm]."""
+
+HOLDING = Holding(kind="fixture", through=THROUGH)
+
+DRILLED = 22.0
+"""Diameter of the hole in the blank [mm]; a round of 2 mm in the bore of 25 mm reaches it."""
 
 PITCH = PitchCurve(
     MotionPlan((dwell(50), move(100, 20.0), dwell(70), move(140, 0.0))),
@@ -52,13 +66,22 @@ PART = PartSpec(thickness=10.0, bore=25.0, keyway=Keyway(8.0, 3.3), rim=150.0, g
 
 
 def _toolpath(
-    contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **spec: Any
+    contact: Contact, tool: float, part: PartSpec = PART, pitch: PitchCurve = PITCH, **run: Any
 ) -> Toolpath:
     inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-ROLLER, ROLLER))
-    built = build_part(contact, inner, outer, part, 0.01)
-    gcode = GcodeSpec(tool_diameter=tool, **spec)
-    cuts = cuts_of(built, gcode.tool, gcode.pass_depth)
-    return plan_toolpath(cuts, Heights.of(gcode.safe_height), LIMITS, TOLERANCE)
+    cuts = _cuts(build_part(contact, inner, outer, part, 0.01), tool, **run)
+    return plan_toolpath(cuts, HEIGHTS, LIMITS, TOLERANCE)
+
+
+def _cuts(part: Part, tool: float, **run: Any) -> tuple[Cut, ...]:
+    """The planned cuts with one tool; the blank is drilled, so that no core is left in the bore."""
+    milling = MillingSpec(tools=(_tool(tool, **run),), stock=Stock(bore=DRILLED), holding=HOLDING)
+    return sequence_of(part, milling, HEIGHTS).cuts
+
+
+def _tool(diameter: float, **run: Any) -> Tool:
+    given = {"spindle_speed": 3000.0, "feed": 300.0, "plunge_feed": 100.0, "stepdown": 50.0, **run}
+    return Tool(number=1, diameter=diameter, **given)
 
 
 def _operations(toolpath: Toolpath) -> dict[str, Operation]:
@@ -129,7 +152,9 @@ def test_leads(contact: Contact, tool: float) -> None:
 @pytest.mark.parametrize("tool", [8.0, 10.0, 15.9])
 def test_groove_in_two_rounds(tool: float) -> None:
     operations = _operations(_toolpath(Contact.GROOVE, tool))
-    assert list(operations) == ["bore", "outer flank", "inner flank"]
+    assert list(operations)[-4:] == [
+        "rough outer flank", "rough inner flank", "outer flank", "inner flank"
+    ]  # fmt: skip
     flanks = {name: DensePath(dense(curve)) for name, curve in FLANKS.items()}
     cleared = []
     for side in ("inner", "outer"):
@@ -149,7 +174,7 @@ def test_groove_in_two_rounds(tool: float) -> None:
 
 
 def test_groove_with_a_tool_like_the_roller() -> None:
-    operation = _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, pass_depth=2.0))["groove"]
+    operation = _operations(_toolpath(Contact.GROOVE, 2.0 * ROLLER, stepdown=2.0))["groove"]
     path = _outline(operation.travel)
     pitch = DensePath(dense(WorkingCurve(PITCH, 0.0)))
     assert np.max(pitch.distances(path.dense(4_000))) <= TOLERANCE + SAGITTA
@@ -171,7 +196,7 @@ def test_groove_with_side_clearance() -> None:
 def test_groove_refuses_other_tools(tool: float) -> None:
     with pytest.raises(GeometryError, match="from 8 to 16 mm") as caught:
         _toolpath(Contact.GROOVE, tool)
-    assert caught.value.key == "output.gcode.tool_diameter"
+    assert caught.value.key == "tool"
 
 
 def test_tool_that_no_bore_takes() -> None:
@@ -179,7 +204,7 @@ def test_tool_that_no_bore_takes() -> None:
     for tool in (25.0, 30.0):
         with pytest.raises(GeometryError, match="smaller than the bore, 25 mm") as caught:
             _toolpath(Contact.INNER, tool)
-        assert caught.value.key == "output.gcode.tool_diameter"
+        assert caught.value.key == "tool"
 
 
 def test_tool_larger_than_a_concave_radius() -> None:
@@ -192,9 +217,11 @@ def test_tool_larger_than_a_concave_radius() -> None:
     assert kappa < 0.0
     largest = 2.0 * (-1.0 / kappa + ROLLER)
     _toolpath(Contact.INNER, 0.99 * largest, plain, pitch)
-    with pytest.raises(GeometryError, match="too large for the outline: a concave part") as caught:
+    with pytest.raises(
+        GeometryError, match="too large for the outline: its smallest concave"
+    ) as caught:
         _toolpath(Contact.INNER, 1.01 * largest, plain, pitch)
-    assert caught.value.key == "output.gcode.tool_diameter"
+    assert caught.value.key == "tool"
 
 
 def test_milling_needs_a_thickness() -> None:
@@ -204,28 +231,25 @@ def test_milling_needs_a_thickness() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pass_depth", "count"), [(20.0, 1), (10.0, 1), (9.99, 2), (5.0, 2), (3.0, 4), (0.1, 100)]
+    ("stepdown", "count"), [(20.0, 1), (10.5, 1), (10.49, 2), (5.25, 2), (3.0, 4), (0.105, 100)]
 )
-def test_depth_passes(pass_depth: float, count: int) -> None:
-    toolpath = _toolpath(Contact.INNER, 6.0, pass_depth=pass_depth)
-    for operation in toolpath.operations:
-        assert len(operation.cut.depths) == count
-        assert operation.cut.depths[-1] == -10.0
-        steps = -np.diff((0.0, *operation.cut.depths))
-        assert steps == pytest.approx(np.full(count, 10.0 / count))
-        assert np.max(steps) <= pass_depth * (1.0 + 1e-9)
-
-
-def test_one_pass_by_default() -> None:
-    assert all(
-        len(operation.cut.depths) == 1 for operation in _toolpath(Contact.INNER, 6.0).operations
-    )
+def test_depth_passes(stepdown: float, count: int) -> None:
+    """Rough cuts go down in equal passes, finishes along them at full depth."""
+    for operation in _toolpath(Contact.INNER, 6.0, stepdown=stepdown).operations:
+        depths = operation.cut.depths
+        assert depths[-1] == -10.0 - THROUGH
+        if operation.cut.allowance == 0.0:
+            assert len(depths) == 1
+            continue
+        steps = -np.diff((0.0, *depths))
+        assert steps == pytest.approx(np.full(count, 10.5 / count))
+        assert np.max(steps) <= stepdown * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize(("contact", "tool"), [("inner", 6.0), ("outer", 6.0), ("groove", 10.0),
                                                ("groove", 16.0)])  # fmt: skip
 def test_heights_and_feeds(contact: Contact, tool: float) -> None:
-    toolpath = _toolpath(contact, tool, pass_depth=2.5, safe_height=7.0, feed=250, plunge_feed=40)
+    toolpath = _toolpath(contact, tool, stepdown=2.5, feed=250, plunge_feed=40)
     assert toolpath.safe_height == 7.0
     for operation in toolpath.operations:
         first = operation.travel[0]
@@ -248,7 +272,7 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
                 assert after.feed == 250
                 depths.add(after.end[2])
         assert tuple(sorted(depths, reverse=True)) == operation.cut.depths
-    depth = 6.0 if contact == "groove" else 10.0
+    depth = 6.0 if contact == "groove" else 10.0 + THROUGH
     assert toolpath.operations[-1].cut.depths[-1] == -depth
 
 
@@ -263,8 +287,8 @@ def test_no_arc_exceeds_half_a_turn(contact: Contact) -> None:
 
 
 def test_bore_is_cut_first_and_inside() -> None:
-    operation = _toolpath(Contact.INNER, 6.0).operations[0]
-    assert operation.cut.name == "bore"
+    rough, operation = _toolpath(Contact.INNER, 6.0).operations[:2]
+    assert (rough.cut.name, operation.cut.name) == ("rough bore", "bore")
     points = _outline(operation.travel).dense(1_000)
     # Radius 12.5 less the tool's 3; the keyway is left to a broach.
     assert np.max(np.abs(points)) == pytest.approx(9.5, rel=1e-12)
@@ -274,42 +298,33 @@ def test_bore_is_cut_first_and_inside() -> None:
 @pytest.mark.parametrize(
     ("contact", "tool", "expected"),
     [
-        ("inner", 6.0, [("bore", "profile", "bore", ""), ("outline", "profile", "outline", "")]),
-        ("outer", 6.0, [("outline", "profile", "outline", "")]),
-        (
-            "groove",
-            2.0 * ROLLER,
-            [("bore", "profile", "bore", ""), ("groove", "slot", "outer flank", "inner flank")],
-        ),
-        (
-            "groove",
-            10.0,
-            [
-                ("bore", "profile", "bore", ""),
-                ("outer flank", "profile", "outer flank", ""),
-                ("inner flank", "profile", "inner flank", ""),
-            ],
-        ),
+        ("inner", 6.0, ["bore", "outline"]),
+        ("outer", 6.0, ["outline"]),
+        ("groove", 2.0 * ROLLER, ["bore", "groove"]),
+        ("groove", 10.0, ["bore", "outer flank", "inner flank"]),
     ],
 )
 def test_cuts_know_what_is_on_either_side(
-    contact: Contact, tool: float, expected: list[tuple[str, ...]]
+    contact: Contact, tool: float, expected: list[str]
 ) -> None:
     """Their boundaries are the part's, on the side that they say, and as deep as their walls."""
     inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
     part = build_part(contact, inner, outer, PART, 0.01)
-    cuts = cuts_of(part, GcodeSpec(tool_diameter=tool).tool, 4.0)
-    assert [(cut.name, cut.strategy, cut.right, cut.left) for cut in cuts] == expected
+    cuts = _cuts(part, tool, stepdown=4.0)
+    assert [cut.name for cut in cuts if not cut.name.startswith("rough ")] == expected
     walls = {wall.boundary.name: wall for wall in part.walls}
-    toolpath = plan_toolpath(cuts, Heights.of(5.0), LIMITS, TOLERANCE)
+    toolpath = plan_toolpath(cuts, HEIGHTS, LIMITS, TOLERANCE)
     for cut, operation in zip(cuts, toolpath.operations, strict=True):
         assert operation.cut is cut
+        assert isinstance(cut, ContourCut)
+        assert bool(cut.left) == (cut.name == "groove")
         path = _outline(operation.travel)
         loop = _without_leads(path) if cut.room else path
         along = loop.starts[0] - loop.ends[-2]
         for name, side in ((cut.right, -1j), (cut.left, 1j)):
             if name:
-                assert cut.depths[-1] == walls[name].z0
+                wall = walls[name]
+                assert cut.bottom == wall.z0 - THROUGH * (wall.z0 == -10.0)
                 ring = walls[name].boundary.polyline(0.01, "fast").contour.vertices
                 nearest = ring[np.argmin(np.abs(ring - loop.starts[0]))]
                 assert ((nearest - loop.starts[0]) * np.conj(along * side)).real > 0.0
@@ -320,11 +335,8 @@ def test_arcs_are_divided_as_the_machine_wants(largest: float) -> None:
     limits = replace(LIMITS, largest_sweep=largest)
     inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
     part = build_part(Contact.INNER, inner, outer, PART, 0.01)
-    cuts = cuts_of(part, GcodeSpec().tool, None)
-    found = [
-        plan_toolpath(cuts, Heights.of(5.0), each, TOLERANCE).operations
-        for each in (LIMITS, limits)
-    ]
+    cuts = _cuts(part, 6.0)
+    found = [plan_toolpath(cuts, HEIGHTS, each, TOLERANCE).operations for each in (LIMITS, limits)]
     for whole_arcs, parts in zip(*found, strict=True):
         one, other = _outline(whole_arcs.moves), _outline(parts.moves)
         assert np.max(np.abs(other.sweeps)) <= math.radians(largest) * (1.0 + 1e-9)
@@ -339,9 +351,9 @@ def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPat
         return [Rapid(above), Feed(down, cut.tool.plunge_feed), Rapid(above)]
 
     monkeypatch.setattr(plan, "STRATEGIES", {**STRATEGIES, "drill": drill})
-    tool = GcodeSpec().tool
+    tool = _tool(6.0)
     cut = PointCut(name="hole", strategy="drill", tool=tool, top=0.0, depths=(-8.0,), points=(0j,))
-    (operation,) = plan_toolpath((cut,), Heights.of(5.0), LIMITS, TOLERANCE).operations
+    (operation,) = plan_toolpath((cut,), HEIGHTS, LIMITS, TOLERANCE).operations
     assert operation.travel[1] == Feed((0.0, 0.0, -8.0), 100.0)
 
 

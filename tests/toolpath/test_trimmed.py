@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,11 +19,14 @@ from camgeo.part.build import build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.holding import Holding
 from camgeo.toolpath.machine import load
+from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Heights, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.sequence import cuts_of
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.sequence import sequence_of
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dense, dwell, move, translating
 from tests.contour.paths import SAGITTA, cut_off_lobe, dense_path, shocks, swallow_tail
 from tests.measuring import DensePath, Outline
@@ -47,7 +51,21 @@ def _cuts_of(
     contact: Contact, inner: Path, outer: Path, tool: float, part: PartSpec = PART
 ) -> tuple[ContourCut, ...]:
     built = build_part(contact, inner, outer, part, 0.01)
-    return cuts_of(built, GcodeSpec(tool_diameter=tool).tool, None)
+    return _finishes(built, tool)
+
+
+def _finishes(part: Part, diameter: float) -> tuple[ContourCut, ...]:
+    """The planned cuts that make the walls themselves."""
+    tool = Tool(
+        number=1, diameter=diameter, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0,
+        stepdown=50.0,
+    )  # fmt: skip
+    holding = Holding(kind="fixture")
+    milling = MillingSpec(tools=(tool,), stock=Stock(), holding=holding)
+    cuts = sequence_of(part, milling, Heights.of(5.0)).cuts
+    return tuple(
+        replace(cut, springs=0) for cut in cuts if isinstance(cut, ContourCut) and not cut.allowance
+    )
 
 
 def _cuts(operation: Operation) -> Outline:
@@ -128,7 +146,7 @@ def test_shocks(flank: int, contact: Contact) -> None:
         assert (loop.area < 0.0) == (contact == "inner")
     with pytest.raises(GeometryError, match="too large for the outline: a concave part") as caught:
         _toolpath(contact, path, path, 16.1, part)
-    assert caught.value.key == "output.gcode.tool_diameter"
+    assert caught.value.key == "tool"
 
 
 def test_groove_takes_a_tool_like_the_roller_alone() -> None:
@@ -143,13 +161,13 @@ def test_groove_takes_a_tool_like_the_roller_alone() -> None:
     )
     rim = ExactBoundary("rim", hole=False, exact=Contour.circle(100.0))
     part = Part((Layer(-10.0, -6.0, (rim,)), Layer(-6.0, 0.0, (rim, *flanks), "groove")))
-    (cut,) = cuts_of(part, GcodeSpec(tool_diameter=2.0 * roller).tool, None)
+    (cut,) = _finishes(part, 2.0 * roller)
     assert isinstance(cut.centre, CurveBoundary)
     assert cut.centre.path == whole(WorkingCurve(curve.pitch, 0.0))
     assert cut.strategy == "slot"
     with pytest.raises(GeometryError, match="only a cutter like the roller") as caught:
-        cuts_of(part, GcodeSpec(tool_diameter=1.5 * roller).tool, None)
-    assert caught.value.key == "output.gcode.tool_diameter"
+        _finishes(part, 1.5 * roller)
+    assert caught.value.key == "tool"
 
 
 def test_groove_with_shocks_has_the_corners_of_the_pitch_curve() -> None:

@@ -52,7 +52,7 @@ dwell = 120
 NEEDS = {
     "stl": "needs [part] thickness",
     "3mf": "needs [part] thickness",
-    "gcode": "needs [output.gcode] tool_diameter",
+    "gcode": "needs [[tool]]: a tool, and how it is run",
     "asc": "needs [linkage]",
 }
 
@@ -114,7 +114,7 @@ def test_a_scene_is_refused_a_format_exactly_if_it_cannot_be_written_in_it(name:
 def test_a_groove_of_no_depth_is_no_body(name: str) -> None:
     text = spoilt(GROOVE, ("groove_depth = 10\n", ""))
     head, _, _ = text.partition("[output]")
-    table = '[output]\nformats = ["dxf"]\n[output.gcode]\ntool_diameter = 10\n'
+    table = '[output]\nformats = ["dxf"]\n'
     with pytest.raises(SceneError, match=r"needs \[part\] groove_depth, for the cam is a groove"):
         Design(parse_scene(head + table)).write("out", [name])
 
@@ -159,4 +159,4 @@ def test_a_program_is_verified_against_a_scene_with_milling(tmp_path: Path) -> N
     (verdict,) = verify_files((program,), lambda *_: against, Wanted())
     (check,) = [each for each in verdict.checks if each.name == "operations"]
     assert check.ok is False
-    assert "needs [output.gcode] tool_diameter" in check.note
+    assert "needs [[tool]]" in check.note

@@ -39,7 +39,7 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
             Rapid((lead.start.real, lead.start.imag, heights.clearance)),
             Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed),
             ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed),
-            *once_round(contour, z, feed),
+            *(move for _ in range(rounds(cut, z)) for move in once_round(contour, z, feed)),
             ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed),
             Rapid((lead.end.real, lead.end.imag, heights.clearance)),
         )
@@ -61,7 +61,9 @@ def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
     x, y = float(contour.vertices[0].real), float(contour.vertices[0].imag)
     found: list[Move] = [Rapid((x, y, heights.clearance))]
     for z in cut.depths:
-        found += (Feed((x, y, z), cut.tool.plunge_feed), *once_round(contour, z, cut.tool.feed))
+        found.append(Feed((x, y, z), cut.tool.plunge_feed))
+        for _ in range(rounds(cut, z)):
+            found += once_round(contour, z, cut.tool.feed)
     return [*found, Rapid((x, y, heights.clearance))]
 
 
@@ -80,7 +82,7 @@ def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     Raises
     ------
     GeometryError
-        With key "output.gcode.tool_diameter", if the cutter cannot reach the whole boundary.
+        With key "tool", if the cutter cannot reach the whole boundary.
     """
     try:
         contour = cut.centre.arcs(tolerance, effort).contour
@@ -88,12 +90,17 @@ def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
         raise GeometryError(
             f"the cutter is too large for the {cut.name}: a concave part of it is more tightly"
             f" curved than the cutter ({error.message})",
-            key="output.gcode.tool_diameter",
+            key="tool",
         ) from None
     if not cut.centre.hole:
         contour = contour.reversed()
     longest = int(np.argmax(contour.lengths))
     return started(contour, longest).split(HALF_TURN)
+
+
+def rounds(cut: ContourCut, z: float) -> int:
+    """How often the cut goes round at a depth."""
+    return 1 + cut.springs if z == cut.bottom else 1
 
 
 def once_round(contour: Contour, z: float, feed: float) -> Iterator[Move]:

@@ -33,8 +33,8 @@ def measure(product: Product, data: bytes) -> float:
     if stated(program.comments).tolerance is None:  # then it could not be verified later
         raise FileError("the program does not state its tolerance")
     loops = program.loops()
-    _check_complete(product.milled.cuts, program, loops)
-    centres = {cut.name: cut.centre for cut in product.milled.cuts}
+    _check_complete(product.milled.contour_cuts, program, loops)
+    centres = {cut.name: cut.centre for cut in product.milled.contour_cuts}
     path = max(
         loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
         for loop in loops

@@ -26,7 +26,7 @@ def cutting_checks(
     product: Product, program: Run, stated: Stated, machine: Machine, safe_height: float
 ) -> list[Check]:
     """All checks of one of our programs that its closed paths do not show."""
-    cuts = product.milled.cuts
+    cuts = product.milled.contour_cuts
     checks = [_heights(program, safe_height), _comments(product, program, stated, machine)]
     checks += [_cutters(cuts, stated), _work_offset(product, program, machine)]
     for cut in cuts:
@@ -141,8 +141,8 @@ def _comments(product: Product, program: Run, stated: Stated, machine: Machine) 
     except ToleranceError:
         return unkept
     grid = Grid(shares.decimals, MM_PER[product.unit])
-    texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
-    for cut in product.milled.cuts:
+    texts = about_program(product, machine, shares, product.milled.contour_cuts, stated.scene)
+    for cut in product.milled.contour_cuts:
         texts += about_operation(cut, grid)
     expected = [line.strip() for line in comment_texts(texts, machine.text)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):

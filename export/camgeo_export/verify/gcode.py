@@ -101,16 +101,16 @@ def _without(program: Run, name: str, *concerns: str) -> Check:
 
 def _paths(product: Product, program: Run, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
-    centres = tuple(cut.centre for cut in product.milled.cuts)
+    centres = tuple(cut.centre for cut in product.milled.contour_cuts)
     exact = shapes_of(centres, product.drawn.base_radius, tolerance)
     # The area within a cutter's path is of no interest.
     shapes = {
         cut.name: replace(shape, name=cut.name, area=None)
-        for cut, shape in zip(product.milled.cuts, exact, strict=True)
+        for cut, shape in zip(product.milled.contour_cuts, exact, strict=True)
     }
     loops = [(_owner(loop, shapes), loop) for loop in program.loops(tolerance)]
     checks: list[Check] = []
-    for cut in product.milled.cuts:
+    for cut in product.milled.contour_cuts:
         own = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, own, max(program.step, tolerance)))
         same: dict[bytes, list[Loop]] = {}

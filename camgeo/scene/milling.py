@@ -1,0 +1,199 @@
+"""The tables of a scene on milling: their rules, and what is built from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.formats.gcode import misfits
+from camgeo.scene.document import document
+from camgeo.scene.inside import Inside
+from camgeo.scene.keys import Path, path_of
+from camgeo.scene.schema import MILLING, library_schema, milling_tables
+from camgeo.scene.schema_faults import judged
+from camgeo.scene.valid_values import ValidValues
+from camgeo.toolpath.milling import (
+    FAULTS,
+    MillingSpec,
+    holding_of,
+    operation_of,
+    stock_of,
+    tool_of,
+)
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import END_MILL, Tool
+
+if TYPE_CHECKING:
+    from camgeo.toolpath.holding import Holding
+    from camgeo.toolpath.milling import OperationSpec
+    from camgeo.toolpath.spec import GcodeSpec
+
+LIBRARY: Final = ("output", "gcode", "tools")
+"""Key of the file with further tools."""
+
+Broken = tuple[Path, str]
+
+Built = TypeVar("Built")
+
+
+def broken_tables(values: ValidValues) -> Iterator[Broken]:
+    """All that is wrong between the keys of the tables, each with its place."""
+    for name, faults in FAULTS.items():
+        for place in _places(values, name):
+            table = values.get(*place)
+            if table is None:
+                continue
+            for key, message in faults(table):
+                if key in table or values.lacks(*place, key):
+                    yield (*place, key), message
+    yield from _tools_are_told_apart(values)
+    yield from _one_tool_fits(values)
+
+
+def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
+    """A single end mill for a planned sequence fits into groove and bore."""
+    places = _places(values, "tool")
+    if len(places) != 1 or values.has("operation") or values.has(*LIBRARY):
+        return
+    key = (*places[0], "diameter")
+    written = values.exact(*key)
+    if written is not None and values.get(*places[0], "kind") in (None, END_MILL):
+        yield from ((key, message) for message in misfits(values, written))
+
+
+def _places(values: ValidValues, name: str) -> list[Path]:
+    """Where the tables of that name are."""
+    given = values.scene.plain.get(name)
+    if isinstance(given, list):
+        return [(name, k) for k in range(len(given))]
+    return [] if given is None else [(name,)]
+
+
+def _tools_are_told_apart(values: ValidValues) -> Iterator[Broken]:
+    numbers = [values.get(*place, "number") for place in _places(values, "tool")]
+    for k, number in enumerate(numbers):
+        if number is not None and number in numbers[:k]:
+            yield ("tool", k, "number"), "belongs to another tool; each needs its own"
+    if None in numbers or not numbers or values.has(*LIBRARY):
+        return
+    for place in _places(values, "operation"):
+        number = values.get(*place, "tool")
+        if number is not None and number not in numbers:
+            known = ", ".join(str(each) for each in sorted(numbers))
+            yield (*place, "tool"), f"there is no such tool; there are {known}"
+
+
+class MillingBuilder:
+    """Builds what a scene says on milling; the faults go to `inside`."""
+
+    def __init__(self, inside: Inside) -> None:
+        self._inside = inside
+        self._values = inside.values
+
+    def spec(self, program: GcodeSpec | None) -> MillingSpec | None:
+        """All of it; None if the scene says nothing, or nothing valid."""
+        values = self._values
+        earlier = _earlier_tool(program)
+        named = any(values.has(name) for name in MILLING) or values.has(*LIBRARY)
+        if not named and earlier is None:
+            return None
+        if any(values.has(name) and not values.valid(name) for name in MILLING):
+            return None
+        before = len(self._inside.faults)
+        tools: list[Tool] = self.each("tool", tool_of)
+        if earlier is not None:
+            tools.append(earlier)
+        known = {tool.number for tool in tools}
+        tools += [tool for tool in self._library() if tool.number not in known]
+        stock: Stock | None = self._one("stock", stock_of)
+        holding: Holding | None = self._one("holding", holding_of)
+        operations: list[OperationSpec] = self.each("operation", operation_of)
+        known = {tool.number for tool in tools}
+        for k, each in enumerate(operations):
+            if each.tool not in known:
+                numbers = ", ".join(str(number) for number in sorted(known)) or "none"
+                message = f"there is no such tool; there are {numbers}"
+                self._inside.fault(("operation", k, "tool"), message)
+        if len(self._inside.faults) > before:
+            return None
+        return MillingSpec(
+            tools=tuple(tools),
+            stock=stock or Stock(),
+            holding=holding,
+            operations=tuple(operations),
+            earlier=earlier is not None,
+        )
+
+    def each(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:
+        """What `make` builds of each table of a list, without those that it refuses."""
+        if not self._values.has(name):
+            return []
+        node = milling_tables()[name]["items"]
+        places = [(name, k) for k in range(len(self._values.get(name)))]
+        made = [self._made(place, self._inside.table(place, node), make) for place in places]
+        return [each for each in made if each is not None]
+
+    def _one(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> Built | None:
+        if not self._values.has(name):
+            return None
+        return self._made((name,), self._inside.table((name,), milling_tables()[name]), make)
+
+    def _made(
+        self, place: Path, table: Mapping[str, Any], make: Callable[[Mapping[str, Any]], Built]
+    ) -> Built | None:
+        """What `make` builds; None, with a fault, if a value is not valid beyond its schema."""
+        try:
+            return make(table)
+        except GeometryError as error:
+            key = (path_of(error.key) or ())[1:]
+            self._inside.fault((*place, *key), error.message)
+            return None
+
+    def _library(self) -> list[Tool]:
+        """The tools of the file that the scene names; faults in it are those of the key."""
+        if self._values.get(*LIBRARY) is None:
+            return []
+        data = self._inside.read(LIBRARY)
+        if data is None:
+            return []
+        try:
+            return tools_of(data)
+        except SceneError as error:
+            for fault in error.faults:
+                where = "" if fault.line is None else f"line {fault.line}: "
+                what = f"{fault.key}: " if fault.key else ""
+                self._inside.fault(LIBRARY, f"{where}{what}{fault.message}", fault.hint)
+            return []
+
+
+def _earlier_tool(program: GcodeSpec | None) -> Tool | None:
+    """The tool of earlier keys; None if there is none, or one that a rule of the format refuses."""
+    try:
+        return None if program is None else program.tool
+    except GeometryError:
+        return None
+
+
+def tools_of(data: bytes) -> list[Tool]:
+    """The tools of a library, a TOML file with `[[tool]]` like those of a scene, and `[units]`.
+
+    Raises
+    ------
+    SceneError
+        With all its faults.
+    """
+    found = document(data)
+    verdict = judged(found, library_schema())
+    values = ValidValues(found, verdict.bad, verdict.meant)
+    faults: list[Fault] = [*found.faults, *verdict.faults]
+    faults += [found.fault(*each) for each in broken_tables(values)]
+    inside = Inside(values)
+    tools: list[Tool] = []
+    if not faults:
+        builder = MillingBuilder(inside)
+        tools = builder.each("tool", tool_of)
+        faults = inside.faults
+    if faults:
+        raise SceneError(faults)
+    return tools

@@ -1,0 +1,137 @@
+"""Part, blank, holding and tools: which tool reaches what, and how deep cuts go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary, Part, Wall
+from camgeo.toolpath.fitting import largest_diameter, tightest
+from camgeo.toolpath.milling import MillingSpec
+from camgeo.toolpath.tool import END_MILL, Tool
+
+SAME: Final = 2.0**-48
+"""Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
+
+ALLOWANCE_SHARE: Final = 0.05
+LARGEST_ALLOWANCE: Final = 0.5
+"""What a planned roughing leaves, as a share of the cutter's diameter, and at most [mm]."""
+
+Unfit = Callable[[Tool], str]
+"""Why a tool cannot do something; empty if it can."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What is to be milled, from what, and with what.
+
+    Attributes
+    ----------
+    part : with its heights.
+    milling : the scene's statements.
+    """
+
+    part: Part
+    milling: MillingSpec
+
+    @property
+    def walls(self) -> dict[str, Wall]:
+        """Of the part, by the names of their boundaries."""
+        return {wall.boundary.name: wall for wall in self.part.walls}
+
+    @property
+    def lower_face(self) -> float:
+        """Z of the lower face of the part [mm]."""
+        return self.part.layers[0].z0
+
+    def is_through(self, wall: Wall) -> bool:
+        """Whether the wall reaches the lower face."""
+        return wall.z0 == self.lower_face
+
+    def bottom(self, wall: Wall) -> float:
+        """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
+        holding = self.milling.holding
+        if not self.is_through(wall) or holding is None:
+            return wall.z0
+        return wall.z0 - holding.through if holding.skin is None else wall.z0 + holding.skin
+
+    def choose(self, what: str, unfit: Unfit, kinds: Iterable[str] = (END_MILL,)) -> Tool:
+        """The first tool of one of the `kinds` that fits.
+
+        Raises
+        ------
+        GeometryError
+            With key "tool", and why each one does not.
+        """
+        reasons = []
+        for tool in self.milling.tools:
+            if tool.kind not in kinds:
+                continue
+            reason = unfit(tool)
+            if not reason:
+                return tool
+            reasons.append(f"tool {tool.number}: {reason}")
+        message = f"none fits the {what}: {'; '.join(reasons) or f'no {END_MILL} is stated'}"
+        raise GeometryError(message, key=self.key)
+
+    @property
+    def key(self) -> str:
+        """Key of the scene with the tools."""
+        return "output.gcode.tool_diameter" if self.milling.earlier else "tool"
+
+    def allowance(self, tool: Tool, wall: Wall) -> float:
+        """What a planned roughing with `tool` leaves on a wall [mm].
+
+        No more than half of what the tightest place leaves it.
+        """
+        usual = min(ALLOWANCE_SHARE * tool.diameter, LARGEST_ALLOWANCE)
+        place = tightest(wall.boundary)
+        return usual if place is None else min(usual, 0.5 * (place.radius - tool.radius))
+
+    # Why tools do not fit -----------------------------------------------------------------------
+
+    def too_short(self, tool: Tool, bottom: float, top: float = 0.0) -> str:
+        """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]."""
+        depth = top - bottom
+        if tool.flute_length is not None and tool.flute_length < depth:
+            return f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
+        if tool.stick_out is not None and tool.stick_out < depth:
+            return f"it sticks out {tool.stick_out:g} mm, less than {depth:g} mm"
+        wide = tool.shank_diameter
+        if wide is not None and wide > tool.diameter and tool.flute_length is None:
+            return f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
+        return ""
+
+    def too_large(self, tool: Tool, boundary: Boundary) -> str:
+        """Whether it reaches all of the boundary."""
+        place = tightest(boundary)
+        if place is None or tool.radius < place.radius:
+            return ""
+        if isinstance(boundary, ExactBoundary):
+            size = 2.0 * place.radius
+            return f"the cutter must be smaller than the {boundary.name}, {size:g} mm"
+        return (
+            f"the cutter is too large for the {boundary.name}: {place.sentence};"
+            f" the largest that fits has {largest_diameter(place):g} mm"
+        )
+
+    def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:
+        """Why a tool cannot finish a wall at full depth from `top` [mm]."""
+        bottom = self.bottom(wall)
+        return lambda tool: self.too_large(tool, wall.boundary) or self.too_short(tool, bottom, top)
+
+
+def flank_curve(wall: Wall) -> WorkingCurve:
+    """The working curve of a flank's wall."""
+    assert isinstance(wall.boundary, CurveBoundary)  # as every flank is
+    return wall.boundary.path.stretches[0].curve
+
+
+def bore_of(wall: Wall) -> ExactBoundary:
+    """The boundary of the bore."""
+    assert isinstance(wall.boundary, ExactBoundary)  # as every bore is
+    return wall.boundary

@@ -1,0 +1,213 @@
+"""How the blank is held while it is cut: clamps that come and go, tabs, and what drops loose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import Boundary
+from camgeo.toolpath.bench import Bench
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
+from camgeo.toolpath.holding import CLAMPS, FIXTURE, SCREWS, Clamp, Obstacle
+from camgeo.toolpath.moves import Heights
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of the contours with which clamps are compared; it counts against them."""
+
+
+def guarded(bench: Bench, cuts: Sequence[Cut], heights: Heights) -> list[Cut]:
+    """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if a clamp stands where something is cut, traverses do not
+        clear it or the blank, or nothing holds what is cut free.
+    """
+    holding = bench.milling.holding
+    _clears_the_blank(bench, heights)
+    if holding is None:
+        freed = [each for each in cuts if _is_through(bench, each)]
+        if freed:
+            message = f"is missing: {freed[0].name} goes through, and what it cuts free drops"
+            raise GeometryError(message, "holding")
+        return list(cuts)
+    names = [cut.name for cut in cuts]
+    for clamp in holding.clamps:
+        for key in ("since", "until"):
+            name = getattr(clamp, key)
+            if name and name not in names:
+                known = ", ".join(f'"{each}"' for each in names)
+                message = f"there is no such operation; there are {known}"
+                raise GeometryError(message, f"holding.{_what(clamp)}.{key}", f'"{name}"')
+        if clamp.height >= heights.clearance:
+            raise GeometryError(
+                f"must be above the {clamp.obstacle.name}, {clamp.height:g} mm high",
+                "output.gcode.clearance_height", f"{heights.clearance:g}",
+            )  # fmt: skip
+    found = []
+    for k, cut in enumerate(cuts):
+        there = [each for each in holding.clamps if _is_there(each, k, names)]
+        stops = [cut.stop, *_moved(holding.clamps, cut.name)]
+        made = replace(
+            cut,
+            obstacles=tuple(each.obstacle for each in there),
+            stop="; ".join(text for text in stops if text),
+        )
+        for obstacle in made.obstacles:
+            _clears(made, obstacle)
+        if _frees(bench, made):
+            if holding.kind in (CLAMPS, SCREWS):
+                _holds(bench, made, there)
+            if holding.tabs is not None and isinstance(made, ContourCut):
+                made = replace(made, tabs=holding.tabs)
+        found.append(made)
+    return found
+
+
+def told_of_holding(bench: Bench, cuts: Sequence[Cut]) -> Iterator[Finding]:
+    """What the holding leaves to be done, or to be watched."""
+    holding = bench.milling.holding
+    if holding is None:
+        return
+    freed = [cut for cut in cuts if _frees(bench, cut)]
+    for cut in freed:
+        wall = bench.walls.get(cut.right) if isinstance(cut, ContourCut) else None
+        if wall is None or cut.allowance:
+            continue
+        flank = isinstance(wall.boundary, CurveBoundary)
+        if holding.tabs is not None and flank:
+            yield Finding(
+                "tabs-on-a-flank", "warning",
+                f"{cut.name}: {holding.tabs.count} tabs of {holding.tabs.width:g} mm, up to"
+                f" {holding.tabs.height:g} mm above the lower face, stand on a flank of the cam and"
+                " are to be dressed to its shape",
+            )  # fmt: skip
+        if wall.boundary.hole and holding.kind == FIXTURE:
+            yield Finding(
+                "loose-core", "warning",
+                f"{cut.name}: the core inside it is cut free in one piece; the fixture must hold it"
+                " as well as the part",
+            )  # fmt: skip
+    if holding.skin is not None and freed:
+        text = f"a skin of {holding.skin:g} mm is left below the part, to be removed by hand"
+        yield Finding("onion-skin", "warning", text)
+
+
+def _clears_the_blank(bench: Bench, heights: Heights) -> None:
+    top = bench.milling.stock.top
+    for key, height in (("clearance", heights.clearance), ("retract", heights.retract)):
+        if height <= top:
+            message = f"must be above the blank, {top:g} mm"
+            raise GeometryError(message, f"output.gcode.{key}_height", f"{height:g}")
+
+
+def _is_through(bench: Bench, cut: Cut) -> bool:
+    """Whether it reaches the lower face of the part, or the skin on it."""
+    holding = bench.milling.holding
+    skin = 0.0 if holding is None else holding.skin or 0.0
+    return cut.bottom <= bench.lower_face + skin
+
+
+def _frees(bench: Bench, cut: Cut) -> bool:
+    """Whether it cuts part and waste apart; what it clears away inside a bore is chips."""
+    if not _is_through(bench, cut):
+        return False
+    if isinstance(cut, AreaCut):
+        return any(not wall.hole for wall in cut.walls)
+    return isinstance(cut, ContourCut) and cut.right != "bore"
+
+
+def _what(clamp: Clamp) -> str:
+    return "screw" if clamp.round else "clamp"
+
+
+def _is_there(clamp: Clamp, index: int, names: Sequence[str]) -> bool:
+    """Whether a clamp is set during the operation number `index`."""
+    since = names.index(clamp.since) if clamp.since else 0
+    until = names.index(clamp.until) if clamp.until else len(names)
+    return since <= index < until if since < until else index >= since or index < until
+
+
+def _moved(clamps: Sequence[Clamp], name: str) -> Iterator[str]:
+    """What the operator does before the operation `name`: sets first, then takes away."""
+    for clamp in clamps:
+        if clamp.since == name:
+            yield f"set the {clamp.obstacle.name}"
+    for clamp in clamps:
+        if clamp.until == name:
+            yield f"take away the {clamp.obstacle.name}"
+
+
+def _clears(cut: Cut, obstacle: Obstacle) -> None:
+    """GeometryError with key "holding", if the cutter runs into the obstacle."""
+    import shapely
+
+    radius = cut.tool.radius
+    body = _polygon(obstacle.outline)
+    if isinstance(cut, ContourCut):
+        contour = cut.centre.arcs(COARSE, "fast").contour
+        points = contour.points(COARSE)
+        ring = shapely.LinearRing([(point.real, point.imag) for point in points])
+        gap = float(shapely.distance(ring, body)) - radius - 2.0 * COARSE
+    elif isinstance(cut, AreaCut):
+        area = _area(cut)
+        if area is None:
+            return
+        gap = float(shapely.distance(area, body)) - 2.0 * COARSE
+        if not shapely.intersects(area, body):
+            gap = max(gap, 1e-9)
+    else:
+        return
+    if gap <= 0.0:
+        raise GeometryError(
+            f"{cut.name} with tool {cut.tool.number} runs into the {obstacle.name}; move it, or"
+            " take it away before",
+            "holding",
+        )
+
+
+def _area(cut: AreaCut):  # type: ignore[no-untyped-def] # noqa: ANN202 - shapely has no types
+    """The material that an area cut removes, as a polygon."""
+    area = None if cut.stock is None else _polygon(cut.stock)
+    for wall in cut.walls:
+        inside = _polygon(wall)
+        if wall.hole:
+            area = inside if area is None else area.intersection(inside)
+        elif area is not None:
+            area = area.difference(inside)
+    return area
+
+
+def _polygon(boundary: Boundary):  # type: ignore[no-untyped-def] # noqa: ANN202 - no types
+    import shapely
+
+    points = boundary.arcs(COARSE, "fast").contour.points(COARSE)
+    return shapely.Polygon([(point.real, point.imag) for point in points])
+
+
+def _holds(bench: Bench, cut: Cut, there: Sequence[Clamp]) -> None:
+    """GeometryError with key "holding", if no clamp or screw that is set stands on the part."""
+    import shapely
+
+    walls = cut.walls if isinstance(cut, AreaCut) else (bench.walls[_right(cut)].boundary,)
+    part = [_polygon(wall) for wall in walls]
+    for clamp in there:
+        foot = _polygon(clamp.obstacle.outline)
+        inside = all(
+            shapely.intersects(each, foot) != wall.hole
+            for each, wall in zip(part, walls, strict=True)
+        )
+        if inside:
+            return
+    raise GeometryError(
+        f"{cut.name} cuts the part free while nothing that is set stands on it", "holding"
+    )
+
+
+def _right(cut: Cut) -> str:
+    return cut.right if isinstance(cut, ContourCut) else ""

@@ -1,0 +1,124 @@
+"""Cuts made of a part's walls, a tool and heights."""
+
+from __future__ import annotations
+
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.outline.envelope import Envelope
+from camgeo.outline.path import Path
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import Boundary, Wall
+from camgeo.toolpath.bench import Bench, flank_curve
+from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut, passes
+from camgeo.toolpath.tool import Tool
+
+
+def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
+    """Around a wall in passes, in full material: the cutter enters along its path."""
+    boundary = wall.boundary
+    return ContourCut(
+        name=f"rough {boundary.name}",
+        strategy="slot",
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bench.bottom(wall)),
+        allowance=allowance,
+        centre=boundary.offset(tool.radius + allowance),
+        right=boundary.name,
+    )
+
+
+def finish_along(
+    bench: Bench,
+    wall: Wall,
+    tool: Tool,
+    top: float,
+    room: float,
+    *,
+    depths: tuple[float, ...] = (),
+    cleared: bool = True,
+    springs: int = 1,
+    note: str = "",
+) -> ContourCut:
+    """Along a roughed wall at full depth, or at `depths`; what is beside it is cleared."""
+    boundary = wall.boundary
+    return ContourCut(
+        name=boundary.name,
+        strategy="profile",
+        tool=tool,
+        top=top,
+        depths=depths or (bench.bottom(wall),),
+        centre=boundary.offset(tool.radius),
+        right=boundary.name,
+        room=room,
+        cleared=cleared,
+        springs=springs,
+        note=note,
+    )
+
+
+def slot_between(bench: Bench, inner: Wall, outer: Wall, tool: Tool, top: float) -> ContourCut:
+    """Between both flanks, with a cutter as wide as the groove."""
+    pitch = flank_curve(outer).pitch
+    path = Path(Envelope(WorkingCurve(pitch, 0.0)).elements)
+    return ContourCut(
+        name="groove",
+        strategy="slot",
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bench.bottom(outer)),
+        centre=CurveBoundary("path of the cutter along the groove", hole=True, path=path),
+        right=outer.boundary.name,
+        left=inner.boundary.name,
+    )
+
+
+def clear_area(
+    bench: Bench,
+    name: str,
+    strategy: str,
+    tool: Tool,
+    top: float,
+    bottom: float,
+    walls: tuple[Boundary, ...],
+    allowance: float = 0.0,
+) -> AreaCut:
+    """All between walls and, unless a hole encloses it, the outline of the blank."""
+    stock = bench.milling.stock
+    inside = any(wall.hole for wall in walls)
+    has_hole = stock.bore is not None and (inside or not walls)
+    return AreaCut(
+        name=name,
+        strategy=strategy,
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bottom),
+        allowance=allowance,
+        walls=walls,
+        stock=None if inside else stock.outline,
+        cleared=(stock.hole,) if has_hole else (),
+        stepover=stepover_of(tool),
+    )
+
+
+def drill_at(name: str, tool: Tool, top: float, bottom: float, place: complex) -> PointCut:
+    """Straight down, in pecks of the tool's stepdown if it states one."""
+    depths = passes(top, bottom - tool.tip_length, tool.stepdown)
+    return PointCut(name=name, strategy="drill", tool=tool, top=top, depths=depths, points=(place,))
+
+
+def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
+    """Z of equal passes [mm]; raises GeometryError without a stepdown."""
+    if tool.stepdown is None:
+        message = f"tool {tool.number} needs it to cut {top - bottom:g} mm deep"
+        raise GeometryError(message, "tool.stepdown")
+    return passes(top, bottom, tool.stepdown)
+
+
+def stepover_of(tool: Tool) -> float:
+    """Between neighbouring paths [mm]; raises GeometryError if it is not stated."""
+    if tool.stepover is None:
+        raise GeometryError(
+            f"tool {tool.number} needs it to clear an area; none is invented", "tool.stepover"
+        )
+    return tool.stepover

@@ -1,0 +1,164 @@
+"""The sequence of cuts for a scene that states none.
+
+First what is cut while the blank is whole and stiff: its face, the bore, the groove; then what
+cuts the part free. Each wall is roughed in passes, and finished at full depth with a round more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import Wall
+from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.fitting import core
+from camgeo.toolpath.making import clear_area, drill_at, finish_along, rough_around, slot_between
+from camgeo.toolpath.stock import ROUND
+from camgeo.toolpath.tool import DRILL, Tool
+
+Step = Cut | Finding
+"""A cut, or something to be told."""
+
+
+def planned_steps(bench: Bench) -> Iterator[Step]:
+    """The cuts in their order, and what is told of them.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if no tool can do what is to be done.
+    """
+    walls = bench.walls
+    yield from _face(bench)
+    if "bore" in walls:
+        yield from _bore(bench, walls["bore"])
+    if "inner flank" in walls:
+        yield from _groove(bench, walls["inner flank"], walls["outer flank"])
+    if "rim" in walls:
+        yield from _rim(bench, walls["rim"])
+    if "outline" in walls:
+        yield from _around(bench, walls["outline"])
+
+
+def _face(bench: Bench) -> Iterator[Step]:
+    """Down to the upper face of the part, where the blank is higher."""
+    top = bench.milling.stock.top
+    if not top:
+        return
+    if bench.milling.stock.outline is None:
+        key = "stock.length"
+        raise GeometryError("the outline of a blank that is to be faced must be known", key)
+    tool = bench.choose("upper face", lambda tool: bench.too_short(tool, 0.0, top))
+    yield clear_area(bench, "face", "face", tool, top, 0.0, ())
+
+
+def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
+    """Opened from inside; left out where the blank has it."""
+    bore, stock = bore_of(wall), bench.milling.stock
+    diameter, there = 2.0 * bore.round_radius, stock.bore or 0.0
+    keyway = "the keyway is left to be broached" if bore.core is not None else ""
+    if there > diameter:
+        message = f"must be at most the bore of the part, {diameter:g} mm"
+        raise GeometryError(message, "stock.bore", f"{there:g}")
+    if there == diameter:
+        text = f"bore: the blank has it, {diameter:g} mm; it is not milled"
+        yield told("bore-left-out", f"{text}; {keyway}" if keyway else text)
+        return
+    drill = next((each for each in bench.milling.tools if _drills(each, diameter)), None)
+    if drill is not None and not bench.too_short(drill, bench.bottom(wall)):
+        yield drill_at("bore", drill, 0.0, bench.bottom(wall), complex(bore.exact.centres[0]))
+        return
+    tool = bench.choose("bore", bench.unfit(wall))
+    allowance = bench.allowance(tool, wall)
+    room = 0.5 * (bore.round_radius - tool.radius)
+    if core(diameter - 2.0 * allowance, tool.diameter) > there:
+        bottom = bench.bottom(wall)
+        yield clear_area(bench, "rough bore", "bore", tool, 0.0, bottom, (bore,), allowance)
+    else:
+        yield rough_around(bench, wall, tool, 0.0, allowance)
+    yield finish_along(bench, wall, tool, 0.0, room, note=keyway)
+
+
+def _drills(tool: Tool, diameter: float) -> bool:
+    return tool.kind == DRILL and abs(tool.diameter - diameter) <= SAME * diameter
+
+
+def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
+    """One round of a cutter as wide, or roughed inside and finished along each flank."""
+    curve = flank_curve(outer)
+    half = curve.distance
+    paths = [
+        wall.boundary.path for wall in (inner, outer) if isinstance(wall.boundary, CurveBoundary)
+    ]
+    like = "the roller" if half == curve.pitch.follower.roller_radius else "the groove"
+    bottom = bench.bottom(outer)
+
+    def unfit(tool: Tool) -> str:
+        """Where a flank is trimmed, the roller sweeps more than rounds along the flanks clear."""
+        if as_wide(tool, half):
+            return "" if tool.stepdown else "it states no stepdown"
+        if tool.radius > half or tool.diameter < half:
+            return (
+                f"the cutter of a groove must be no larger than {like}, and at least half as"
+                f" large, so that two rounds clear it: from {half:g} to {2.0 * half:g} mm"
+            )
+        if not all(path.is_whole for path in paths):
+            return (
+                f"a flank of the groove is trimmed or has a corner: only a cutter like {like},"
+                f" {2.0 * half:g} mm, clears all that the roller passes over"
+            )
+        return (
+            bench.too_large(tool, inner.boundary)
+            or bench.too_large(tool, outer.boundary)
+            or bench.too_short(tool, bottom)
+        )
+
+    tool = bench.choose("groove", unfit)
+    if as_wide(tool, half):
+        yield slot_between(bench, inner, outer, tool, 0.0)
+        return
+    side = half - tool.radius
+    for wall in (outer, inner):
+        yield rough_around(bench, wall, tool, 0.0, min(bench.allowance(tool, wall), 0.5 * side))
+    for wall in (outer, inner):
+        yield finish_along(bench, wall, tool, 0.0, 0.5 * side)
+
+
+def as_wide(tool: Tool, half: float) -> bool:
+    """Whether a tool is as wide as a groove of twice `half` [mm]."""
+    return abs(tool.radius - half) <= SAME * half
+
+
+def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:
+    """The rim is that of the blank, unless the blank is known to be larger."""
+    stock, rim = bench.milling.stock, bore_of(wall)
+    diameter = 2.0 * rim.round_radius
+    same = stock.diameter is not None and stock.diameter == diameter and not stock.centre
+    if stock.outline is None or same:
+        text = f"rim: it is that of the blank, {diameter:g} mm in diameter, and not milled"
+        yield told("rim-left-out", text)
+        return
+    yield from _around(bench, wall)
+
+
+def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
+    """A wall that cuts the part free: roughed from the blank, then finished."""
+    boundary, stock = wall.boundary, bench.milling.stock
+    tool = bench.choose(boundary.name, bench.unfit(wall))
+    allowance = bench.allowance(tool, wall)
+    if stock.shape == ROUND and not boundary.hole:
+        name, bottom = f"rough {boundary.name}", bench.bottom(wall)
+        yield clear_area(bench, name, "rough", tool, 0.0, bottom, (boundary,), allowance)
+        yield finish_along(bench, wall, tool, 0.0, tool.radius)
+        return
+    yield rough_around(bench, wall, tool, 0.0, allowance)
+    # The roughed slot is wider than the cutter by the allowance: leads have no more room.
+    yield finish_along(bench, wall, tool, 0.0, allowance)
+
+
+def told(name: str, sentence: str) -> Finding:
+    """Something worth knowing of the sequence."""
+    return Finding(name, "ok", sentence)
