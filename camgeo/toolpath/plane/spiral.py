@@ -1,0 +1,201 @@
+"""A spiral between two closed curves about one pole, paced by the engagement of the cutter.
+
+In each direction the distance from the pole is r = (1 - u) a + u b, with a the curve at which the
+cutter first touches the stock and b that on which the cut ends. u grows in proportion to the angle
+turned, and eases into 1, where the path joins b along its tangent.
+
+The cutter's engagement is measured on what the turn before has left: the arc of its circle from
+the point where it makes the new wall forward to where it crosses the wall of that turn, and in the
+first turn that of the stock. Cutting is by climb: the material is on the right of the path.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.toolpath.plane.star import Star
+from camgeo.toolpath.plane.track import Track, biarcs
+
+PER_TURN = 720
+"""Places per turn at which the engagement is measured for pacing."""
+
+EASE = 0.25
+"""Turns over which the spiral eases into the curve on which it ends."""
+
+MOST_TURNS = 10_000
+"""More is a stepover far too small for the stock."""
+
+HALVINGS = 24
+"""Of the interval of paces."""
+
+PLACES = (0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9)
+"""Shares of a span at which a fit is compared with the spiral."""
+
+SPANS, MOST_SPANS = 8, 4096
+"""Biarcs a turn that a fit begins with, and at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Morph:
+    """The spiral r = (1 - u) a + u b; `w` is the angle turned along it [rad], 0 where u is 0.
+
+    Attributes
+    ----------
+    a, b : where it begins and where it ends, about the same pole.
+    sense : 1 counter-clockwise, -1 clockwise.
+    finish : direction [rad] in which it joins b.
+    turns : number of turns from a to b.
+    """
+
+    a: Star
+    b: Star
+    sense: int
+    finish: float
+    turns: float
+
+    @property
+    def ease(self) -> float:
+        """Turns over which it eases into b."""
+        return min(EASE, 0.5 * self.turns)
+
+    @property
+    def rate(self) -> float:
+        """Growth of u per turn before it eases."""
+        return 1.0 / (self.turns - 0.5 * self.ease)
+
+    def share(self, turn: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(m,) u and its derivative at `turn` (m,), in turns; 0 before 0 and 1 beyond `turns`."""
+        left = self.turns - turn
+        ease, rate = self.ease, self.rate
+        u = np.where(left < ease, 1.0 - 0.5 * rate * left**2 / ease, rate * turn)
+        slope = np.where(left < ease, rate * left / ease, rate)
+        u = np.where(turn <= 0.0, 0.0, np.where(left <= 0.0, 1.0, u))
+        return u, np.where((turn < 0.0) | (left <= 0.0), 0.0, slope)
+
+    def at(self, turn: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """(m,) points [mm] and unit tangents at `turn` (m,), in turns from where u leaves 0."""
+        direction = self.finish + self.sense * 2.0 * np.pi * (turn - self.turns)
+        (ra, sa), (rb, sb) = self.a.at(direction), self.b.at(direction)
+        u, slope = self.share(turn)
+        r = (1.0 - u) * ra + u * rb
+        growth = slope / (2.0 * np.pi) * (rb - ra) + self.sense * ((1.0 - u) * sa + u * sb)
+        ray = np.exp(1j * direction)
+        along = ray * (growth + 1j * self.sense * r)
+        return self.a.pole + ray * r, along / np.abs(along)
+
+
+def engagements(morph: Morph, radius: float, per_turn: int = PER_TURN) -> FloatArray:
+    """(m,) [rad] engagement of a cutter of `radius` [mm] at even steps along `morph`.
+
+    From its beginning to one turn beyond its end; 0 where the cutter runs in air.
+    """
+    count = math.ceil((morph.turns + 1.0) * per_turn)
+    turn = np.arange(-per_turn, count + 1) / per_turn
+    points, tangents = morph.at(turn)
+    walls = points - 1j * tangents * radius
+    now = np.arange(per_turn, len(turn))
+    centre, normal = points[now], -1j * tangents[now]
+    found = np.zeros(len(now))
+    inside = np.abs(walls[now - per_turn] - centre) < radius
+    # Forward along the wall of the turn before until it leaves the cutter's circle.
+    before = walls[now - per_turn]
+    waiting = np.flatnonzero(inside)
+    for step in range(1, per_turn):
+        ahead = np.minimum(now[waiting] - per_turn + step, now[waiting])
+        after = walls[ahead]
+        out = np.abs(after - centre[waiting]) >= radius
+        done = waiting[out]
+        start, way = before[done] - centre[done], after[out] - before[done]
+        # The point between the two on the circle.
+        half, square = (np.conj(start) * way).real, np.abs(way) ** 2
+        rest = radius**2 - np.abs(start) ** 2
+        share = (np.sqrt(half**2 + square * rest) - half) / np.where(square > 0.0, square, 1.0)
+        arm = start + np.clip(share, 0.0, 1.0) * way
+        found[done] = np.angle(arm * np.conj(normal[done]))
+        before[waiting] = after
+        waiting = waiting[~out]
+        if not len(waiting):
+            break
+    found[waiting] = np.pi  # the wall never leaves the circle
+    return np.maximum(found, 0.0)
+
+
+def paced(
+    a: Star, b: Star, *, sense: int, finish: float, radius: float, limit: float, step: float
+) -> Morph:
+    """The shortest spiral whose engagement is at most `limit` [rad] and whose turns lie at most
+    `step` [mm] apart along any ray.
+
+    Raises
+    ------
+    GeometryError
+        If that takes more than `MOST_TURNS`.
+    """
+    rays = np.linspace(0.0, 2.0 * np.pi, PER_TURN, endpoint=False)
+    travel = float(np.max(np.abs(a.at(rays)[0] - b.at(rays)[0])))
+    fewest = max(travel / step, 1e-3)
+    if fewest > MOST_TURNS:
+        message = f"makes more than {MOST_TURNS} turns of the roughing spiral"
+        raise GeometryError(message, key="tool.stepover", value=f"{step:g}")
+
+    def holds(turns: float) -> bool:
+        morph = Morph(a, b, sense, finish, turns)
+        return float(np.max(engagements(morph, radius))) <= limit
+
+    # rate = 1 / (turns - ease / 2) is the share of a step in the travel.
+    low = high = fewest + 0.5 * min(EASE, fewest)
+    if not holds(low):
+        while not holds(high):
+            low, high = high, 1.5 * high + 0.5
+            if high > MOST_TURNS:
+                message = "is too small for any cut of the roughing spiral"
+                raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+        for _ in range(HALVINGS):
+            if high - low < 0.01:
+                break
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if holds(middle) else (middle, high)
+    return Morph(a, b, sense, finish, high)
+
+
+def fitted(morph: Morph, tolerance: float) -> Track:
+    """The spiral as tangential arcs, found within `tolerance` [mm] of it, from its beginning to
+    where it joins b.
+
+    The distance is taken at `PLACES` of each span, and must leave a fifth of the tolerance for what
+    lies between them. How near the arcs come to the part is proved from the arcs themselves.
+    """
+    spans = max(1, math.ceil(SPANS * morph.turns))
+    joints = np.linspace(0.0, morph.turns, spans + 1)
+    joints = np.unique(np.append(joints, morph.turns - morph.ease))
+    most = MOST_SPANS * math.ceil(morph.turns)
+    while len(joints) <= most:
+        points, tangents = morph.at(joints)
+        track = biarcs(points, tangents)
+        coarse = np.zeros(len(joints) - 1, dtype=np.bool_)
+        for share in PLACES:
+            there, _ = morph.at(joints[:-1] + share * np.diff(joints))
+            coarse |= _off(there, track) > 0.8 * tolerance
+        if not np.any(coarse):
+            return track
+        middles = 0.5 * (joints[:-1] + joints[1:])[coarse]
+        joints = np.sort(np.concatenate((joints, middles)))
+    raise GeometryError(f"cannot follow the spiral within {tolerance:g} mm", "toolpath")
+
+
+def _off(points: ComplexArray, track: Track) -> FloatArray:
+    """(n,) distance [mm] of each point from the two arcs of its span."""
+    found = np.empty(len(points))
+    for parity in (0, 1):
+        pieces = slice(parity, None, 2)
+        start, end = track.starts[pieces], track.ends[pieces]
+        sweep, centre = track.sweeps[pieces], track.centres[pieces]
+        line = np.abs((np.conj(end - start) * (points - start)).imag) / np.abs(end - start)
+        off = np.where(sweep == 0.0, line, np.abs(np.abs(points - centre) - np.abs(start - centre)))
+        found = off if parity == 0 else np.minimum(found, off)
+    return found

@@ -1,0 +1,128 @@
+"""The roughing spiral: between its curves, its engagement as dense points find it, its arcs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import BoolArray, ComplexArray
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.spiral import Morph, engagements, fitted, paced
+from camgeo.toolpath.plane.star import Star
+from camgeo.toolpath.plane.track import Track
+from tests.contour.cams import dwell, move, translating
+
+RADIUS = 5.0
+
+LIMIT = np.radians(50.0)
+
+BLANK = 62.0
+
+
+def star(contour: Contour) -> Star:
+    found = Star.of(contour)
+    assert found is not None
+    return found
+
+
+@cache
+def cam() -> Star:
+    """The centre's path along a disc with a lobe, with hollow flanks."""
+    from camgeo.outline.path import whole
+    from camgeo.part.boundaries import CurveBoundary
+
+    curve = translating(dwell(60), move(120, 20.0), dwell(40), move(140, 0.0))
+    outline = CurveBoundary("outline", hole=False, path=whole(curve))
+    return star(outline.offset(RADIUS).arcs(0.01, "fast").contour)
+
+
+def outside() -> Morph:
+    blank = star(Contour.circle(BLANK + RADIUS))
+    return paced(blank, cam(), sense=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+
+
+def inside() -> Morph:
+    """From a hole of 12 mm to a bore of 50 mm."""
+    hole, bore = star(Contour.circle(6.0 - RADIUS)), star(Contour.circle(25.0 - RADIUS))
+    return paced(hole, bore, sense=1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+
+
+MORPHS = {"outside": outside, "inside": inside}
+
+
+def in_stock(name: str, points: ComplexArray) -> BoolArray:
+    return np.abs(points) < BLANK if name == "outside" else np.abs(points) > 6.0
+
+
+@pytest.mark.parametrize("name", MORPHS)
+def test_engagement_is_that_of_dense_points(name: str) -> None:
+    """The share of the front of the cutter's circle that no earlier place of it has swept."""
+    morph = MORPHS[name]()
+    found = engagements(morph, RADIUS)
+    assert np.max(found) <= LIMIT
+    turn = np.arange(0.0, morph.turns + 1.0, 1.0 / 1440.0)
+    path, along = morph.at(turn)
+    front = np.radians(np.arange(0.0, 180.0, 0.5) + 0.25)
+    for k in range(5, len(turn) - 720, 997):
+        rim = path[k] - 1j * along[k] * RADIUS * np.exp(1j * front)
+        swept = np.min(np.abs(rim[:, None] - path[max(0, k - 4320) : k]), axis=1) < RADIUS - 1e-9
+        left = in_stock(name, rim) & ~swept
+        # Half a degree is a step on the rim; the point at the wall is new, or swept to rounding.
+        assert np.sum(left) * 0.5 == pytest.approx(np.degrees(found[k // 2]), abs=2.0)
+
+
+@pytest.mark.parametrize("name", MORPHS)
+def test_it_is_no_longer_than_the_limit_asks(name: str) -> None:
+    morph = MORPHS[name]()
+    assert np.degrees(np.max(engagements(morph, RADIUS))) > 49.0
+    assert np.mean(engagements(morph, RADIUS)[: int(720 * morph.turns)] == 0.0) < 0.02
+
+
+@pytest.mark.parametrize("name", MORPHS)
+def test_neighbouring_turns_are_no_farther_apart_than_the_step(name: str) -> None:
+    morph = MORPHS[name]()
+    turn = np.linspace(0.0, morph.turns, 2000)
+    points, ahead = morph.at(turn)[0], morph.at(turn + 1.0)[0]
+    assert np.max(np.abs(np.abs(ahead) - np.abs(points))) <= 2.0 * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.01])
+@pytest.mark.parametrize("name", MORPHS)
+def test_arcs(name: str, tolerance: float) -> None:
+    morph = MORPHS[name]()
+    track = fitted(morph, tolerance)
+    dense = morph.at(np.linspace(0.0, morph.turns, 5000))[0]
+    assert np.max(distances(dense, track)) <= tolerance
+    assert len(track) < 45 * morph.turns
+    assert track.start == pytest.approx(morph.at(np.zeros(1))[0][0])
+    # It joins the curve on which it ends along its tangent.
+    end, along = morph.b.points(np.array([0.4]))[0], track.headings[1]
+    assert track.end == pytest.approx(end)
+    r, slope = morph.b.at(np.array([0.4]))
+    tangent = np.exp(0.4j) * complex(slope[0], r[0]) * morph.sense
+    assert along == pytest.approx(tangent / abs(tangent), abs=1e-9)
+
+
+def test_a_square_blank() -> None:
+    """The first curve may have corners: round ones, of the cutter about the blank's."""
+    corners = 60.0 * np.array([1 - 1j, 1 + 1j, -1 + 1j, -1 - 1j])
+    out = RADIUS * np.array([-1j, 1 + 0j, 1j, -1 + 0j])
+    vertices = np.column_stack((corners + out, corners + out * 1j)).ravel()
+    sweeps = np.tile([0.5 * np.pi, 0.0], 4)
+    centres = [centre for corner in corners for centre in (complex(corner), 0j)]
+    blank = Contour(vertices, sweeps, np.array(centres))
+    assert Track.around(blank).length == pytest.approx(480.0 + 10.0 * np.pi)
+    morph = paced(star(blank), cam(), sense=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=3.0)
+    assert np.max(engagements(morph, RADIUS)) <= LIMIT
+    assert fitted(morph, 0.05).length > 2000.0
+
+
+def test_steps_too_small_are_refused() -> None:
+    blank = star(Contour.circle(BLANK + RADIUS))
+    with pytest.raises(GeometryError, match="turns of the roughing spiral") as caught:
+        paced(blank, cam(), sense=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3)
+    assert caught.value.key == "tool.stepover"
