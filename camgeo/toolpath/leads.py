@@ -1,85 +1,213 @@
-"""Tangential lead-in and lead-out: arcs that join a closed path without a corner."""
+"""Tangential leads: tracks that join a closed path at one of its points without a corner.
+
+They are arcs on the free side of the path, where no material of the part is, before which and after
+which a line may run, for a controller that offsets the path while it enters.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
-
-CHECKED_POINTS = 33
-"""Points of a lead that are checked for gouging."""
+from camgeo.toolpath.plane.nearness import least_distance
+from camgeo.toolpath.plane.track import Track, chained
 
 SMALLEST_SHARE = 1.0 / 64.0
 """A lead is halved down to this fraction of its room before it is given up."""
 
+SHORTEST = 0.02
+"""A piece shorter than this share of the path is no place for leads: it rounds a corner."""
 
-@dataclass(frozen=True, slots=True)
+NEAR = 1.0 / 32.0
+"""Share of a lead next to the path that its curvature decides on; the rest is measured."""
+
+LEAST_TURN = math.radians(15.0)
+"""A lead turns by no less, however narrow its room: it is then made of a smaller arc."""
+
+LEAST_PART = 1e-6
+"""A contour is not cut nearer than this [mm] to a joint of its pieces, but at the joint."""
+
+TIGHTEST = 0.6
+"""Largest radius of a narrow lead's arc as a share of that of the path's, inside which it runs."""
+
+MOST_PLACES = 24
+"""Places that are tried for leads, the flattest first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Lead:
-    """Arcs onto and off a path at its first point, counter-clockwise.
+    """The ways onto a path and off it.
 
     Attributes
     ----------
-    start, end : complex [mm] where the lead-in begins and the lead-out ends.
-    centre : complex [mm], of both arcs.
+    into, off : the first ends and the second begins where the path begins, both along it.
     """
 
-    start: complex
-    end: complex
-    centre: complex
+    into: Track
+    off: Track
 
 
 def started(contour: Contour, index: int) -> Contour:
     """The same contour, starting in the middle of its piece `index`, an arc or a line."""
-    contour = contour.rolled(index)
+    return _parted(contour.rolled(index), 0.5)
+
+
+def flattest(contour: Contour) -> Iterator[int]:
+    """The pieces in the middle of which leads may join, the flattest first; of equal ones the
+    longest.
+    """
+    lengths = contour.lengths
+    long = lengths >= SHORTEST * contour.length
+    if not np.any(long):
+        long = lengths == np.max(lengths)
+    radii = contour.radii
+    bends = np.divide(1.0, radii, out=np.zeros_like(radii), where=radii > 0.0)
+    # Arcs of one rest differ by rounding.
+    order = sorted(np.flatnonzero(long), key=lambda k: (round(float(bends[k]), 6), -lengths[k]))
+    yield from (int(k) for k in order[:MOST_PLACES])
+
+
+def begun(contour: Contour, distance: float) -> Contour:
+    """The same contour, starting `distance` [mm] along it from its first vertex."""
+    stops = np.cumsum(contour.lengths)
+    index = min(int(np.searchsorted(stops, distance, "right")), len(contour) - 1)
+    length = float(contour.lengths[index])
+    share = 1.0 - (float(stops[index]) - distance) / length
+    if share * length < LEAST_PART or (1.0 - share) * length < LEAST_PART:
+        return contour.rolled(index + round(share))
+    return _parted(contour.rolled(index), share)
+
+
+def _parted(contour: Contour, share: float) -> Contour:
+    """The same contour, starting inside its first piece, at `share` of its length."""
     sweep, centre = contour.sweeps[0], contour.centres[0]
-    middle = 0.5 * (contour.vertices[0] + contour.ends[0])
+    start, end = contour.vertices[0], contour.ends[0]
+    there = start + share * (end - start)
     if sweep != 0.0:
-        middle = centre + (contour.vertices[0] - centre) * np.exp(0.5j * sweep)
+        there = centre + (start - centre) * np.exp(1j * share * sweep)
     return Contour(
-        np.concatenate(([middle], contour.vertices[1:], contour.vertices[:1])),
-        np.concatenate(([0.5 * sweep], contour.sweeps[1:], [0.5 * sweep])),
+        np.concatenate(([there], contour.vertices[1:], contour.vertices[:1])),
+        np.concatenate(([(1.0 - share) * sweep], contour.sweeps[1:], [share * sweep])),
         np.concatenate(([centre], contour.centres[1:], [centre])),
     )
 
 
-def start_tangent(contour: Contour) -> complex:
-    """Unit tangent at the contour's first vertex, in its direction."""
-    sweep, start = float(contour.sweeps[0]), complex(contour.vertices[0])
-    if sweep == 0.0:
-        along = complex(contour.ends[0]) - start
-    else:
-        along = 1j * np.sign(sweep) * (start - complex(contour.centres[0]))
-    return along / abs(along)
+def joined(
+    path: Contour,
+    room: float,
+    *,
+    free: int,
+    usual: float,
+    straight: bool = False,
+    avoid: Sequence[tuple[Track, float]] = (),
+) -> tuple[Contour, Lead]:
+    """The path, begun at its flattest place where leads fit, and these leads.
 
-
-def quarter_circle_lead(path: Contour, room: float) -> Lead:
-    """Quarter circles on the free side, the left, of at most `room` [mm], clear of the path.
+    Parameters
+    ----------
+    room : how far the leads go off the path [mm], above 0.
+    free : 1 if the free side is on the left of the path, -1 if on its right.
+    usual : radius [mm] of a lead's arc where the room is narrow.
+    straight : whether a line of a third of the room precedes and follows the arcs.
+    avoid : tracks, and how near [mm] the leads may come to them.
 
     Raises
     ------
     GeometryError
-        If even a small lead would cut into the part.
+        If even small leads would cut into the part, or touch what they have to avoid, wherever
+        they join the path.
     """
-    import shapely
-
-    point, tangent = complex(path.vertices[0]), start_tangent(path)
-    outline = path.points(1e-4 * path.length)
-    region = shapely.Polygon(np.column_stack((outline.real, outline.imag)))
-    free_is_outside = path.area < 0.0
-    radius = room
-    while radius >= SMALLEST_SHARE * room:
-        centre = point + radius * (1j * tangent)
-        half = np.linspace(-0.5 * np.pi, 0.5 * np.pi, CHECKED_POINTS)
-        points = centre + (point - centre) * np.exp(1j * half)
-        points = np.delete(points, CHECKED_POINTS // 2)
-        inside = shapely.contains_xy(region, points.real, points.imag)
-        if not np.any(inside == free_is_outside):
-            return Lead(centre - radius * tangent, centre + radius * tangent, centre)
-        radius /= 2.0
+    size = room
+    while size >= SMALLEST_SHARE * room:
+        for index in flattest(path):
+            there = started(path, index)
+            lead = lead_at(there, size, free=free, usual=usual, straight=straight, avoid=avoid)
+            if lead is not None:
+                return there, lead
+        size /= 2.0
     raise GeometryError(
         "there is no room for a tangential lead-in next to the outline; a smaller cutter may help",
         key="tool",
+    )
+
+
+def lead_at(
+    path: Contour,
+    room: float,
+    *,
+    free: int,
+    usual: float,
+    straight: bool = False,
+    avoid: Sequence[tuple[Track, float]] = (),
+) -> Lead | None:
+    """Leads where the path begins, as of `joined`; None if they do not fit."""
+    track = Track.around(path)
+    bend = max(_bend(path, piece, free) for piece in (0, -1))
+    if bend > 0.0:
+        usual = min(usual, TIGHTEST / bend)
+    lead = _lead(track, room, free, usual, bend, straight=straight)
+    if float(lead.off.radii[0]) * bend >= 1.0 or not _keeps_off(lead, avoid):
+        return None
+    near = [min(NEAR * lead.off.length, 0.5 * float(path.lengths[k])) for k in (0, -1)]
+    ways = (lead.off, near[0]), (lead.into.reversed(), near[1])
+    return lead if all(_is_clear(path, track, way, skip, free) for way, skip in ways) else None
+
+
+def _bend(path: Contour, piece: int, free: int) -> float:
+    """Curvature [1/mm] of a piece towards the free side."""
+    sweep = float(path.sweeps[piece])
+    return math.copysign(1.0, free * sweep) / float(path.radii[piece]) if sweep else 0.0
+
+
+def _lead(
+    path: Track, room: float, free: int, usual: float, bend: float, *, straight: bool
+) -> Lead:
+    """Leads at the beginning of the path that go `room` [mm] off it.
+
+    `bend` is the curvature [1/mm] of the path there, positive towards the free side.
+    """
+    point, along = path.start, path.headings[0]
+    line = room / 3.0 if straight else 0.0
+    lift = room - line
+    # An arc of radius r that turns by t is r (1 - cos t) off a straight path: a quarter turn in
+    # wide room, a flatter and larger arc in a narrow one.
+    radius = max(lift, min(usual, lift / (1.0 - math.cos(LEAST_TURN))))
+    cosine = 1.0 - lift / radius
+    if bend < 0.0:
+        # Off a round one of radius p: by the triangle with sides p + r, r and p + lift.
+        side, far = radius - 1.0 / bend, lift - 1.0 / bend
+        cosine = (side * side + radius * radius - far * far) / (2.0 * side * radius)
+    turn = math.acos(min(max(cosine, 0.0), math.cos(0.1 * LEAST_TURN)))
+    centre = point + free * 1j * along * radius
+    off = Track.arc(point, centre, free * turn)
+    into = Track.arc(point, centre, -free * turn).reversed()
+    if line:
+        off = chained((off, Track.line(off.end, off.end + line * off.headings[1])))
+        into = chained((Track.line(into.start - line * into.headings[0], into.start), into))
+    return Lead(into, off)
+
+
+def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -> bool:
+    """Whether a way off the path, beyond its first part `near` [mm], stays on the free side.
+
+    In the first part the curvatures decide: the lead bends away from the path.
+    """
+    if least_distance(way.between(near, way.length), track) == 0.0:
+        return False
+    # Counter-clockwise a path has its inside on the left.
+    inside = winding_number(path, way.end) != 0
+    return inside == ((path.area > 0.0) == (free > 0))
+
+
+def _keeps_off(lead: Lead, avoid: Sequence[tuple[Track, float]]) -> bool:
+    return all(
+        least_distance(each, track) >= apart
+        for track, apart in avoid
+        for each in (lead.into, lead.off)
     )

@@ -1,14 +1,20 @@
-"""Leads in narrow places: as large as there is room, never into the part."""
+"""Leads: along the path where they join it, as large as there is room, never into the part."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
-from camgeo.toolpath.leads import SMALLEST_SHARE, quarter_circle_lead, start_tangent, started
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.toolpath.leads import SMALLEST_SHARE, Lead, begun, flattest, joined, lead_at, started
+from camgeo.toolpath.plane.nearness import distances, least_distance
+from camgeo.toolpath.plane.track import Track
 from tests.contour.cams import outline
+from tests.contour.paths import cut_off_lobe, swallow_tail
+from tests.toolpath.plane.tracks import dense
 
 HALF_WIDTH = 1.0
 
@@ -31,30 +37,86 @@ def test_start_in_the_middle_of_a_piece() -> None:
         assert contour.lengths[-1] == pytest.approx(half)
         assert outline(SLOT).distances(np.array([middle]))[0] < 1e-14
     assert started(SLOT, 0).vertices[0] == pytest.approx(-1j)
-    assert start_tangent(started(SLOT, 0)) == pytest.approx(1.0)
-    assert start_tangent(started(SLOT, 1)) == pytest.approx(1j)
 
 
-@pytest.mark.parametrize("room", [0.5, 1.2, 5.0, 30.0])
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.3, 0.5, 0.77, 1.0])
+def test_start_anywhere(share: float) -> None:
+    contour = begun(SLOT, share * SLOT.length)
+    assert contour.area == pytest.approx(SLOT.area, rel=1e-12)
+    assert contour.length == pytest.approx(SLOT.length, rel=1e-12)
+    there, _ = Track.around(SLOT).at(np.array([share * SLOT.length]))
+    assert contour.vertices[0] == pytest.approx(there[0])
+    assert np.min(contour.lengths) > 1e-7
+
+
+def test_flattest_places_come_first() -> None:
+    order = list(flattest(SLOT))
+    assert set(order[:2]) == {0, 2}
+    assert set(order) == {0, 1, 2, 3}
+    # A short line between long arcs is no place.
+    pill = Contour(SLOT.vertices * 0.01 + 0.0, SLOT.sweeps, SLOT.centres * 0.01)
+    assert len(list(flattest(pill))) == 4
+
+
+def checked(path: Contour, lead: Lead, free: int) -> None:
+    track = Track.around(path)
+    assert lead.into.end == pytest.approx(track.start)
+    assert lead.off.start == pytest.approx(track.start)
+    assert lead.into.headings[1] == pytest.approx(track.headings[0], abs=1e-9)
+    assert lead.off.headings[0] == pytest.approx(track.headings[0], abs=1e-9)
+    ring = path.points(1e-5)
+    inside = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
+    for each in (lead.into, lead.off):
+        points = dense(each, 50)
+        away = points[distances(points, track) > 1e-3]
+        assert len(away)
+        found = shapely.contains_xy(inside, away.real, away.imag)
+        assert np.all(found == ((path.area > 0.0) == (free > 0)))
+
+
+@pytest.mark.parametrize("room", [0.05, 0.5, 1.2, 5.0, 30.0])
 def test_lead_stays_in_the_slot(room: float) -> None:
-    contour = started(SLOT, 0)
-    point, tangent = complex(contour.vertices[0]), start_tangent(contour)
-    lead = quarter_circle_lead(contour, room)
-    radius = abs(lead.centre - point)
-    # Halved until it fits: a quarter circle on either side rises by its radius, up to 2.
-    assert radius <= 2.0 * HALF_WIDTH
-    assert radius > min(room, 2.0 * HALF_WIDTH) / 2.0 - 1e-12
-    assert abs(lead.start - lead.centre) == pytest.approx(radius)
-    assert abs(lead.end - lead.centre) == pytest.approx(radius)
-    for end in (lead.start, lead.end):
+    path, lead = joined(SLOT, room, free=1, usual=0.5)
+    checked(path, lead, 1)
+    off = distances(np.array([lead.off.end, lead.into.start]), Track.line(-10 - 1j, 10 - 1j))
+    if abs(path.vertices[0].imag) == HALF_WIDTH and path.vertices[0].imag < 0:
+        # As far off as the room says, halved until it fits into the width of the slot.
+        assert np.all(off > min(room, 2.0 * HALF_WIDTH) / 2.0 - 1e-12)
+        assert np.all(off <= room + 1e-12)
+    for end in (lead.into.start, lead.off.end):
         assert abs(end.imag) <= HALF_WIDTH
-    # It runs along the path where it meets it.
-    turned = (point - lead.centre) * 1j / radius
-    assert turned == pytest.approx(tangent)
+
+
+@pytest.mark.parametrize("room", [0.1, 3.0, 12.0])
+@pytest.mark.parametrize("climb", [True, False])
+@pytest.mark.parametrize("name", ["swallow tail", "cut-off lobe"])
+def test_leads_outside_a_disc(name: str, climb: bool, room: float) -> None:
+    path = {"swallow tail": swallow_tail, "cut-off lobe": cut_off_lobe}[name]()
+    contour = CurveBoundary("outline", hole=False, path=path).offset(3.0).arcs(0.01).contour
+    contour = contour.reversed() if climb else contour
+    free = 1 if climb else -1
+    for straight in (False, True):
+        begun_there, lead = joined(contour, room, free=free, usual=3.0, straight=straight)
+        checked(begun_there, lead, free)
+        assert len(lead.off) == (2 if straight else 1)
+        # It joins at a place flatter than most.
+        bends = np.where(contour.radii > 0.0, 1.0 / np.maximum(contour.radii, 1e-9), 0.0)
+        own = 1.0 / begun_there.radii[0] if begun_there.radii[0] else 0.0
+        assert own <= np.quantile(bends, 0.5)
+
+
+def test_leads_keep_off_what_they_must() -> None:
+    circle = Contour.circle(20.0).reversed()
+    _, lead = joined(circle, 5.0, free=1, usual=5.0)
+    body = Track.around(Contour.circle(1.0, lead.off.end))
+    path, other = joined(circle, 5.0, free=1, usual=5.0, avoid=((body, 3.0),))
+    checked(path, other, 1)
+    assert min(least_distance(each, body) for each in (other.into, other.off)) >= 3.0
 
 
 def test_no_room_is_refused() -> None:
-    contour = started(SLOT, 0)
-    room = 2.1 * HALF_WIDTH / SMALLEST_SHARE
+    narrow = Contour(SLOT.vertices.real + 1e-3j * SLOT.vertices.imag, SLOT.sweeps, SLOT.centres)
+    room = 2.1 * HALF_WIDTH * 1e-3 / SMALLEST_SHARE
+    assert lead_at(started(narrow, 0), room, free=1, usual=room) is None
     with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
-        quarter_circle_lead(contour, room)
+        joined(narrow, 1.1 * room, free=1, usual=room)

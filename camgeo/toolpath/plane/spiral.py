@@ -6,7 +6,7 @@ turned, and eases into 1, where the path joins b along its tangent.
 
 The cutter's engagement is measured on what the turn before has left: the arc of its circle from
 the point where it makes the new wall forward to where it crosses the wall of that turn, and in the
-first turn that of the stock. Cutting is by climb: the material is on the right of the path.
+first turn that of the stock.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ class Morph:
     ----------
     a, b : where it begins and where it ends, about the same pole.
     sense : 1 counter-clockwise, -1 clockwise.
+    side : where the material is, -1 on the right of the path, as in climb milling, 1 on its left.
     finish : direction [rad] in which it joins b.
     turns : number of turns from a to b.
     """
@@ -55,6 +56,7 @@ class Morph:
     a: Star
     b: Star
     sense: int
+    side: int
     finish: float
     turns: float
 
@@ -97,9 +99,9 @@ def engagements(morph: Morph, radius: float, per_turn: int = PER_TURN) -> FloatA
     count = math.ceil((morph.turns + 1.0) * per_turn)
     turn = np.arange(-per_turn, count + 1) / per_turn
     points, tangents = morph.at(turn)
-    walls = points - 1j * tangents * radius
+    walls = points + 1j * morph.side * tangents * radius
     now = np.arange(per_turn, len(turn))
-    centre, normal = points[now], -1j * tangents[now]
+    centre, normal = points[now], 1j * morph.side * tangents[now]
     found = np.zeros(len(now))
     inside = np.abs(walls[now - per_turn] - centre) < radius
     # Forward along the wall of the turn before until it leaves the cutter's circle.
@@ -116,7 +118,7 @@ def engagements(morph: Morph, radius: float, per_turn: int = PER_TURN) -> FloatA
         rest = radius**2 - np.abs(start) ** 2
         share = (np.sqrt(half**2 + square * rest) - half) / np.where(square > 0.0, square, 1.0)
         arm = start + np.clip(share, 0.0, 1.0) * way
-        found[done] = np.angle(arm * np.conj(normal[done]))
+        found[done] = -morph.side * np.angle(arm * np.conj(normal[done]))
         before[waiting] = after
         waiting = waiting[~out]
         if not len(waiting):
@@ -126,7 +128,15 @@ def engagements(morph: Morph, radius: float, per_turn: int = PER_TURN) -> FloatA
 
 
 def paced(
-    a: Star, b: Star, *, sense: int, finish: float, radius: float, limit: float, step: float
+    a: Star,
+    b: Star,
+    *,
+    sense: int,
+    side: int,
+    finish: float,
+    radius: float,
+    limit: float,
+    step: float,
 ) -> Morph:
     """The shortest spiral whose engagement is at most `limit` [rad] and whose turns lie at most
     `step` [mm] apart along any ray.
@@ -144,7 +154,7 @@ def paced(
         raise GeometryError(message, key="tool.stepover", value=f"{step:g}")
 
     def holds(turns: float) -> bool:
-        morph = Morph(a, b, sense, finish, turns)
+        morph = Morph(a, b, sense, side, finish, turns)
         return float(np.max(engagements(morph, radius))) <= limit
 
     # rate = 1 / (turns - ease / 2) is the share of a step in the travel.
@@ -160,7 +170,7 @@ def paced(
                 break
             middle = 0.5 * (low + high)
             low, high = (low, middle) if holds(middle) else (middle, high)
-    return Morph(a, b, sense, finish, high)
+    return Morph(a, b, sense, side, finish, high)
 
 
 def fitted(morph: Morph, tolerance: float) -> Track:

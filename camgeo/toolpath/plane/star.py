@@ -70,6 +70,22 @@ class Star:
         turned = np.conj(ray) * along
         return r, r * turned.real / turned.imag
 
+    def along(self, direction: float) -> float:
+        """Distance [mm] along the contour, counter-clockwise from its first vertex, to where the
+        ray in `direction` [rad] meets it.
+        """
+        point = complex(self.points(np.array([direction]))[0]) - self.pole
+        ahead = (direction - self.angles[0]) % (2.0 * np.pi) + self.angles[0]
+        index = max(int(np.searchsorted(self.angles, ahead, "right")) - 1, 0)
+        arms = self.starts - self.centres
+        straight = np.abs(self.ends - self.starts)
+        lengths = np.where(self.sweeps == 0.0, straight, np.abs(self.sweeps * arms))
+        way = abs(point - self.starts[index])
+        if self.sweeps[index]:
+            turned = np.angle((point - self.centres[index]) / arms[index])
+            way = abs(turned) * abs(arms[index])
+        return float(np.sum(lengths[:index]) + way)
+
     def points(self, directions: FloatArray) -> ComplexArray:
         """(m,) complex [mm] of the contour in `directions` (m,) [rad]."""
         found: ComplexArray = self.pole + self.at(directions)[0] * np.exp(1j * directions)

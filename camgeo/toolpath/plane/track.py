@@ -108,15 +108,12 @@ class Track:
         """The same in the opposite direction."""
         return type(self)(self.vertices[::-1], -self.sweeps[::-1], self.centres[::-1])
 
-    def divided(self, longest: float) -> Self:
-        """The same with each piece in equal parts of at most `longest` [mm]."""
-        parts = np.maximum(1, np.ceil(self.lengths / longest - 1e-12)).astype(np.intp)
+    def halved(self) -> Self:
+        """The same with each arc in equal parts of at most half a turn."""
+        parts = np.maximum(1, np.ceil(np.abs(self.sweeps) / np.pi - 1e-12)).astype(np.intp)
         index, step = grouped(parts)
-        return self._divided(index, step / parts[index], 1.0 / parts[index])
-
-    def _divided(self, index: IntArray, share: FloatArray, part: FloatArray) -> Self:
-        vertices = np.append(self._points(index, share), self.vertices[-1])
-        return type(self)(vertices, self.sweeps[index] * part, self.centres[index])
+        vertices = np.append(self._points(index, step / parts[index]), self.vertices[-1])
+        return type(self)(vertices, self.sweeps[index] / parts[index], self.centres[index])
 
     def _points(self, index: IntArray, share: FloatArray) -> ComplexArray:
         """(m,) complex [mm] points at shares (m,) of the length of the pieces `index` (m,)."""
@@ -152,6 +149,10 @@ class Track:
         )
         share = np.diff(cuts) / self.lengths[index]
         ends, _ = self.at(np.array([start, end]))
+        if start <= slack:
+            ends[0] = self.vertices[0]
+        if end >= stops[-1] - slack:
+            ends[1] = self.vertices[-1]
         vertices = np.concatenate((ends[:1], self.vertices[inner], ends[1:]))
         return type(self)(vertices, self.sweeps[index] * share, self.centres[index])
 

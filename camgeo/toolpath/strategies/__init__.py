@@ -13,9 +13,20 @@ from camgeo.contour.contour import Effort
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.strategies.around import profile, slot
+from camgeo.toolpath.strategies.clear import clear
+from camgeo.toolpath.strategies.drill import drill
 
 Strategy = Callable[[Cut, Heights, float, Effort], list[Move]]
 """Gives the moves of a cut from it, the heights of traverses, the tolerance of its path [mm] and
 the effort of fitting."""
 
-STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType({"profile": profile, "slot": slot})
+STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType(
+    {
+        "profile": profile,
+        "slot": slot,
+        "face": clear,
+        "bore": clear,
+        "rough": clear,
+        "drill": drill,
+    }
+)

@@ -1,26 +1,31 @@
-"""Rounds along the closed path of the cutter's centre, at each depth."""
+"""Rounds along the closed path of the cutter's centre: finishes, slots, chamfers.
+
+The path is the exact parallel, fitted once within the tolerance; each round runs all of it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-
-import numpy as np
 
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.toolpath.cut import ContourCut, Cut
-from camgeo.toolpath.leads import quarter_circle_lead, started
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid
+from camgeo.toolpath.cut import COMPUTED, ContourCut, Cut
+from camgeo.toolpath.leads import flattest, joined, started
+from camgeo.toolpath.moves import Heights, Move
+from camgeo.toolpath.plane.track import Track
+from camgeo.toolpath.strategies.tabs import lifted
+from camgeo.toolpath.strategies.walk import SAME, Walk, ramp_of
 
-HALF_TURN = math.pi
-"""No arc of a program exceeds half a turn: controllers are strict beyond that."""
+MOST_ROUNDS = 1000
+"""Of one descent along a path: more is a ramp far too flat for it."""
 
 
 def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
-    """Along one boundary, outside material or inside a hole, with tangential leads.
+    """Along one boundary, outside material or inside a hole.
 
-    At each depth: down next to the path, onto it and once around, off it and up.
+    Where the material beside the path is cleared: down next to it, onto it and once around at each
+    depth, with tangential leads, and back beside it between depths. Else the cutter comes down
+    along the path itself, see `slot`. Spring rounds follow at the last depth.
 
     Raises
     ------
@@ -28,43 +33,87 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         If the cutter is too large for the boundary, or there is no room for leads.
     """
     cut = contour_cut(cut)
-    contour = fitted(cut, tolerance, effort)
-    point = complex(contour.vertices[0])
-    lead = quarter_circle_lead(contour, cut.room)
-    centre = (lead.centre.real, lead.centre.imag)
-    feed = cut.tool.feed
-    found: list[Move] = []
-    for z in cut.depths:
-        found += (
-            Rapid((lead.start.real, lead.start.imag, heights.clearance)),
-            Feed((lead.start.real, lead.start.imag, z), cut.tool.plunge_feed),
-            ArcFeed((point.real, point.imag, z), centre, ccw=True, feed=feed),
-            *(move for _ in range(rounds(cut, z)) for move in once_round(contour, z, feed)),
-            ArcFeed((lead.end.real, lead.end.imag, z), centre, ccw=True, feed=feed),
-            Rapid((lead.end.real, lead.end.imag, heights.clearance)),
-        )
-    return found
+    if not (cut.cleared and cut.room):
+        return slot(cut, heights, tolerance, effort)
+    walk = Walk(cut, heights)
+    contour, lead = joined(
+        fitted(cut, tolerance, effort),
+        cut.room,
+        free=walk.free,
+        usual=cut.tool.radius,
+        straight=cut.compensation != COMPUTED,
+        avoid=walk.avoid(cut.bottom),
+    )
+    track = Track.around(contour)
+    back = Track.line(lead.off.end, lead.into.start)
+    walk.above(lead.into.start)
+    for number, z in enumerate(cut.depths):
+        if number:
+            walk.follow(back)
+        walk.down(z)
+        walk.follow(lead.into)
+        for _ in range(1 + (cut.springs if z == cut.bottom else 0)):
+            walk.profile(track, lifted(cut, track, z, z))
+        walk.follow(lead.off)
+    walk.up()
+    return walk.moves
 
 
 def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
-    """One round between two boundaries, with a cutter as wide as the gap.
+    """Rounds in full material, or between two boundaries with a cutter as wide as the gap.
 
-    Down on the path itself, once around at each depth, and up at the end.
+    Down to the material on the path itself, then along it, no steeper than the tool may, to each
+    depth in turn without leaving the path, and once around at the last one; spring rounds follow.
 
     Raises
     ------
     GeometryError
-        If the cutter is too large for the slot.
+        If the cutter is too large for the path, or the path so short that the descent would take
+        more than `MOST_ROUNDS`.
     """
     cut = contour_cut(cut)
+    walk = Walk(cut, heights)
     contour = fitted(cut, tolerance, effort)
-    x, y = float(contour.vertices[0].real), float(contour.vertices[0].imag)
-    found: list[Move] = [Rapid((x, y, heights.clearance))]
-    for z in cut.depths:
-        found.append(Feed((x, y, z), cut.tool.plunge_feed))
-        for _ in range(rounds(cut, z)):
-            found += once_round(contour, z, cut.tool.feed)
-    return [*found, Rapid((x, y, heights.clearance))]
+    contour = started(contour, next(flattest(contour)))
+    track = Track.around(contour)
+    walk.above(track.start)
+    both = bool(cut.left)
+    if cut.tool.plunges:
+        for z in cut.depths:
+            walk.down(z)
+            walk.profile(track, lifted(cut, track, z, z), both=both)
+    else:
+        walk.down(cut.top)
+        for z in cut.depths:
+            for end in descent(cut, walk.z, z, track.length):
+                walk.profile(track, lifted(cut, track, walk.z, end), both=both)
+        walk.profile(track, lifted(cut, track, cut.bottom, cut.bottom), both=both)
+    for _ in range(cut.springs):
+        walk.profile(track, lifted(cut, track, cut.bottom, cut.bottom), both=both)
+    walk.up()
+    return walk.moves
+
+
+def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
+    """Z [mm] at the end of each round of `length` [mm] from `top` to `bottom`, evenly.
+
+    No round is steeper than the tool may run.
+
+    Raises
+    ------
+    GeometryError
+        If these are more than `MOST_ROUNDS`.
+    """
+    rounds = math.ceil((top - bottom - SAME) / (length * math.tan(ramp_of(cut))))
+    if rounds > MOST_ROUNDS:
+        raise GeometryError(
+            f"the descent of {cut.name} takes more than {MOST_ROUNDS} rounds of {length:.3g} mm:"
+            " the ramp is too flat for it",
+            key="tool.ramp_angle",
+            value=f"{math.degrees(ramp_of(cut)):g}",
+        )
+    step = (bottom - top) / max(rounds, 1)
+    return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
 
 
 def contour_cut(cut: Cut) -> ContourCut:
@@ -76,8 +125,6 @@ def contour_cut(cut: Cut) -> ContourCut:
 
 def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     """The cutter's path as lines and arcs within `tolerance` [mm], in the direction of cutting.
-
-    It begins in the middle of its longest piece.
 
     Raises
     ------
@@ -92,22 +139,4 @@ def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
             f" curved than the cutter ({error.message})",
             key="tool",
         ) from None
-    if not cut.centre.hole:
-        contour = contour.reversed()
-    longest = int(np.argmax(contour.lengths))
-    return started(contour, longest).split(HALF_TURN)
-
-
-def rounds(cut: ContourCut, z: float) -> int:
-    """How often the cut goes round at a depth."""
-    return 1 + cut.springs if z == cut.bottom else 1
-
-
-def once_round(contour: Contour, z: float, feed: float) -> Iterator[Move]:
-    """The moves from the contour's first vertex back to it, at one height."""
-    for end, sweep, middle in zip(contour.ends, contour.sweeps, contour.centres, strict=True):
-        point = (float(end.real), float(end.imag), z)
-        if sweep == 0.0:
-            yield Feed(point, feed)
-        else:
-            yield ArcFeed(point, (float(middle.real), float(middle.imag)), bool(sweep > 0.0), feed)
+    return contour if cut.centre.hole == cut.climb else contour.reversed()

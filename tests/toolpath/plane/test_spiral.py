@@ -42,13 +42,13 @@ def cam() -> Star:
 
 def outside() -> Morph:
     blank = star(Contour.circle(BLANK + RADIUS))
-    return paced(blank, cam(), sense=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+    return paced(blank, cam(), sense=-1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
 
 
 def inside() -> Morph:
     """From a hole of 12 mm to a bore of 50 mm."""
     hole, bore = star(Contour.circle(6.0 - RADIUS)), star(Contour.circle(25.0 - RADIUS))
-    return paced(hole, bore, sense=1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+    return paced(hole, bore, sense=1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
 
 
 MORPHS = {"outside": outside, "inside": inside}
@@ -116,7 +116,9 @@ def test_a_square_blank() -> None:
     centres = [centre for corner in corners for centre in (complex(corner), 0j)]
     blank = Contour(vertices, sweeps, np.array(centres))
     assert Track.around(blank).length == pytest.approx(480.0 + 10.0 * np.pi)
-    morph = paced(star(blank), cam(), sense=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=3.0)
+    morph = paced(
+        star(blank), cam(), sense=-1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=3.0
+    )
     assert np.max(engagements(morph, RADIUS)) <= LIMIT
     assert fitted(morph, 0.05).length > 2000.0
 
@@ -124,5 +126,5 @@ def test_a_square_blank() -> None:
 def test_steps_too_small_are_refused() -> None:
     blank = star(Contour.circle(BLANK + RADIUS))
     with pytest.raises(GeometryError, match="turns of the roughing spiral") as caught:
-        paced(blank, cam(), sense=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3)
+        paced(blank, cam(), sense=-1, side=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3)
     assert caught.value.key == "tool.stepover"

@@ -1,0 +1,52 @@
+"""Parallels of convex contours: a cutter runs around the outside of a blank."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.toolpath.plane.track import Track
+
+CORNER = 1e-9
+"""Turn [rad] below which two pieces join without a corner."""
+
+
+def grown(contour: Contour, by: float) -> Contour:
+    """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
+
+    Raises
+    ------
+    GeometryError
+        With key "stock", if the contour is not convex.
+    """
+    contour = contour.counter_clockwise()
+    track = Track.around(contour)
+    leaving, arriving = _headings(track)
+    turns = np.angle(leaving * np.conj(np.roll(arriving, 1)))
+    if np.any(turns < -CORNER) or np.any(contour.sweeps < 0.0):
+        raise GeometryError("the outline of the blank must be convex", "stock")
+    vertices: list[complex] = []
+    sweeps: list[float] = []
+    centres: list[complex] = []
+    for k, turn in enumerate(turns.tolist()):
+        corner = complex(contour.vertices[k])
+        if turn > CORNER:
+            vertices.append(corner - 1j * by * complex(arriving[k - 1]))
+            sweeps.append(turn)
+            centres.append(corner)
+        vertices.append(corner - 1j * by * complex(leaving[k]))
+        sweeps.append(float(contour.sweeps[k]))
+        centres.append(complex(contour.centres[k]))
+    return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
+
+
+def _headings(track: Track) -> tuple[ComplexArray, ComplexArray]:
+    """(n,) unit tangents with which each piece of a closed track leaves its start and arrives."""
+    chord = track.ends - track.starts
+    sign = 1j * np.sign(track.sweeps)
+    bent = track.sweeps != 0.0
+    leaving: ComplexArray = np.where(bent, sign * (track.starts - track.centres), chord)
+    arriving: ComplexArray = np.where(bent, sign * (track.ends - track.centres), chord)
+    return np.divide(leaving, np.abs(leaving)), np.divide(arriving, np.abs(arriving))

@@ -1,0 +1,153 @@
+"""Moves of one operation, as a strategy adds them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from camgeo.errors import GeometryError
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.feeds import centre_feed
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid
+from camgeo.toolpath.plane.nearness import least_distance
+from camgeo.toolpath.plane.track import Track
+
+RAMP = math.radians(3.0)
+"""Descent into material where the tool states none; its Z feed is limited all the same."""
+
+SAME = 1e-9
+"""Places and heights [mm] that differ by less are one."""
+
+
+def ramp_of(cut: Cut) -> float:
+    """Steepest descent of the cut's tool into material [rad]."""
+    return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
+
+
+class Walk:
+    """The moves so far, and where the cutter is.
+
+    Attributes
+    ----------
+    cut : the operation.
+    heights : of its traverses.
+    moves : in order.
+    place, z : of the cutter's tip [mm].
+    """
+
+    def __init__(self, cut: Cut, heights: Heights) -> None:
+        self.cut = cut
+        self.heights = heights
+        self.moves: list[Move] = []
+        self.place = 0j
+        self.z = heights.clearance
+        self._blocked = [
+            (each, Track.around(each.outline.arcs(0.01, "fast").contour)) for each in cut.obstacles
+        ]
+
+    @property
+    def free(self) -> int:
+        """The side of a path along a wall on which there is none: 1 left, -1 right."""
+        return 1 if self.cut.climb else -1
+
+    def avoid(self, bottom: float) -> tuple[tuple[Track, float], ...]:
+        """Outlines of what a cutter at `bottom` must clear, and by how much [mm]."""
+        return tuple(
+            (track, self.cut.tool.radius) for each, track in self._blocked if bottom < each.top
+        )
+
+    def above(self, place: complex) -> None:
+        """Up, unless it is there, and over `place` at the clearance height."""
+        if self.moves and self.z < self.heights.clearance:
+            self._to(Rapid, self.place, self.heights.clearance)
+        self._to(Rapid, place, self.heights.clearance)
+
+    def down(self, z: float, feed: float | None = None) -> None:
+        """Straight down through air, or where the tool may plunge: fast only above the blank."""
+        if self.z > self.heights.retract > z:
+            self._to(Rapid, self.place, self.heights.retract)
+        if z < self.z - SAME:
+            self._require_clear(Track.line(self.place, self.place), z)
+            self.moves.append(Feed(_point(self.place, z), feed or self.cut.tool.plunge_feed))
+            self.z = z
+
+    def out(self) -> None:
+        """Straight up to the retract height."""
+        self._to(Rapid, self.place, self.heights.retract)
+
+    def up(self) -> None:
+        """Straight up to the clearance height."""
+        self._to(Rapid, self.place, self.heights.clearance)
+
+    def follow(
+        self, track: Track, z: float | None = None, *, both: bool = False, feed: float | None = None
+    ) -> None:
+        """Along `track`, descending or rising evenly to `z` [mm] if that is given.
+
+        The feed is that at the contact with a wall on the side of the material, or on both sides:
+        the centre is slowed on arcs around whose outside the wall lies. The plunge feed limits
+        that along Z.
+
+        Raises
+        ------
+        GeometryError
+            With key "holding", if the cutter would touch a clamp or a screw.
+        """
+        start = self.z
+        end = start if z is None else z
+        self._require_clear(track, min(start, end))
+        whole = track.length
+        if whole <= 0.0:
+            return
+        done = 0.0
+        base = self.cut.tool.feed if feed is None else feed
+        track = track.halved()
+        for at, sweep, centre, length in zip(
+            track.ends.tolist(),
+            track.sweeps.tolist(),
+            track.centres.tolist(),
+            track.lengths.tolist(),
+            strict=True,
+        ):
+            done += length
+            height = end if done >= whole - SAME else start + (end - start) * done / whole
+            rate = base
+            if sweep:
+                inside = both or (sweep > 0.0) == (self.free > 0)
+                rate = centre_feed(base, length / abs(sweep), self.cut.tool.radius, inside=inside)
+            drop = self.z - height
+            if drop > SAME:
+                rate = min(rate, self.cut.tool.plunge_feed * math.hypot(length, drop) / drop)
+            if sweep:
+                middle = (centre.real, centre.imag)
+                self.moves.append(ArcFeed(_point(at, height), middle, sweep > 0.0, rate))
+            else:
+                self.moves.append(Feed(_point(at, height), rate))
+            self.place, self.z = at, height
+
+    def profile(
+        self, track: Track, stops: Sequence[tuple[float, float]], *, both: bool = False
+    ) -> None:
+        """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
+        to its length, straight between them.
+        """
+        for (start, _), (end, z) in pairwise(stops):
+            if end > start + SAME:
+                self.follow(track.between(start, end), z, both=both)
+
+    def _require_clear(self, track: Track, bottom: float) -> None:
+        for each, outline in self._blocked:
+            if bottom < each.top and least_distance(track, outline) < self.cut.tool.radius - SAME:
+                raise GeometryError(
+                    f"the cutter of {self.cut.name} would touch the {each.name}", key="holding"
+                )
+
+    def _to(self, kind: type[Rapid], place: complex, z: float) -> None:
+        if not self.moves or abs(place - self.place) > SAME or abs(z - self.z) > SAME:
+            self.moves.append(kind(_point(place, z)))
+        self.place, self.z = place, z
+
+
+def _point(place: complex, z: float) -> tuple[float, float, float]:
+    return float(place.real), float(place.imag), z

@@ -1,0 +1,187 @@
+"""Rounds along a path: finishes, slots, descents, spring rounds, tabs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from camgeo.errors import GeometryError
+from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.holding import Clamp, Tabs
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.strategies import STRATEGIES
+from tests.measuring import DensePath
+from tests.toolpath.cutting import levels
+from tests.toolpath.plane.tracks import dense
+from tests.toolpath.strategies.sound import (
+    DISC,
+    HEIGHTS,
+    TOLERANCE,
+    TOOL,
+    descents,
+    require_sound,
+    round_hole,
+)
+
+SAGITTA = 2e-3
+"""Of the chords of the disc's dense points."""
+
+FINISH = ContourCut(
+    name="outline",
+    strategy="profile",
+    tool=TOOL,
+    top=0.0,
+    depths=(-8.0,),
+    centre=DISC.offset(TOOL.radius),
+    right="outline",
+    room=TOOL.radius,
+    cleared=True,
+    springs=2,
+)
+
+SLOT = replace(FINISH, name="rough", strategy="slot", depths=(-3.0, -6.0, -8.0), springs=0)
+
+TABS = Tabs(count=3, width=4.0, height=1.5)
+
+
+def made(cut: ContourCut) -> list[Move]:
+    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fewest")
+
+
+@pytest.mark.parametrize("climb", [True, False])
+@pytest.mark.parametrize("room", [0.25, 5.0])
+def test_a_finish_runs_at_full_depth_with_spring_rounds(room: float, climb: bool) -> None:
+    cut = replace(FINISH, room=room, climb=climb)
+    moves = made(cut)
+    require_sound(moves)
+    track = levels(moves, 0.0)[-8.0]
+    ring = DISC.polyline(1e-4).contour.vertices
+    points = dense(track, 12)
+    apart = DensePath(ring).distances(points)
+    assert np.min(apart) >= TOOL.radius - TOLERANCE - 1e-4
+    on = np.abs(apart - TOOL.radius) <= TOLERANCE + 1e-4
+    assert np.mean(on) > 0.9
+    assert np.max(apart) <= TOOL.radius + room + 1e-3
+    # Three rounds, and leads; the second and the third take nothing off.
+    once = cut.centre.arcs(TOLERANCE).contour.length
+    assert 3.0 * once < track.length < 3.0 * once + 4.0 * max(room, TOOL.radius)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    area = 0.5 * np.sum((np.conj(points[:-1]) * points[1:]).imag)
+    assert (area < 0.0) == climb
+
+
+def test_the_feed_at_the_contact_is_held() -> None:
+    """Slowed inside hollow arcs, and unchanged around the outside."""
+    moves = made(FINISH)
+    for before, move in pairwise(moves):
+        if isinstance(move, ArcFeed) and move.end[2] == before.end[2]:
+            radius = abs(complex(*move.end[:2]) - complex(*move.centre))
+            slower = radius / (radius + TOOL.radius) if move.ccw else 1.0
+            assert move.feed == pytest.approx(TOOL.feed * slower)
+    assert any(isinstance(move, ArcFeed) and move.feed < 0.95 * TOOL.feed for move in moves)
+
+
+def test_depths_of_a_finish_stay_down() -> None:
+    cut = replace(FINISH, depths=(-4.0, -8.0), springs=0)
+    moves = made(cut)
+    require_sound(moves)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    found = levels(moves, 0.0)
+    assert tuple(found) == cut.depths
+    assert all(way == 0.0 for way, _ in descents(moves))
+
+
+def test_leads_of_compensation_begin_and_end_with_lines() -> None:
+    moves = made(replace(FINISH, compensation="wear"))
+    flat = [move for move in moves if move.end[2] == -8.0]
+    assert isinstance(flat[0], Feed)  # straight down
+    assert isinstance(flat[1], Feed)
+    assert isinstance(flat[2], ArcFeed)
+    assert isinstance(flat[-1], Feed)
+    assert isinstance(flat[-2], ArcFeed)
+
+
+def test_a_slot_comes_down_along_itself() -> None:
+    moves = made(SLOT)
+    require_sound(moves)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    down = descents(moves)
+    assert down[0] == (0.0, HEIGHTS.retract)  # to the upper face, in air
+    steep = [drop / way for way, drop in down[1:]]
+    assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    assert sum(drop for _, drop in down[1:]) == pytest.approx(8.0)
+    # One full round at the bottom, and none deeper than a pass.
+    found = levels(moves, 0.0)
+    assert tuple(found) == (-8.0,)
+    once = SLOT.centre.arcs(TOLERANCE).contour.length
+    assert found[-8.0].length == pytest.approx(once)
+    rounds = sum(way for way, _ in down[1:]) / once
+    assert rounds == pytest.approx(round(rounds))
+    assert 8.0 / rounds <= 3.0
+
+
+def test_steep_descents_take_more_rounds() -> None:
+    small = replace(SLOT, centre=round_hole(8.0).offset(5.0), left="", right="bore")
+    moves = made(small)
+    require_sound(moves)
+    steep = [drop / way for way, drop in descents(moves)[1:]]
+    assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    with pytest.raises(GeometryError, match="ramp is too flat"):
+        made(replace(small, tool=replace(TOOL, ramp_angle=1e-5)))
+
+
+def test_a_tool_that_plunges_may() -> None:
+    moves = made(replace(SLOT, tool=replace(TOOL, plunges=True)))
+    require_sound(moves)
+    assert tuple(levels(moves, 0.0)) == SLOT.depths
+    assert all(way == 0.0 for way, _ in descents(moves))
+
+
+@pytest.mark.parametrize("cut", [SLOT, replace(FINISH, springs=0)])
+def test_tabs_are_left(cut: ContourCut) -> None:
+    """Over each the cutter stays above its top, over its width and the cutter's diameter."""
+    moves = made(replace(cut, tabs=TABS))
+    require_sound(moves)
+    top = cut.bottom + TABS.height
+    assert min(move.end[2] for move in moves) == cut.bottom
+    # Where the last round is lifted: three stretches at the top of the tabs.
+    last = next(k for k, move in enumerate(moves) if move.end[2] == cut.bottom)
+    raised: list[float] = []
+    before = moves[last]
+    for move in moves[last + 1 :]:
+        if isinstance(move, Rapid):
+            break
+        if before.end[2] == move.end[2] == pytest.approx(top):
+            at, end = complex(*before.end[:2]), complex(*move.end[:2])
+            raised.append(abs(end - at))
+        before = move
+    assert sum(raised) == pytest.approx(3.0 * (TABS.width + TOOL.diameter), rel=0.02)
+    down = [drop / way for way, drop in descents(moves) if way > 0.0]
+    assert max(down) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+
+
+def test_tabs_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(GeometryError, match="40 tabs with the ramps beside them") as caught:
+        made(replace(SLOT, tabs=replace(TABS, count=40)))
+    assert caught.value.key == "holding.width"
+
+
+def test_clamps_are_not_touched() -> None:
+    there = complex(SLOT.centre.arcs(TOLERANCE).contour.vertices[3])
+    clamp = Clamp(place=there, length=8.0, width=8.0, height=6.0)
+    with pytest.raises(GeometryError, match="would touch the clamp") as caught:
+        made(replace(SLOT, obstacles=(clamp.obstacle,)))
+    assert caught.value.key == "holding"
+    # Leads go where there is none.
+    free = made(FINISH)
+    start = complex(*free[0].end[:2])
+    beside = Clamp(place=start * 1.1, length=4.0, width=4.0, height=6.0, round=True)
+    moves = made(replace(FINISH, obstacles=(beside.obstacle,)))
+    require_sound(moves)
+    for track in levels(moves, 0.0).values():
+        assert distances(np.array([beside.place]), track)[0] >= 2.0 + TOOL.radius - 1e-6

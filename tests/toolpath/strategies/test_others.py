@@ -1,0 +1,125 @@
+"""Faces, grooves and drilled holes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
+from camgeo.outline.path import whole
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary
+from camgeo.toolpath.cut import AreaCut, PointCut
+from camgeo.toolpath.moves import Feed, Move, Rapid
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.strategies import STRATEGIES
+from tests.contour.cams import dwell, move, translating
+from tests.toolpath.cutting import engagement, levels
+from tests.toolpath.plane.tracks import dense
+from tests.toolpath.strategies.sound import (
+    HEIGHTS,
+    TOLERANCE,
+    TOOL,
+    require_sound,
+    round_blank,
+    round_hole,
+)
+
+PLATE = ExactBoundary(
+    "stock", hole=False, exact=Contour.polygon(np.array([-30 - 20j, 50 - 20j, 50 + 30j, -30 + 30j]))
+)
+
+FACE = AreaCut(
+    name="face", strategy="face", tool=replace(TOOL, stepover=6.0), top=2.0, depths=(1.0, 0.0),
+    walls=(), stock=PLATE, stepover=6.0,
+)  # fmt: skip
+
+INNER = translating(dwell(60), move(120, 15.0), dwell(40), move(140, 0.0))
+
+FLANKS = (
+    CurveBoundary("inner flank", hole=False, path=whole(INNER)),
+    CurveBoundary("outer flank", hole=True, path=whole(replace(INNER, distance=8.0))),
+)
+"""Of a groove 16 mm wide."""
+
+GROOVE = AreaCut(
+    name="rough groove", strategy="rough", tool=TOOL, top=0.0, depths=(-3.0, -6.0), allowance=0.2,
+    walls=FLANKS, stepover=2.0,
+)  # fmt: skip
+
+
+def made(cut: AreaCut | PointCut) -> list[Move]:
+    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fast")
+
+
+@pytest.mark.parametrize("blank", [PLATE, round_blank(45.0)])
+def test_a_face_is_cut_all_over(blank: Boundary) -> None:
+    cut = replace(FACE, stock=blank)
+    moves = made(cut)
+    require_sound(moves)
+    found = levels(moves, cut.top)
+    assert tuple(found) == cut.depths
+    contour = blank.arcs(TOLERANCE).contour
+    ring = contour.points(1e-3)
+    whole_face = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
+    for track in found.values():
+        points = dense(track, 25)
+        swept = shapely.LineString(np.column_stack((points.real, points.imag))).buffer(TOOL.radius)
+        assert whole_face.difference(swept).area < 1e-6
+        places = np.linspace(0.05, track.length - 0.05, 40)
+        most = max(engagement(track, contour, TOOL.radius, each) for each in places)
+        assert most <= math.acos(1.0 - 6.0 / TOOL.radius) + 1e-6
+
+
+def test_a_face_of_an_unknown_blank_is_refused() -> None:
+    with pytest.raises(GeometryError, match="outline of the blank"):
+        made(replace(GROOVE, walls=FLANKS[:1]))
+
+
+@pytest.mark.parametrize("diameter", [8.0, 10.0, 15.0])
+def test_a_groove_is_cleared_to_the_allowance(diameter: float) -> None:
+    cut = replace(GROOVE, tool=replace(TOOL, diameter=diameter, stepover=2.0))
+    moves = made(cut)
+    require_sound(moves)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    found = levels(moves, cut.top)
+    assert set(found) == set(cut.depths)
+    # Both depths are ways without a break, and keep the allowance from both flanks.
+    for track in found.values():
+        for flank in FLANKS:
+            ring = flank.polyline(1e-3, "fast").contour.vertices
+            apart = distances(ring, track)
+            assert np.min(apart) >= cut.tool.radius + cut.allowance - 2e-3
+            assert np.max(apart) <= cut.tool.radius + cut.allowance + 0.1
+
+
+def test_a_cutter_wider_than_the_groove_is_refused() -> None:
+    with pytest.raises(GeometryError, match="narrower than the groove of 16 mm") as caught:
+        made(replace(GROOVE, tool=replace(TOOL, diameter=15.8)))
+    assert caught.value.key == "tool"
+
+
+def test_areas_of_other_walls_are_refused() -> None:
+    with pytest.raises(GeometryError, match="at most one wall"):
+        made(replace(GROOVE, walls=(*FLANKS, round_hole(5.0))))
+
+
+def test_holes_are_drilled_in_pecks() -> None:
+    cut = PointCut(
+        name="holes", strategy="drill", tool=TOOL, top=0.0, depths=(-3.0, -6.0, -9.0),
+        points=(10 + 0j, -10 + 5j),
+    )  # fmt: skip
+    moves = made(cut)
+    require_sound(moves, replace(TOOL, plunge_feed=TOOL.feed))
+    for place in cut.points:
+        there = [move for move in moves if complex(*move.end[:2]) == place]
+        down = [move.end[2] for move in there if isinstance(move, Feed)]
+        assert tuple(down) == cut.depths
+        up = [move.end[2] for move in there if isinstance(move, Rapid)]
+        assert up.count(HEIGHTS.retract) == 4  # above the hole, and after each peck
+    assert all(move.feed == TOOL.feed for move in moves if isinstance(move, Feed))
