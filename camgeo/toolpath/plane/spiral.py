@@ -1,8 +1,9 @@
 """A spiral between two closed curves about one pole, paced by the engagement of the cutter.
 
 In each direction the distance from the pole is r = (1 - u) a + u b, with a the curve at which the
-cutter first touches the stock and b that on which the cut ends. u grows in proportion to the angle
-turned, and eases into 1, where the path joins b along its tangent.
+cutter first touches the stock and b that on which the cut ends. u grows evenly with the angle
+turned, or ever more slowly where the end is what limits the pace, as at hollow flanks; it eases
+into 1, where the path joins b along its tangent.
 
 The cutter's engagement is measured on what the turn before has left: the arc of its circle from
 the point where it makes the new wall forward to where it crosses the wall of that turn, and in the
@@ -12,7 +13,8 @@ first turn that of the stock.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,8 +32,13 @@ EASE = 0.25
 MOST_TURNS = 10_000
 """More is a stepover far too small for the stock."""
 
-HALVINGS = 24
-"""Of the interval of paces."""
+NEARLY = 0.01
+"""Turns by which a spiral may be longer than it has to."""
+
+SLOWINGS = (0.2, 0.35, 0.5)
+"""Of the pace, that are tried; each pays only if it saves `WORTH` turns."""
+
+WORTH = 0.2
 
 PLACES = (0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9)
 """Shares of a span at which a fit is compared with the spiral."""
@@ -51,6 +58,7 @@ class Morph:
     side : where the material is, -1 on the right of the path, as in climb milling, 1 on its left.
     finish : direction [rad] in which it joins b.
     turns : number of turns from a to b.
+    slowing : share of its first pace, 0 to 1, that it has lost where it begins to ease into b.
     """
 
     a: Star
@@ -59,6 +67,7 @@ class Morph:
     side: int
     finish: float
     turns: float
+    slowing: float = 0.0
 
     @property
     def ease(self) -> float:
@@ -67,15 +76,19 @@ class Morph:
 
     @property
     def rate(self) -> float:
-        """Growth of u per turn before it eases."""
-        return 1.0 / (self.turns - 0.5 * self.ease)
+        """Growth of u per turn at the beginning, where it is largest."""
+        plain = self.turns - self.ease
+        return 1.0 / (plain * (1.0 - 0.5 * self.slowing) + 0.5 * self.ease * (1.0 - self.slowing))
 
     def share(self, turn: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(m,) u and its derivative at `turn` (m,), in turns; 0 before 0 and 1 beyond `turns`."""
         left = self.turns - turn
-        ease, rate = self.ease, self.rate
-        u = np.where(left < ease, 1.0 - 0.5 * rate * left**2 / ease, rate * turn)
-        slope = np.where(left < ease, rate * left / ease, rate)
+        ease, rate, lost = self.ease, self.rate, self.slowing / (self.turns - self.ease)
+        last = rate * (1.0 - self.slowing)
+        u = np.where(
+            left < ease, 1.0 - 0.5 * last * left**2 / ease, rate * turn * (1.0 - 0.5 * lost * turn)
+        )
+        slope = np.where(left < ease, last * left / ease, rate * (1.0 - lost * turn))
         u = np.where(turn <= 0.0, 0.0, np.where(left <= 0.0, 1.0, u))
         return u, np.where((turn < 0.0) | (left <= 0.0), 0.0, slope)
 
@@ -153,24 +166,41 @@ def paced(
         message = f"makes more than {MOST_TURNS} turns of the roughing spiral"
         raise GeometryError(message, key="tool.stepover", value=f"{step:g}")
 
-    def holds(turns: float) -> bool:
-        morph = Morph(a, b, sense, side, finish, turns)
+    # Without slowing, 1 / rate is the number of turns less half of those in which it eases.
+    plain = Morph(a, b, sense, side, finish, fewest + 0.5 * min(EASE, fewest))
+
+    def holds(morph: Morph) -> bool:
+        if morph.rate * travel > step * (1.0 + 1e-9):
+            return False
         return float(np.max(engagements(morph, radius))) <= limit
 
-    # rate = 1 / (turns - ease / 2) is the share of a step in the travel.
-    low = high = fewest + 0.5 * min(EASE, fewest)
-    if not holds(low):
-        while not holds(high):
-            low, high = high, 1.5 * high + 0.5
-            if high > MOST_TURNS:
-                message = "is too small for any cut of the roughing spiral"
-                raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
-        for _ in range(HALVINGS):
-            if high - low < 0.01:
-                break
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if holds(middle) else (middle, high)
-    return Morph(a, b, sense, side, finish, high)
+    best = _shortest(plain, MOST_TURNS, holds)
+    if best is None:
+        message = "is too small for any cut of the roughing spiral"
+        raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+    for slowing in SLOWINGS:
+        shorter = replace(best, turns=best.turns - WORTH, slowing=slowing)
+        if shorter.turns > plain.turns and holds(shorter):
+            best = _shortest(replace(plain, slowing=slowing), best.turns, holds) or shorter
+    return best
+
+
+def _shortest(morph: Morph, most: float, holds: Callable[[Morph], bool]) -> Morph | None:
+    """The morph with the fewest turns, at least its own and about `most` at most, that holds."""
+    if holds(morph):
+        return morph
+    low = high = morph.turns
+    while not holds(replace(morph, turns=high)):
+        if high > most:
+            return None
+        low, high = high, 1.3 * high + 0.5
+    while high - low > NEARLY:
+        middle = 0.5 * (low + high)
+        if holds(replace(morph, turns=middle)):
+            high = middle
+        else:
+            low = middle
+    return replace(morph, turns=high)
 
 
 def fitted(morph: Morph, tolerance: float) -> Track:

@@ -27,6 +27,8 @@ INNERMOST = 0.9
 def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
     """At each depth: down in the air beside the blank, and round it inward to its middle.
 
+    Between depths the cutter runs out again over what it has cleared.
+
     Raises
     ------
     GeometryError
@@ -56,8 +58,11 @@ def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
     circle = Track.arc(turned.end, middle, morph.sense * 2.0 * np.pi)
     level = chained((entry, turned, circle))
     walk = Walk(cut, heights)
-    for z in cut.depths:
-        walk.above(level.start)
+    for number, z in enumerate(cut.depths):
+        if number:
+            walk.follow(Track.line(walk.place, level.start))
+        else:
+            walk.above(level.start)
         walk.down(z)
         walk.follow(level)
     walk.up()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray
+from camgeo.outline.path import whole
+from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.spiral import Morph, engagements, fitted, paced
 from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track
-from tests.contour.cams import dwell, move, translating
+from tests.contour.cams import dwell, flank, move, translating
 
 RADIUS = 5.0
 
@@ -32,9 +35,6 @@ def star(contour: Contour) -> Star:
 @cache
 def cam() -> Star:
     """The centre's path along a disc with a lobe, with hollow flanks."""
-    from camgeo.outline.path import whole
-    from camgeo.part.boundaries import CurveBoundary
-
     curve = translating(dwell(60), move(120, 20.0), dwell(40), move(140, 0.0))
     outline = CurveBoundary("outline", hole=False, path=whole(curve))
     return star(outline.offset(RADIUS).arcs(0.01, "fast").contour)
@@ -80,6 +80,31 @@ def test_it_is_no_longer_than_the_limit_asks(name: str) -> None:
     morph = MORPHS[name]()
     assert np.degrees(np.max(engagements(morph, RADIUS))) > 49.0
     assert np.mean(engagements(morph, RADIUS)[: int(720 * morph.turns)] == 0.0) < 0.02
+
+
+def test_the_pace_slows_where_the_end_limits_it() -> None:
+    """A disc with hollow flanks: the spiral is shorter than one of an even pace."""
+    path = CurveBoundary("outline", hole=False, path=whole(flank("setzhub", -1))).offset(RADIUS)
+    disc = star(path.arcs(0.01, "fast").contour)
+    blank, way = star(Contour.circle(46.0 + RADIUS)), {"sense": -1, "side": -1}
+    morph = paced(blank, disc, **way, finish=0.4, radius=RADIUS, limit=LIMIT, step=9.0)
+    assert np.max(engagements(morph, RADIUS)) <= LIMIT
+    even = replace(morph, slowing=0.0)
+    assert morph.slowing > 0.0
+    assert np.max(engagements(even, RADIUS)) > LIMIT
+
+
+@pytest.mark.parametrize("slowing", [0.0, 0.3, 0.7])
+def test_the_share_grows_from_0_to_1_without_a_jump(slowing: float) -> None:
+    morph = replace(inside(), slowing=slowing, turns=6.3)
+    turn = np.linspace(-0.5, 7.0, 20_001)
+    share, slope = morph.share(turn)
+    assert np.all(np.diff(share) >= 0.0)
+    assert share[0] == 0.0
+    assert share[-1] == 1.0
+    assert np.max(np.diff(share)) <= 1.01 * morph.rate * (turn[1] - turn[0])
+    inner = (turn > 0.01) & (turn < 6.29)
+    assert np.gradient(share, turn)[inner] == pytest.approx(slope[inner], abs=1e-3)
 
 
 @pytest.mark.parametrize("name", MORPHS)

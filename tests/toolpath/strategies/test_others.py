@@ -62,6 +62,7 @@ def test_a_face_is_cut_all_over(blank: Boundary) -> None:
     cut = replace(FACE, stock=blank)
     moves = made(cut)
     require_sound(moves)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
     found = levels(moves, cut.top)
     assert tuple(found) == cut.depths
     contour = blank.arcs(TOLERANCE).contour
