@@ -210,9 +210,11 @@ def fitted(morph: Morph, tolerance: float) -> Track:
     The distance is taken at `PLACES` of each span, and must leave a fifth of the tolerance for what
     lies between them. How near the arcs come to the part is proved from the arcs themselves.
     """
-    spans = max(1, math.ceil(SPANS * morph.turns))
+    spans = max(2, math.ceil(SPANS * morph.turns))
     joints = np.linspace(0.0, morph.turns, spans + 1)
-    joints = np.unique(np.append(joints, morph.turns - morph.ease))
+    # A joint where the curvature jumps, and no short span beside it.
+    easing = morph.turns - morph.ease
+    joints[1 + int(np.argmin(np.abs(joints[1:-1] - easing)))] = easing
     most = MOST_SPANS * math.ceil(morph.turns)
     while len(joints) <= most:
         points, tangents = morph.at(joints)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.numeric.arrays import phase
@@ -26,6 +28,13 @@ SPENT: Final = 3.0
 """Tolerances by which a roughing path is moved off the wall: its last round deviates by one, the
 spiral before it by another, and the wall in the proof by the third."""
 
+SHORTEST: Final = 0.05
+"""Least length of a piece at which a round begins [mm]: shorter ones could vanish in rounding."""
+
+STEEPER: Final = 3.0
+"""How much faster than on a straight wall the engagement may grow with the depth of cut, where the
+curvature of the wall jumps."""
+
 EQUAL: Final = 1e-9
 """Rounding of a distance [mm]."""
 
@@ -42,10 +51,9 @@ def limit_of(cut: AreaCut, tolerance: float) -> float:
     """
     radius, step = cut.tool.radius, cut.stepover
     limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - step / radius))
-    # cos(limit) = 1 - depth / radius, and both turns may be a tolerance off.
-    return max(
-        0.5 * limit, limit - 2.0 * tolerance / (radius * math.sin(min(limit, 0.5 * math.pi)))
-    )
+    # cos(limit) = 1 - depth / radius on a straight wall, and both turns may be a tolerance off.
+    steep = radius * math.sin(min(limit, 0.5 * math.pi))
+    return max(0.5 * limit, limit - STEEPER * 2.0 * tolerance / steep)
 
 
 def along(wall: Boundary, cut: AreaCut, tolerance: float, farther: float = 0.0) -> Contour:
@@ -104,6 +112,19 @@ def star_of(contour: Contour, what: str) -> Star:
 def flattest_direction(path: Contour) -> float:
     """The direction [rad] of the flattest place of a path."""
     return phase(complex(started(path, next(flattest(path))).vertices[0]))
+
+
+def off_joints(path: Contour, star: Star, direction: float) -> float:
+    """The `direction` [rad] in which a round of the path begins, or that of a joint of its pieces
+    next to it: no piece of a round is shorter than `SHORTEST`.
+    """
+    place = star.along(direction)
+    joints = np.concatenate(([0.0], np.cumsum(path.lengths)))
+    nearest = int(np.argmin(np.abs(joints - place)))
+    if abs(joints[nearest] - place) >= SHORTEST:
+        return direction
+    turned = phase(complex(path.vertices[nearest % len(path)]) * np.exp(-1j * direction))
+    return direction + turned
 
 
 def spiral(

@@ -22,6 +22,7 @@ from camgeo.toolpath.strategies.area import (
     coarse,
     flattest_direction,
     limit_of,
+    off_joints,
     require_clear,
     spiral,
     star_of,
@@ -76,6 +77,7 @@ def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) ->
 
 def _level(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:
     """The way at one depth: onto the spiral, along it, once round, and off."""
+    morph = replace(morph, finish=off_joints(path, morph.b, morph.finish))
     turned = fitted(morph, fine)
     last = begun(path, morph.b.along(morph.finish))
     if morph.sense < 0:

@@ -13,7 +13,7 @@ from camgeo.toolpath.leads import begun, flattest, started
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
-from camgeo.toolpath.strategies.area import SPENT, along, coarse, require_clear, star_of
+from camgeo.toolpath.strategies.area import SPENT, along, coarse, off_joints, require_clear, star_of
 from camgeo.toolpath.strategies.around import descent
 from camgeo.toolpath.strategies.walk import Walk
 
@@ -78,5 +78,6 @@ def _begun(path: Contour, *, climb: bool) -> Track:
 
 def _beside(wall: Boundary, path: Contour, point: complex, *, ccw: bool) -> Track:
     """Once round a path, from where the ray through `point` meets it."""
-    path = begun(path, star_of(path, wall.name).along(phase(point)))
+    star = star_of(path, wall.name)
+    path = begun(path, star.along(off_joints(path, star, phase(point))))
     return Track.around(path if ccw else path.reversed())

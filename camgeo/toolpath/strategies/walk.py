@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.feeds import centre_feed
@@ -15,6 +17,9 @@ from camgeo.toolpath.plane.track import Track
 
 RAMP = math.radians(3.0)
 """Descent into material where the tool states none; its Z feed is limited all the same."""
+
+SHORTEST = 0.05
+"""Least length of a piece that is made by dividing another [mm]."""
 
 SAME = 1e-9
 """Places and heights [mm] that differ by less are one."""
@@ -131,9 +136,15 @@ class Walk:
     ) -> None:
         """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
         to its length, straight between them.
+
+        Where a height changes within `SHORTEST` of a joint of the track, it does so at the joint.
         """
-        for (start, _), (end, z) in pairwise(stops):
-            if end > start + SAME:
+        joints = np.concatenate(([0.0], np.cumsum(track.lengths)))
+        places = np.array([place for place, _ in stops])
+        nearest = joints[np.argmin(np.abs(places[:, None] - joints), axis=1)]
+        places = np.where(np.abs(nearest - places) < SHORTEST, nearest, places)
+        for (start, end), (_, z) in zip(pairwise(places.tolist()), stops[1:], strict=True):
+            if end > start:
                 self.follow(track.between(start, end), z, both=both)
 
     def _require_clear(self, track: Track, bottom: float) -> None:
