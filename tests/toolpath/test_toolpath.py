@@ -145,8 +145,9 @@ def test_leads(contact: Contact, tool: float) -> None:
             ways.append(along / abs(along))
         # Rounding of a point, 1e-14 mm, over the smaller radius, 0.1 mm at least.
         assert abs(np.angle(ways[0] / ways[1])) < 1e-11
-    assert abs(path.sweeps[0]) == pytest.approx(math.pi / 2.0)
-    assert abs(path.sweeps[-1]) == pytest.approx(math.pi / 2.0)
+    # No more than a quarter turn; less in a slot that is only wider by an allowance.
+    for sweep in (path.sweeps[0], path.sweeps[-1]):
+        assert 0.25 < abs(sweep) <= math.pi / 2.0 * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize("tool", [8.0, 10.0, 15.9])
@@ -264,14 +265,18 @@ def test_heights_and_feeds(contact: Contact, tool: float) -> None:
                 assert after.end[:2] == before.end[:2] or before.end[2] == 7.0
                 continue
             assert isinstance(after, Feed | ArcFeed)
-            if after.end[2] != before.end[2]:
-                assert isinstance(after, Feed)
+            drop = before.end[2] - after.end[2]
+            assert drop >= 0.0
+            assert after.feed <= 250
+            if drop and after.end[:2] == before.end[:2]:
                 assert after.feed == 40
-                assert after.end[:2] == before.end[:2]
+            elif drop:
+                way = abs(complex(*after.end[:2]) - complex(*before.end[:2]))
+                assert after.feed * drop <= 40 * math.hypot(0.5 * math.pi * way, drop)
             else:
-                assert after.feed == 250
                 depths.add(after.end[2])
-        assert tuple(sorted(depths, reverse=True)) == operation.cut.depths
+        # A round at the bottom; between depths it descends along the path.
+        assert depths == {operation.cut.bottom}
     depth = 6.0 if contact == "groove" else 10.0 + THROUGH
     assert toolpath.operations[-1].cut.depths[-1] == -depth
 
