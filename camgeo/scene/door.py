@@ -73,7 +73,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     returning = None if mount is None or follower is None else builder.returning(mount, follower)
     effects = builder.effects({fault.key for fault in faults})
     output = builder.output()
-    milling = builder.milling(output)
+    milling = builder.milling(output, {fault.key for fault in faults})
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += inside.faults
@@ -265,10 +265,15 @@ class Builder:
         ripple = given.pop("accuracy", {}).get("ripple", False)
         return OutputSpec(options=Options(options), accuracy_ripple=ripple, **given)
 
-    def milling(self, output: OutputSpec) -> MillingSpec | None:
-        """What the scene says on milling; None if it says nothing, or nothing valid."""
+    def milling(self, output: OutputSpec, faulted: Collection[str] = ()) -> MillingSpec | None:
+        """What the scene says on milling; None if it says nothing, or nothing valid.
+
+        No further faults are reported if one of its keys is among those `faulted`.
+        """
         named = any(name in self.values.scene.plain for name in MILLING)
         if not (named or "gcode" in output.options.given):
+            return None
+        if any((path_of(key) or ("",))[0] in MILLING for key in faulted):
             return None
         from camgeo.scene.milling import MillingBuilder  # few scenes mill
 

@@ -8,7 +8,7 @@ from itertools import islice
 
 from camgeo.contour.contour import Effort
 from camgeo.contour.spline import Arc
-from camgeo.errors import FileError
+from camgeo.errors import FileError, GeometryError
 from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
@@ -31,13 +31,18 @@ def plan_toolpath(
     Raises
     ------
     GeometryError
-        With key "tool", if a cutter is too large for its cut.
+        With key "tool", if a cutter is too large for its cut; with key "toolpath", if there is no
+        strategy for it.
     FileError
         If there are more moves than lines are allowed in a program that is read.
     """
     operations: list[Operation] = []
     left = PROGRAM_LINES
     for cut in cuts:
+        if cut.strategy not in STRATEGIES:
+            known = ", ".join(STRATEGIES)
+            message = f"{cut.name} has no such strategy; there are {known}"
+            raise GeometryError(message, "toolpath", cut.strategy)
         moves = STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
         first, *others = islice(divided(moves, limits.largest_turn), left + 1)
         stop = (Stop(cut.stop),) if cut.stop else ()

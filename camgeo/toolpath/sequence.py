@@ -22,7 +22,7 @@ class Sequence:
     Attributes
     ----------
     cuts : in their order.
-    findings : what is told of them, beside their own notes.
+    findings : what is told of them, beside the notes that each has of its own.
     """
 
     cuts: tuple[Cut, ...]
@@ -50,7 +50,6 @@ def sequence_of(part: Part, milling: MillingSpec, heights: Heights) -> Sequence:
         findings.insert(0, told("sequence", f"planned: {_listed(cuts)}"))
     cuts = guarded(bench, cuts, heights)
     findings += told_of_holding(bench, cuts)
-    findings += [told(f"note-{cut.name}", f"{cut.name}: {cut.note}") for cut in cuts if cut.note]
     if milling.earlier:
         sentence = (
             "the tool is stated by earlier keys of [output.gcode], which are still read; [[tool]]"

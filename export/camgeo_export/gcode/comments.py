@@ -21,7 +21,8 @@ NUMBER = r"([-+.\de]+)"
 TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
 
 TOOL = re.compile(
-    rf"\btool (\d+): end mill, diameter (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE
+    rf"\btool (\d+): (?:end mill|drill|chamfer mill), diameter (?:{NUMBER} inch, )?{NUMBER} mm",
+    re.IGNORECASE,
 )
 
 SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)", re.IGNORECASE)
@@ -39,7 +40,7 @@ def about_program(
     the scene to be named.
     """
     unit = product.unit
-    tools = {cut.tool.number: cut.tool.diameter for cut in cuts}
+    tools = {cut.tool.number: cut.tool for cut in cuts}
 
     def length(mm: float) -> str:
         return f"{mm / MM_PER[unit]:.4g} {unit}"
@@ -60,7 +61,11 @@ def about_program(
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
         f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
-        *(f"tool {each}: end mill, diameter {diameter(width)}" for each, width in tools.items()),
+        *(
+            f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {diameter(tool.diameter)}"
+            for each, tool in tools.items()
+        ),
+        *product.milled.told,
     )
     return [part for part in parts if part]
 

@@ -1,0 +1,223 @@
+"""The tables on milling: faults with key and line, units, libraries, identity."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import Scene
+from camgeo.toolpath.holding import Clamp, Tabs
+from camgeo.toolpath.tool import Tool
+from tests.scene.scenes import PLATE, spoilt
+
+HEAD = PLATE[: PLATE.index("[[tool]]")]
+TOOL = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
+HOLDING = PLATE[PLATE.index("[holding]") :]
+
+
+def faults(*tables: str) -> list[str]:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(HEAD + "".join(tables))
+    return [str(fault) for fault in caught.value.faults]
+
+
+def tool(*changes: tuple[str, str]) -> str:
+    return spoilt(TOOL, *changes)
+
+
+@pytest.mark.parametrize(
+    ("tables", "expected"),
+    [
+        (
+            (tool(("spindle_speed = 3000\n", "")), HOLDING),
+            "tool[1].spindle_speed: is missing: give it or cutting_speed; camgeo invents none",
+        ),
+        (
+            (tool(("\nfeed = 300", "")), HOLDING),
+            "tool[1].feed: is missing: give it or chip_load; camgeo invents none",
+        ),
+        (
+            (tool(("\nfeed = 300", "\nchip_load = 0.03")), HOLDING),
+            "tool[1].flutes: is missing: chip_load needs it",
+        ),
+        ((tool(("stepdown = 3\n", "")), HOLDING), "tool[1].stepdown: is missing: the largest"),
+        ((tool(("plunge_feed = 100\n", "")), HOLDING), "tool[1].plunge_feed: is missing: the feed"),
+        ((tool(("plunge_feed", "plunge_fed")), HOLDING), "did you mean plunge_feed"),
+        (
+            (tool(("stepdown = 3", "stepdown = 3\ncorner_radius = 6")), HOLDING),
+            "tool[1].corner_radius = 6: must be at most half the diameter, 5 mm",
+        ),
+        ((TOOL, TOOL, HOLDING), "tool[2].number = 1: belongs to another tool"),
+        ((TOOL, '[stock]\nshape = "round"\n', HOLDING), "stock.diameter: is missing: a round"),
+        ((TOOL, "[stock]\nwidth = 3\n", HOLDING), "stock.length: is missing: a plate has"),
+        ((TOOL,), "needs [holding]: a cut goes through the blank, and what it cuts free is held"),
+        ((TOOL, spoilt(HOLDING, ("through = 0.5\n", ""))), "holding.through: is missing: how far"),
+        (
+            (TOOL, '[holding]\nkind = "tabs"\nthrough = 0.5\ncount = 4\nwidth = 5\n'),
+            "holding.height: is missing: tabs need it",
+        ),
+        (
+            (TOOL, '[holding]\nkind = "screws"\nthrough = 0.5\n'),
+            'holding.kind = "screws": needs [[holding.screw]] at least once',
+        ),
+        (
+            (TOOL, HOLDING, '[[operation]]\nkind = "finish"\ntool = 1\n'),
+            'operation[1].boundary: is missing: which wall is to be cut by "finish"',
+        ),
+        (
+            (TOOL, HOLDING, '[[operation]]\nkind = "bore"\ntool = 7\n'),
+            "operation[1].tool = 7: there is no such tool; there are 1",
+        ),
+    ],
+)
+def test_faults(tables: tuple[str, ...], expected: str) -> None:
+    found = faults(*tables)
+    assert len(found) == 1, found
+    assert expected in found[0]
+
+
+def test_all_faults_are_reported_at_once() -> None:
+    bare = "[[tool]]\nnumber = 1\ndiameter = 6\n"
+    found = faults(bare, '[holding]\nkind = "onion-skin"\n')
+    assert len(found) == 5, found
+    text = "\n".join(found)
+    for key in ("spindle_speed", "feed", "plunge_feed", "stepdown"):
+        assert f"tool[1].{key}: is missing" in text
+    assert "holding.thickness: is missing: onion skin need it" in text
+
+
+def test_earlier_keys_lack_what_nobody_may_invent() -> None:
+    text = HEAD.replace('machine = "linuxcnc"', "tool_diameter = 8") + HOLDING
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text)
+    keys = ("spindle_speed", "feed", "plunge_feed", "pass_depth")
+    assert [fault.key for fault in caught.value.faults] == [f"output.gcode.{key}" for key in keys]
+    assert "invented; better state the tool in [[tool]]" in caught.value.faults[0].message
+    whole = text.replace(
+        "tool_diameter = 8",
+        "tool_diameter = 10\nspindle_speed = 3000\nfeed = 300\nplunge_feed = 100\npass_depth = 3",
+    )
+    told = Design(parse_scene(whole)).disc.milled.told
+    assert any("earlier keys of [output.gcode], which are still read" in each for each in told)
+    both = spoilt(PLATE, ('machine = "linuxcnc"', "pass_depth = 3"))
+    with pytest.raises(SceneError, match=r"contradicts \[\[tool\]\]: state it as stepdown there"):
+        parse_scene(both)
+
+
+def test_speed_and_feed_follow_from_what_is_stated() -> None:
+    text = tool(
+        ("spindle_speed = 3000", "cutting_speed = 120\nflutes = 3"),
+        ("\nfeed = 300", "\nchip_load = 0.04"),
+        ("stepdown = 3", "stepdown = 3\nramp_angle = 3\nengagement = 60"),
+    )
+    scene = parse_scene(HEAD + text + HOLDING)
+    assert scene.milling is not None
+    (found,) = scene.milling.tools
+    speed = 120e3 / (math.pi * 10.0)
+    assert found.spindle_speed == pytest.approx(speed, rel=1e-15)
+    assert found.feed == pytest.approx(0.04 * 3 * speed, rel=1e-15)
+    assert found.ramp_angle == pytest.approx(math.radians(3.0))
+    assert found.engagement == pytest.approx(math.radians(60.0))
+
+
+def test_holding_and_stock_are_converted() -> None:
+    tables = """[stock]
+shape = "round"
+diameter = 6
+centre = [0.5, -1]
+top = 0.1
+[holding]
+kind = "tabs"
+through = 0.02
+count = 4
+width = 0.25
+height = 0.08
+[[holding.clamp]]
+place = [2, 0]
+length = 1
+width = 0.5
+angle = 90
+height = 0.4
+until = "rough outline"
+"""
+    head = HEAD.replace('"mm"', '"inch"').replace("tolerance = 0.001", "tolerance = 0.0001")
+    milling = parse_scene(head + TOOL + tables).milling
+    assert milling is not None
+    assert milling.stock.diameter == 6 * 25.4
+    assert milling.stock.centre == complex(12.7, -25.4)
+    assert milling.holding is not None
+    assert milling.holding.tabs == Tabs(4, 6.35, 0.08 * 25.4)
+    clamp = Clamp(
+        place=50.8 + 0j, length=25.4, width=12.7, height=0.4 * 25.4, angle=0.5 * math.pi,
+        until="rough outline",
+    )  # fmt: skip
+    assert milling.holding.clamps == (clamp,)
+
+
+def library(folder: Path, text: str) -> Scene:
+    (folder / "shop.toml").write_text(text)
+    scene = folder / "scene.toml"
+    stated = HEAD.replace('machine = "linuxcnc"', 'tools = "shop.toml"')
+    scene.write_text(stated + HOLDING)
+    return load_scene(scene)
+
+
+def test_a_library_has_tools_in_its_own_unit(tmp_path: Path) -> None:
+    text = (
+        '[units]\nlength = "inch"\n[[tool]]\nnumber = 7\ndiameter = 0.5\nspindle_speed = 3000\n'
+        "feed = 10\nplunge_feed = 3\nstepdown = 0.1\n"
+    )
+    scene = library(tmp_path, text)
+    assert scene.milling is not None
+    assert scene.milling.tools == (
+        Tool(number=7, diameter=12.7, spindle_speed=3000.0, feed=254.0, plunge_feed=3 * 25.4,
+             stepdown=2.54),
+    )  # fmt: skip
+    assert {cut.tool.number for cut in Design(scene).disc.milled.cuts} == {7}
+    # The scene's identities are those of what the file holds.
+    other = library(tmp_path, text.replace("feed = 10", "feed = 11"))
+    assert other.made != scene.made
+    assert other.identity != scene.identity
+
+
+def test_faults_of_a_library_are_those_of_its_key(tmp_path: Path) -> None:
+    with pytest.raises(SceneError) as caught:
+        library(tmp_path, "[[tool]]\nnumber = 7\ndiameter = -1\nspindle_speed = 300\nfeeds = 1\n")
+    assert {fault.key for fault in caught.value.faults} == {"output.gcode.tools"}
+    messages = "\n".join(fault.message for fault in caught.value.faults)
+    assert "line 3: tool[1].diameter: must be a positive number" in messages
+    assert "tool[1].feeds: is not a known key" in messages
+    with pytest.raises(SceneError, match=r"shop\.toml.*cannot be read|cannot be read"):
+        parse_scene(
+            HEAD.replace('machine = "linuxcnc"', 'tools = "none.toml"') + HOLDING,
+            str(tmp_path / "s.toml"),
+        )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"tool[1].feed": 301},
+        {"tool[1].stepdown": 2.5},
+        {"holding.through": 0.6},
+        {"stock": {"bore": 5}},
+        {"operation": [{"kind": "finish", "boundary": "outline", "tool": 1}]},
+    ],
+)
+def test_files_name_all_that_decides_their_bytes(change: dict[str, object]) -> None:
+    scene = parse_scene(PLATE)
+    assert scene.with_values(change).made != scene.made
+
+
+def test_defaults_are_what_their_absence_stands_for() -> None:
+    scene = parse_scene(PLATE)
+    stated = scene.with_values(
+        {"tool[1].kind": "end-mill", "tool[1].plunges": False, "stock": {"shape": "plate"}}
+    )
+    assert stated.milling == scene.milling
+    assert scene.with_values({"tool[1].kind": "end-mill"}).made == scene.made

@@ -1,0 +1,71 @@
+"""A plate cam, a ring and a groove with round flanks, to be milled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from camgeo.cam.contact import Contact
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.outline.path import whole
+from camgeo.part.build import build_part
+from camgeo.part.part import Part
+from camgeo.part.spec import PartSpec
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.holding import Holding
+from camgeo.toolpath.milling import MillingSpec, OperationSpec
+from camgeo.toolpath.moves import Heights
+from camgeo.toolpath.sequence import Sequence, sequence_of
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import Tool
+from tests.contour.cams import dwell, move
+
+ROLLER = 8.0
+
+PITCH = PitchCurve(
+    MotionPlan((dwell(50), move(100, 20.0), dwell(70), move(140, 0.0))),
+    TranslatingRoller(40.0, ROLLER, 6.0),
+    1,
+)
+
+THICKNESS, BORE, RIM = 10.0, 25.0, 150.0
+
+SPEC = PartSpec(thickness=THICKNESS, bore=BORE, rim=RIM, groove_depth=6.0)
+
+HEIGHTS = Heights(20.0, 12.0)
+
+FIXTURE = Holding(kind="fixture", through=0.5)
+
+
+def part(contact: Contact, spec: PartSpec = SPEC) -> Part:
+    inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
+    return build_part(contact, inner, outer, spec, 0.01)
+
+
+def tool(diameter: float, number: int = 1, **own: Any) -> Tool:
+    given = {
+        "spindle_speed": 3000.0, "feed": 300.0, "plunge_feed": 100.0, "stepdown": 3.0,
+        "stepover": 0.2 * diameter, **own,
+    }  # fmt: skip
+    return Tool(number=number, diameter=diameter, **given)
+
+
+def sequence(
+    contact: Contact,
+    *tools: Tool,
+    stock: Stock | None = None,
+    holding: Holding | None = FIXTURE,
+    operations: tuple[OperationSpec, ...] = (),
+    spec: PartSpec = SPEC,
+    heights: Heights = HEIGHTS,
+) -> Sequence:
+    milling = MillingSpec(
+        tools=tools or (tool(12.0),), stock=stock or Stock(), holding=holding, operations=operations
+    )
+    return sequence_of(part(contact, spec), milling, heights)
+
+
+def named(found: Sequence) -> dict[str, Cut]:
+    return {cut.name: cut for cut in found.cuts}
