@@ -64,7 +64,9 @@ def guarded(bench: Bench, cuts: Sequence[Cut], heights: Heights) -> list[Cut]:
             if holding.kind in (CLAMPS, SCREWS):
                 _holds(bench, made, there)
             if holding.tabs is not None and isinstance(made, ContourCut):
-                made = replace(made, tabs=holding.tabs)
+                # Above the lower face; the cut may end below it.
+                height = holding.tabs.height + bench.lower_face - made.bottom
+                made = replace(made, tabs=replace(holding.tabs, height=height))
         found.append(made)
     return found
 

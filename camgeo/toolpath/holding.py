@@ -36,7 +36,7 @@ class Tabs:
     ----------
     count : evenly spaced along the wall.
     width : of each along the wall [mm].
-    height : above the lower face of the part [mm].
+    height : above the lower face of the part [mm]; in a cut, above its last depth.
 
     Raises
     ------

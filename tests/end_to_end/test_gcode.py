@@ -79,6 +79,10 @@ def _is_rough(operation: str) -> bool:
     return operation.startswith("rough ")
 
 
+def _slopes(move: Move) -> bool:
+    return move.z_start != move.z_end and move.start != move.end
+
+
 def _rounds(operation: str, moves: list[Move]) -> list[list[Move]]:
     """The closed rounds at one depth, without the leads of a finish."""
     found: list[list[Move]] = [[]]
@@ -109,11 +113,15 @@ def test_frame(built: Built, program: Program) -> None:
         else:
             assert move.feed > 0.0
             assert move.spindle
-        if move.code == 1 and move.z_end != move.z_start:
-            assert move.start == move.end  # plunges straight down
-            assert move.feed == pytest.approx(_tool(built).plunge_feed)
+        drop = move.z_start - move.z_end
+        if move.code > 0 and move.start == move.end and move.code == 1:
+            assert move.feed == pytest.approx(_tool(built).plunge_feed)  # straight down
         elif move.code > 0:
-            assert move.feed == pytest.approx(_tool(built).feed)
+            # Slower where the wall lies around the arc, and on the way down.
+            assert move.feed <= _tool(built).feed * (1.0 + 1e-6)
+            way = abs(move.sweep) * abs(move.start - move.centre)
+            way = abs(move.end - move.start) if move.code == 1 else way
+            assert move.feed * drop <= _tool(built).plunge_feed * math.hypot(way, drop) * 1.01
         if move.code > 1:
             radii = abs(move.start - move.centre), abs(move.end - move.centre)
             assert abs(radii[0] - radii[1]) <= ARC_ERROR
@@ -131,11 +139,16 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
         depth = _depth(built, name)
         stepdown = _tool(built).stepdown
         assert stepdown is not None
-        count = math.ceil(depth / stepdown - 1e-9) if _is_rough(name) else 1
-        levels = [moves[0].z_end for moves in passes]
-        assert levels == pytest.approx([-depth * (k + 1) / count for k in range(count)], abs=1e-4)
+        # Rough cuts come down along their path, each round by a pass at most, to a level one.
+        assert [moves[0].z_end for moves in passes] == pytest.approx([-depth], abs=1e-4)
         rounds = [_rounds(name, moves) for moves in passes]
-        assert [len(each) for each in rounds] == [1 if _is_rough(name) else 2] * count  # a spring
+        assert [len(each) for each in rounds] == [1 if _is_rough(name) else 2]  # a spring round
+        down = [move for move in program.operations[name] if move.code > 0 and _slopes(move)]
+        assert bool(down) == _is_rough(name)
+        if down:
+            once = sum(abs(move.end - move.start) for move in rounds[0][0])
+            way = sum(abs(move.end - move.start) for move in down)
+            assert way >= once * (math.ceil(depth / stepdown - 1e-9) - 0.01)
         loops = [outline(each) for one in rounds for each in one]
         for loop in loops:
             assert abs(loop.starts[0] - loop.ends[-1]) <= GAP
@@ -208,5 +221,7 @@ def test_leads_are_tangential(built: Built, program: Program) -> None:
                     other = -1j * (neighbour.end - neighbour.start)
                 turn = abs(np.angle(arm / other))
                 # Centres are rounded to half a diagonal of the last decimal, 0.7e-5 in, and end
-                # points too; the smaller arm turns by twice that over its length.
-                assert turn <= 3.0 * STEP[built.design.scene.unit] / min(abs(arm), abs(other))
+                # points too; the smaller arm turns by twice that over its length, and the chord of
+                # a short lead by the rounding of its ends over its own.
+                step, chord = STEP[built.design.scene.unit], abs(lead.end - lead.start)
+                assert turn <= 3.0 * step / min(abs(arm), abs(other)) + 1.5 * step / chord

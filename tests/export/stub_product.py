@@ -242,6 +242,7 @@ class StubProduct(Product):
                 centre=each.offset(tool.radius),
                 right=each.name,
                 room=1.0,
+                cleared=True,
             )
             for each, tool in made
         )

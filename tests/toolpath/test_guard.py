@@ -45,7 +45,8 @@ def test_tabs_stand_on_what_is_cut_free_and_are_told_on_a_flank() -> None:
     assert not any(each.name == "tabs-on-a-flank" for each in rim.findings)
     cut = named(rim)["rim"]
     assert isinstance(cut, ContourCut)
-    assert cut.tabs == holding.tabs
+    # The cut ends below the part; tabs are stated from its lower face.
+    assert cut.tabs == Tabs(4, 6.0, 2.5)
 
 
 def test_a_screw_is_set_when_the_bore_is_there() -> None:

@@ -18,9 +18,10 @@ RISE = math.radians(30.0)
 def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tuple[float, float]]:
     """(distance along the round, z) [mm] from `start` to `end` of a round, evenly but for tabs.
 
-    Over each tab the cutter stays above its top, over the width of the tab and its own diameter,
-    so that its circle leaves that width. It rises steeply and comes down no steeper than it may
-    enter material. The first tab lies half a space behind the start, where leads join.
+    Over each tab the cutter stays above its top, which is given above the last depth, over the
+    width of the tab and its own diameter, so that its circle leaves that width. It rises steeply
+    and comes down no steeper than it may enter material. The first tab lies half a space behind the
+    start, where leads join.
 
     Raises
     ------

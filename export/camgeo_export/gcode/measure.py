@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.machine import Machine, load
 from camgeo.units import MM_PER
 from camgeo.verifying.linting import Bench
 from camgeo_export.errors import FileError
+from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, run_bytes
@@ -32,9 +33,15 @@ def measure(product: Product, data: bytes) -> float:
         raise FileError(f"line {program.compensated.line}: compensated by the control")
     if stated(program.comments).tolerance is None:  # then it could not be verified later
         raise FileError("the program does not state its tolerance")
-    loops = program.loops()
-    _check_complete(product.milled.contour_cuts, program, loops)
-    centres = {cut.name: cut.centre for cut in product.milled.contour_cuts}
+    cuts = product.milled.cuts
+    centres = {cut.name: cut.centre for cut in cuts if isinstance(cut, ContourCut)}
+    areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut)}
+    loops = [loop for loop in program.loops() if loop.operation not in areas]
+    _check_complete(cuts, program, loops)
+    for name, area in areas.items():
+        of_area = [move for move in program.moves if move.operation == name]
+        if (short := too_near(area, of_area)) > program.step:
+            raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
     path = max(
         loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
         for loop in loops
@@ -51,18 +58,22 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     return Bench(clearance=product.options[FORMAT].safe_height - 0.5 * step, operations=names)
 
 
-def _check_complete(cuts: tuple[ContourCut, ...], program: Run, loops: list[Loop]) -> None:
-    """Every cut must use its tool, on its closed path at each of its depths."""
+def _check_complete(cuts: tuple[Cut, ...], program: Run, loops: list[Loop]) -> None:
+    """Every cut must use its tool, and one along a path must close it at each of its depths."""
     tools = {cut.name: cut.tool.number for cut in cuts}
     for loop in loops:
         if loop.operation not in tools:
             raise FileError(f"the program cuts {loop.operation!r}, which the part does not have")
-        if loop.tool != tools[loop.operation]:
-            raise FileError(
-                f"{loop.operation!r} is cut with tool {loop.tool}, not {tools[loop.operation]}"
-            )
+    for move in program.moves:
+        wanted = tools.get(move.operation, move.tool)
+        if move.kind != "rapid" and move.tool != wanted:
+            raise FileError(f"{move.operation!r} is cut with tool {move.tool}, not {wanted}")
     for cut in cuts:
-        heights = [loop.z for loop in loops if loop.operation == cut.name]
+        own = [move for move in program.moves if move.operation == cut.name]
+        heights = [move.z_end for move in own if move.kind != "rapid"]
+        if isinstance(cut, ContourCut):
+            heights = [loop.z for loop in loops if loop.operation == cut.name]
         for depth in cut.depths:
             if not any(abs(height - depth) <= program.step for height in heights):
-                raise FileError(f"no closed path of {cut.name!r} at Z {depth:g} mm")
+                what = "closed path" if isinstance(cut, ContourCut) else "cut"
+                raise FileError(f"no {what} of {cut.name!r} at Z {depth:g} mm")

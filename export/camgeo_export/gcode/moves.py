@@ -100,13 +100,14 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """A closed run of cuts at one height.
+    """A closed run of cuts.
 
     Attributes
     ----------
     operation : its name.
     tool : number of the tool that cuts it.
-    z : height [mm].
+    z : least height [mm].
+    level : whether all of it runs at that height.
     contour : path of the tool centre in the direction of cutting; arcs meet their end points.
     mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
     """
@@ -114,6 +115,7 @@ class Loop:
     operation: str
     tool: int
     z: float
+    level: bool
     contour: Contour
     mismatch: float
 
@@ -165,4 +167,7 @@ def loop_of(run: list[CutterMove], gap: float) -> Loop:
     vertices = np.array([move.start for move in run])
     sweeps = np.array([move.sweep for move in run])
     mismatch = max(move.mismatch for move in run) + gap
-    return Loop(run[0].operation, run[0].tool, run[0].z_start, chain(vertices, sweeps), mismatch)
+    heights = {run[0].z_start, *(move.z_end for move in run)}
+    contour = chain(vertices, sweeps)
+    first = run[0]
+    return Loop(first.operation, first.tool, min(heights), len(heights) == 1, contour, mismatch)

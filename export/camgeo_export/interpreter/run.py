@@ -8,12 +8,12 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.reading import PATHS, PROGRAM, beyond, check_text, lines_of
+from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.toolpath.machine import Machine
 from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
-from camgeo.wording import counted
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.moves import CutterMove, Event, Loop, loop_of, nearly_closed
+from camgeo_export.gcode.loops import closed_paths
+from camgeo_export.gcode.moves import CutterMove, Event, Loop
 from camgeo_export.interpreter.controller import Controller, controller_of
 from camgeo_export.interpreter.decode import decode
 from camgeo_export.interpreter.execute import Executor
@@ -74,31 +74,8 @@ class Run:
     complete: bool
 
     def loops(self, gap: float = 0.0) -> list[Loop]:
-        """Closed runs of cuts at constant height; leads into and out of them are omitted.
-
-        A run that ends up to `gap` [mm] from where it began is closed, too; its mismatch is larger
-        by that.
-        """
-        found: list[Loop] = []
-        run: list[CutterMove] = []
-        # A point already visited closes a loop; the search then starts again, so that a path which
-        # overlaps its beginning is found once, and no loop contains another.
-        reached: dict[complex, int] = {}
-        for move in self.moves:
-            flat = move.kind != "rapid" and move.z_start == move.z_end
-            if not flat or (run and run[-1].operation != move.operation):
-                found += nearly_closed(run, gap)
-                run, reached = [], {}
-            if not flat:
-                continue
-            reached[move.start] = len(run)
-            run.append(move)
-            if len(found) > PATHS:
-                raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
-            if move.end in reached:
-                found.append(loop_of(run[reached[move.end] :], 0.0))
-                run, reached = [], {}
-        return found + nearly_closed(run, gap)
+        """Closed runs of cuts, see `camgeo_export.gcode.loops`."""
+        return closed_paths(self.moves, gap)
 
     @property
     def compensated(self) -> CutterMove | None:

@@ -9,8 +9,10 @@ from itertools import zip_longest
 from camgeo.errors import ToleranceError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.cut import ContourCut, Cut, PointCut
+from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
@@ -18,20 +20,30 @@ from camgeo_export.gcode.comments import Stated, about_operation, about_program,
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
 
+SLOWED = 1e-3
+"""Share by which a feed that depends on a radius or a slope may be off: both are printed rounded,
+and tiny arcs have few digits."""
+
 PRINTED = 0.5 * 10.0**-FEED_DECIMALS * (1.0 + 1e-9)
 """Rounding of a printed speed or diameter, in its unit."""
 
 
 def cutting_checks(
-    product: Product, program: Run, stated: Stated, machine: Machine, safe_height: float
+    product: Product,
+    program: Run,
+    stated: Stated,
+    machine: Machine,
+    safe_height: float,
+    tolerance: float,
 ) -> list[Check]:
     """All checks of one of our programs that its closed paths do not show."""
-    cuts = product.milled.contour_cuts
+    cuts = product.milled.cuts
     checks = [_heights(program, safe_height), _comments(product, program, stated, machine)]
     checks += [_cutters(cuts, stated), _work_offset(product, program, machine)]
     for cut in cuts:
         own = [move for move in program.moves if move.operation == cut.name]
-        checks += _of_cut(cut, [move for move in own if move.kind != "rapid"], program, machine)
+        cuts_of = [move for move in own if move.kind != "rapid"]
+        checks += _of_cut(cut, cuts_of, program, machine, tolerance)
     return checks
 
 
@@ -46,15 +58,16 @@ def _heights(program: Run, safe_height: float) -> Check:
 
 
 def _of_cut(
-    cut: ContourCut, moves: Sequence[CutterMove], program: Run, machine: Machine
+    cut: Cut, moves: Sequence[CutterMove], program: Run, machine: Machine, tolerance: float
 ) -> list[Check]:
-    """Tool, speed and feeds of one operation, and that its cuts are level or straight down."""
+    """Tool, speed, feeds and heights of one operation."""
     tool, scale = cut.tool, program.mm_per_unit
     step = machine.numbers.feed_step("mm" if scale == MM_PER["mm"] else "inch")
     rounding = 0.5 * step * scale * (1.0 + 1e-9)
     turns = 0.5 if machine.spindle.whole_speed else PRINTED
-    flat = [move for move in moves if move.z_start == move.z_end]
-    down = [move for move in moves if move.z_start != move.z_end]
+    straight = [move for move in moves if _drops(move) and move.start == move.end]
+    sinking = tool.feed if isinstance(cut, PointCut) else tool.plunge_feed
+    others = [move for move in moves if move not in straight]
     checks = [
         _same("tool", cut.name, ((each.tool, each.line) for each in moves), tool.number, "", 0.0),
         _same(
@@ -66,23 +79,78 @@ def _of_cut(
             tool.spindle_speed, "rev/min", turns,
         ),
         _same(
-            "feed", cut.name, ((each.feed, each.line) for each in flat), tool.feed, "mm/min",
-            rounding,
-        ),
-        _same(
-            "plunge feed", cut.name, ((each.feed, each.line) for each in down), tool.plunge_feed,
+            "plunge feed", cut.name, ((each.feed, each.line) for each in straight), sinking,
             "mm/min", rounding,
         ),
+        _feeds(tool, others, cut.name, rounding, tolerance),
     ]  # fmt: skip
     for move in moves:
-        note = ""
-        if move.z_start != move.z_end and (move.end != move.start or move.z_end > move.z_start):
-            note = "a cut that is neither level nor straight down"
-        elif min(abs(move.z_end - depth) for depth in cut.depths) > program.step:
-            note = f"a cut at Z {move.z_end:g} mm, which is not one of its depths"
-        if note:
-            return [*checks, failed("moves", f"line {move.line}: {note}", cut.name)]
+        if not _at_a_height(cut, move, program.step):
+            note = f"line {move.line}: a cut at Z {move.z_end:g} mm, which is not one of its depths"
+            return [*checks, failed("moves", note, cut.name)]
+    lowest = min((move.z_end for move in moves), default=cut.bottom)
+    if lowest > cut.bottom + program.step:
+        note = f"no deeper than Z {lowest:g} mm, not Z {cut.bottom:g} mm"
+        return [*checks, failed("moves", note, cut.name)]
     return checks
+
+
+def _at_a_height(cut: Cut, move: CutterMove, step: float) -> bool:
+    """Whether a cut is level or ends straight down at a height of its operation, or slopes.
+
+    Over tabs it is level at their tops, and on the way to the first slope at the upper face.
+    """
+    if not cut.bottom - step <= move.z_end <= cut.top + step:
+        return False
+    heights = list(cut.depths)
+    if move.start != move.end:
+        if move.z_start != move.z_end:
+            return True
+        if isinstance(cut, ContourCut) and cut.tabs is not None:
+            heights.append(cut.bottom + cut.tabs.height)
+    elif not _drops(move):
+        return False
+    else:
+        heights.append(cut.top)
+    return any(abs(move.z_end - z) <= step for z in heights)
+
+
+def _drops(move: CutterMove) -> bool:
+    return move.z_end < move.z_start
+
+
+def _feeds(
+    tool: Tool, moves: Sequence[CutterMove], of: str, rounding: float, tolerance: float
+) -> Check:
+    """That each move runs at the tool's feed, or slowed as on inner arcs and on the way down."""
+    worst, line, value, wanted = 0.0, 0, tool.feed, tool.feed
+    for move in moves:
+        least, most = _allowed(tool, move, tolerance)
+        off = min(abs(move.feed - each) for each in (least, most))
+        if not move.sweep and least <= move.feed <= most:
+            off = 0.0
+        off = max(0.0, off - SLOWED * most) if move.feed < tool.feed else off
+        if off > worst:
+            worst, line, value, wanted = off, move.line, move.feed, most
+    ok = worst <= rounding
+    note = "" if ok else f"line {line}"
+    return Check("feed", of, float(value), float(wanted), rounding, "mm/min", ok, note)
+
+
+def _allowed(tool: Tool, move: CutterMove, tolerance: float) -> tuple[float, float]:
+    """The feeds [mm/min] that a move may have: slowed, as the wall may lie around it, and not.
+
+    A line may stand for a piece of an arc that is flat within `tolerance` [mm]; then its feed is
+    slowed for any radius from the least one that is as flat.
+    """
+    length = move.course.length
+    radius = move.course.radius if move.sweep else length * length / (8.0 * tolerance)
+    feeds = (centre_feed(tool.feed, radius, tool.radius, inside=True), tool.feed)
+    if not _drops(move):
+        return feeds
+    drop = move.z_start - move.z_end
+    most = tool.plunge_feed * math.hypot(length, drop) / drop
+    return min(feeds[0], most), min(feeds[1], most)
 
 
 def _same(
@@ -112,7 +180,7 @@ def _work_offset(product: Product, program: Run, machine: Machine) -> Check:
     return Check("work offset", "", expected, expected, ok=True)
 
 
-def _cutters(cuts: Sequence[ContourCut], stated: Stated) -> Check:
+def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
     """The cutters that its comments name are those that it is computed for."""
     wanted = {cut.tool.number: cut.tool.diameter for cut in cuts}
     named = dict(stated.tools)
@@ -141,8 +209,8 @@ def _comments(product: Product, program: Run, stated: Stated, machine: Machine) 
     except ToleranceError:
         return unkept
     grid = Grid(shares.decimals, MM_PER[product.unit])
-    texts = about_program(product, machine, shares, product.milled.contour_cuts, stated.scene)
-    for cut in product.milled.contour_cuts:
+    texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
+    for cut in product.milled.cuts:
         texts += about_operation(cut, grid)
     expected = [line.strip() for line in comment_texts(texts, machine.text)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):

@@ -9,7 +9,7 @@ from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.reading import PROGRAM, check_text
-from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.cut import AreaCut, ContourCut
 from camgeo.toolpath.machine import load
 from camgeo.verifying.linting import Bench
 from camgeo.verifying.verification import (
@@ -22,6 +22,7 @@ from camgeo.verifying.verification import (
 )
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
+from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.moves import Loop
@@ -86,7 +87,7 @@ class GcodeVerifier:
         checks += _paths(product, program, tolerance, extra)
         if reading.ours:
             said = stated(program.comments)
-            checks += cutting_checks(product, program, said, machine, spec.safe_height)
+            checks += cutting_checks(product, program, said, machine, spec.safe_height, tolerance)
         return tuple(checks)
 
 
@@ -108,8 +109,13 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
         cut.name: replace(shape, name=cut.name, area=None)
         for cut, shape in zip(product.milled.contour_cuts, exact, strict=True)
     }
-    loops = [(_owner(loop, shapes), loop) for loop in program.loops(tolerance)]
+    areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut)}
+    found = [loop for loop in program.loops(tolerance) if loop.operation not in areas]
+    loops = [(_owner(loop, shapes), loop) for loop in found]
     checks: list[Check] = []
+    for name, area in areas.items():
+        short = too_near(area, [move for move in program.moves if move.operation == name])
+        checks.append(at_most("wall", short, tolerance, "mm", name))
     for cut in product.milled.contour_cuts:
         own = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, own, max(program.step, tolerance)))
@@ -125,7 +131,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
                 shapes[cut.name], contour, tolerance, extra=mismatch, where=where
             )
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
-                wanted = cut.room > 0.0
+                wanted = cut.cleared and cut.room > 0.0
                 checks += lead_checks(program, cut.name, contour, heights, tolerance, wanted=wanted)
     for name, loop in loops:
         if name not in shapes:
@@ -145,7 +151,8 @@ def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
     count = len(cut.depths)
     found = f"{count - len(missing)} of {count}"
     note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
-    stray = [z for z in heights if all(abs(z - depth) > slack for depth in cut.depths)]
+    stray = [loop.z for loop in loops if loop.level]
+    stray = [z for z in stray if all(abs(z - depth) > slack for depth in cut.depths)]
     if stray and not missing:
         note = f"a closed path at Z {stray[0]:g} mm, which is not one of its depths"
     return Check("passes", cut.name, found, ok=not note, note=note)

@@ -31,7 +31,7 @@ def lead_checks(
     *,
     wanted: bool,
 ) -> list[Check]:
-    """Checks of all cuts at constant height that one operation makes off its closed path.
+    """Checks of all cuts at its heights that one operation makes off its closed path.
 
     Parameters
     ----------
@@ -43,8 +43,11 @@ def lead_checks(
     vertices = set(path.vertices.tolist())
 
     def is_cut(move: CutterMove) -> bool:
-        flat = move.kind != "rapid" and move.z_start == move.z_end and move.z_end in heights
-        return flat and move.operation == operation and move.course.length > 0.0
+        there = move.z_start == move.z_end and move.z_end in heights
+        # A finish with leads runs higher only over tabs.
+        there |= wanted and move.start != move.end
+        cuts = move.kind != "rapid" and move.operation == operation
+        return there and cuts and move.course.length > 0.0
 
     def is_lead(move: CutterMove) -> bool:
         return is_cut(move) and not (move.start in vertices and move.end in vertices)
