@@ -1,0 +1,253 @@
+"""Engagement: over which angle a cutter is in material, by exact crossings.
+
+At one place of the course the engagement is the part of the leading half of the cutter's circle
+that lies within the blank and has not been passed over before. Its ends are crossings of that
+circle with the outline of the blank, lines and arcs, and with the edge of what the cutter has swept
+so far: parallels of its course, and circles around the ends of its pieces. These are computed in
+closed form, and the parts between two of them are judged at their middle, so that the angle at one
+place is exact to rounding. It is that at the height of the tip: pieces that ran higher have left
+material there.
+
+Along the course, places are sampled: at both ends of each piece and between them at the given
+spacing. The largest value is then refined between the neighbouring samples by golden sections. A
+peak shorter than the spacing, with lower samples on both sides, can be missed; the angle is
+continuous along a piece except where the circle touches an edge of the same curvature. The ends of
+air are refined by bisection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, taken
+from camgeo.toolpath.course import Course, boundary_of, crossings, distances, inside, near
+
+ROUNDING: Final = 1e-10
+"""Share of the radius by which a point must be within reach to be passed over: the edge of the
+cutter itself, and that of a neighbouring piece which touches it there, are at its radius."""
+
+NOTHING: Final = 1e-4
+"""Angle [rad] below which the cutter is in air: where its edge touches that of its earlier course,
+the share above is passed within sqrt(2e-10)."""
+
+LEVEL: Final = 1e-9
+"""Heights [mm] that differ by less are equal."""
+
+GOLDEN: Final = 0.5 * (3.0 - 5.0**0.5)
+
+REFINED: Final = 24
+"""Steps of a golden section: the interval shrinks to a hundred-thousandth."""
+
+BISECTED: Final = 20
+"""Steps of a bisection: a millionth."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Engagement:
+    """The engagement along a course; arrays over its pieces of some length.
+
+    Attributes
+    ----------
+    pieces : (n,) their indices in the course.
+    lengths : (n,) [mm].
+    largest : (n,) largest angle on each [rad], that of the samples but for the largest of all.
+    places : (n,) complex [mm], where that is.
+    air : (n,) length [mm] on which it is 0.
+    angles : (m,) all samples [rad].
+    weights : (m,) length of the course [mm] for which each sample stands.
+    """
+
+    pieces: IntArray
+    lengths: FloatArray
+    largest: FloatArray
+    places: ComplexArray
+    air: FloatArray
+    angles: FloatArray
+    weights: FloatArray
+
+    @property
+    def peak(self) -> float:
+        """The largest angle of all [rad]; 0 without pieces."""
+        return float(np.max(self.largest, initial=0.0))
+
+    @property
+    def air_share(self) -> float:
+        """Share of the length on which the cutter is in air; 0 of no length."""
+        whole = float(np.sum(self.lengths))
+        return float(np.sum(self.air)) / whole if whole else 0.0
+
+    def quantile(self, share: float) -> float:
+        """The angle [rad] that is not exceeded on this share of the length of the cut."""
+        if not len(self.angles):
+            return 0.0
+        order = np.argsort(self.angles)
+        total = np.cumsum(self.weights[order])
+        place = int(np.searchsorted(total, share * total[-1]))
+        return float(self.angles[order][min(place, len(order) - 1)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cutting:
+    """A cutter on its course through a blank.
+
+    Attributes
+    ----------
+    course : of the centre; traverses left out.
+    radius : of the cutter [mm].
+    blank : contours, of which a point of the blank is within an odd number.
+    top : Z of the upper face of the blank [mm]; above it there is air.
+    cleared : what other cutters have swept before, each with its radius [mm].
+    """
+
+    course: Course
+    radius: float
+    blank: tuple[Contour, ...]
+    top: float = 0.0
+    cleared: tuple[tuple[Course, float], ...] = ()
+
+    def angle(self, piece: int, share: float) -> float:
+        """Engagement [rad], 0 to pi, at a share of one piece's length; exact."""
+        return _Judge(self).angle(piece, share)
+
+    def engagement(self, spacing: float, only: Sequence[int] | None = None) -> Engagement:
+        """The engagement along the course, sampled at most `spacing` [mm] apart.
+
+        `only` names the moves that are judged; all by default.
+        """
+        judge = _Judge(self)
+        lengths = self.course.lengths
+        chosen = lengths > 0.0
+        if only is not None:
+            chosen &= np.isin(self.course.moves, np.asarray(only))
+        pieces = np.flatnonzero(chosen)
+        shares, angles, weights = [], [], []
+        for piece in pieces:
+            count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
+            at = np.linspace(0.0, 1.0, count)
+            shares.append(at)
+            angles.append(np.array([judge.angle(int(piece), float(share)) for share in at]))
+            step = np.full(count, lengths[piece] / (count - 1))
+            step[[0, -1]] *= 0.5
+            weights.append(step)
+        best = [int(np.argmax(each)) for each in angles]
+        largest = np.array([each[place] for each, place in zip(angles, best, strict=True)])
+        where = np.array([at[place] for at, place in zip(shares, best, strict=True)])
+        if len(pieces):
+            top = int(np.argmax(largest))
+            where[top], largest[top] = judge.refined(
+                int(pieces[top]), shares[top], best[top], float(largest[top])
+            )
+        air = [
+            judge.air(int(piece), at, each) * float(lengths[piece])
+            for piece, at, each in zip(pieces, shares, angles, strict=True)
+        ]
+        places = [
+            self.course.at(int(p), float(share))[0] for p, share in zip(pieces, where, strict=True)
+        ]
+        return Engagement(
+            frozen(pieces, np.intp),
+            frozen(lengths[pieces], np.float64),
+            frozen(largest, np.float64),
+            frozen(places, np.complex128),
+            frozen(air, np.float64),
+            frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
+            frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
+        )
+
+
+class _Judge:
+    """Angles of one cutting, with its boundary made once."""
+
+    def __init__(self, cutting: Cutting) -> None:
+        self.cutting = cutting
+        self.boundary = boundary_of(cutting.blank)
+
+    def angle(self, piece: int, share: float) -> float:
+        cutting, radius = self.cutting, self.cutting.radius
+        course = cutting.course
+        level = float(course.lowest[piece])
+        if level >= cutting.top:
+            return 0.0
+        place, way = course.at(piece, share)
+        swept = [(self._before(piece, share, place, level), radius)]
+        for other, size in cutting.cleared:
+            low = other.highest <= level + LEVEL
+            swept.append((taken(other, low & near(other, place, radius + size)), size))
+        edges = [crossings(self.boundary, place, radius, 0.0)]
+        edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
+        # Angles from the direction of travel, of the leading half.
+        ahead = np.angle(np.exp(1j * (np.concatenate(edges) - np.angle(way))))
+        half = 0.5 * np.pi
+        ends = np.sort(np.concatenate(([-half, half], ahead[np.abs(ahead) < half])))
+        middles = 0.5 * (ends[1:] + ends[:-1])
+        points = place + radius * way * np.exp(1j * middles)
+        material = inside(self.boundary, points)
+        for each, size in swept:
+            if len(each) and np.any(material):
+                gone = distances(each, points[material]) < size - ROUNDING * radius
+                material[material] = ~np.any(gone, axis=1)
+        found = float(np.sum((ends[1:] - ends[:-1])[material]))
+        return found if found > NOTHING else 0.0
+
+    def _before(self, piece: int, share: float, place: complex, level: float) -> Course:
+        """What the cutter has run before, as low as here, and near enough to matter."""
+        course = self.cutting.course
+        earlier = slice(0, piece + 1)
+        low = course.highest[earlier] <= level + LEVEL
+        low[-1] = True  # its own way down a ramp
+        close = near(taken(course, earlier), place, 2.0 * self.cutting.radius)
+        close[-1] = share > 0.0
+        found = taken(course, np.flatnonzero(low & close))
+        if share <= 0.0:
+            return found
+        ends, sweeps = found.ends.copy(), found.sweeps.copy()
+        ends[-1] = place
+        sweeps[-1] *= share
+        return Course(
+            found.starts, ends, sweeps, found.centres, found.highest, found.lowest, found.moves
+        )
+
+    def refined(
+        self, piece: int, shares: FloatArray, best: int, largest: float
+    ) -> tuple[float, float]:
+        """Share and angle of the maximum between the samples beside the largest one."""
+        low = float(shares[max(best - 1, 0)])
+        high = float(shares[min(best + 1, len(shares) - 1)])
+        found = (largest, float(shares[best]))
+        inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)]
+        values = [self.angle(piece, share) for share in inner]
+        for _ in range(REFINED):
+            found = max(found, *zip(values, inner, strict=True))
+            if values[0] >= values[1]:
+                high = inner[1]
+                inner = [low + GOLDEN * (high - low), inner[0]]
+                values = [self.angle(piece, inner[0]), values[0]]
+            else:
+                low = inner[0]
+                inner = [inner[1], high - GOLDEN * (high - low)]
+                values = [values[1], self.angle(piece, inner[1])]
+        return found[1], found[0]
+
+    def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
+        """Share of the piece on which the engagement is 0."""
+        found = 0.0
+        for place in range(len(shares) - 1):
+            low, high = float(shares[place]), float(shares[place + 1])
+            free = angles[place] == 0.0, angles[place + 1] == 0.0
+            if all(free):
+                found += high - low
+            elif any(free):
+                begin, end = low, high
+                for _ in range(BISECTED):
+                    middle = 0.5 * (begin + end)
+                    if (self.angle(piece, middle) == 0.0) == free[0]:
+                        begin = middle
+                    else:
+                        end = middle
+                found += begin - low if free[0] else high - begin
+        return found

@@ -1,0 +1,215 @@
+"""Engagement: closed forms, and any course against a count of points on the cutter's circle."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.toolpath.course import boundary_of, course_of, distances, inside
+from camgeo.toolpath.engagement import Cutting
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
+
+RADIUS = 3.0
+DEPTH = -1.0
+FEED = 100.0
+
+ROUNDING = 1e-12
+
+BLANK = Contour.polygon(np.array([0.0, 100.0, 100.0 + 50.0j, 50.0j]))
+
+
+def place(point: complex, z: float = DEPTH) -> Point:
+    return (point.real, point.imag, z)
+
+
+def line(*points: complex) -> tuple[Point, list[Move]]:
+    return place(points[0]), [Feed(place(point), FEED) for point in points[1:]]
+
+
+def cutting(start: Point, moves: list[Move], *blank: Contour) -> Cutting:
+    return Cutting(course_of(moves, start), RADIUS, blank or (BLANK,))
+
+
+def round_of(radius: float, turns: int = 1) -> tuple[Point, list[Move]]:
+    """Full circles around the origin, counter-clockwise."""
+    ends = [-radius, radius] * turns
+    return place(radius), [ArcFeed(place(end), (0.0, 0.0), True, FEED) for end in ends]
+
+
+def test_a_slot_is_half_a_turn() -> None:
+    found = cutting(*line(-10.0 + 25.0j, 50.0 + 25.0j))
+    assert found.angle(0, 0.9) == pytest.approx(math.pi, rel=ROUNDING)
+    engagement = found.engagement(1.0)
+    assert engagement.peak == pytest.approx(math.pi, rel=ROUNDING)
+    # It is in air until its edge touches the blank, at x = -3.
+    assert engagement.air_share == pytest.approx(7.0 / 60.0, abs=1e-7)
+    assert engagement.quantile(0.05) == 0.0
+    assert engagement.quantile(1.0) == pytest.approx(math.pi, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("x", [-2.9, -2.0, -0.5])
+def test_a_cutter_that_enters_a_straight_wall(x: float) -> None:
+    """The wall is a chord at the distance -x ahead of the centre."""
+    found = cutting(*line(-10.0 + 25.0j, 50.0 + 25.0j))
+    assert found.angle(0, (x + 10.0) / 60.0) == pytest.approx(
+        2.0 * math.acos(-x / RADIUS), rel=1e-9
+    )
+
+
+@given(st.floats(0.01, 5.9), st.booleans(), st.floats(-math.pi, math.pi))
+def test_a_wall_of_any_depth_on_either_side(depth: float, right: bool, turn: float) -> None:
+    """cos = 1 - a/R; also where the whole is turned."""
+    height = depth - RADIUS if right else 50.0 - depth + RADIUS
+    way = cmath.exp(1j * turn)
+    points = [complex(-10.0, height), complex(90.0, height)]
+    start, moves = line(*(point * way for point in (points if right else points[::-1])))
+    found = cutting(start, moves, Contour.polygon(BLANK.vertices * way))
+    expected = math.acos(1.0 - depth / RADIUS)
+    assert found.angle(0, 0.5) == pytest.approx(expected, abs=1e-9)
+
+
+@given(st.floats(0.05, 5.5))
+def test_the_second_pass_meets_what_the_first_one_left(over: float) -> None:
+    start, moves = line(-10.0 + 20.0j, 90.0 + 20.0j)
+    moves += [Rapid((90.0, 20.0, 5.0)), Rapid((-10.0, 20.0 + over, 5.0))]
+    moves += line(-10.0 + (20.0 + over) * 1j, -10.0 + (20.0 + over) * 1j, 90 + (20 + over) * 1j)[1]
+    found = cutting(start, moves)
+    assert found.angle(2, 0.5) == pytest.approx(math.acos(1.0 - over / RADIUS), rel=1e-9)
+    # Higher passes do not clear what is below them.
+    high: list[Move] = [Feed((*move.end[:2], -0.5), FEED) for move in moves[:1]]
+    assert cutting((*start[:2], -0.5), high + moves[1:]).angle(2, 0.5) == pytest.approx(math.pi)
+
+
+def test_the_same_way_again_is_air() -> None:
+    start, moves = round_of(20.0, turns=2)
+    found = cutting(start, moves, Contour.circle(21.0)).engagement(2.0)
+    first, second = found.pieces < 2, found.pieces >= 2
+    assert np.sum(found.air[second]) == pytest.approx(np.sum(found.lengths[second]))
+    assert np.all(found.air[first] < 0.05 * found.lengths[first])
+
+
+@given(st.floats(0.05, 5.9), st.floats(20.0, 60.0), st.booleans())
+def test_around_a_round_blank(depth: float, blank: float, outside: bool) -> None:
+    """The triangle of both centres and the crossing has the sides R, rho and that of the blank."""
+    # Outside of a disc, or inside of a hole.
+    rho = blank - depth + RADIUS if outside else blank + depth - RADIUS
+    contours = [Contour.circle(blank)]
+    if not outside:
+        contours.append(Contour.circle(200.0))
+    found = cutting(*round_of(rho), *contours)
+    cosine = (RADIUS**2 + rho**2 - blank**2) / (2.0 * RADIUS * rho)
+    angle = math.acos(max(-1.0, min(1.0, cosine)))
+    assert found.angle(0, 0.7) == pytest.approx(angle if outside else math.pi - angle, abs=1e-7)
+
+
+def test_a_small_circle_in_full_material() -> None:
+    """Its own way lies within the cutter: what is ahead on the inner side is gone already.
+
+    The cutter passed over all points within R of the arc behind it; of the leading half, on the
+    inner side, these begin at the angle of the earliest place of the course.
+    """
+    start, moves = round_of(1.0)
+    found = cutting(start, moves, Contour.circle(50.0))
+    count = np.linspace(0.0, math.pi, 2001)
+    way = found.course.at(0, 0.5)
+    circle = way[0] - 1j * way[1] * RADIUS * np.exp(1j * count)
+    before = np.exp(1j * np.linspace(0.0, 0.5 * math.pi, 501))
+    free = np.min(np.abs(circle[:, None] - before), axis=1) >= RADIUS * (1.0 - 1e-9)
+    assert found.angle(0, 0.5) == pytest.approx(math.pi * np.mean(free), abs=5e-3)
+    assert found.angle(0, 0.5) < 0.9 * math.pi
+
+
+places = st.builds(complex, st.floats(-15.0, 15.0), st.floats(-15.0, 15.0))
+
+
+@st.composite
+def walks(draw: st.DrawFn) -> tuple[Point, list[Move]]:
+    """Lines and arcs between places around the origin."""
+    at = draw(places)
+    start = place(at)
+    moves: list[Move] = []
+    for _ in range(draw(st.integers(1, 6))):
+        end = draw(places)
+        assume(abs(end - at) > 0.1)
+        if draw(st.booleans()):
+            middle = 0.5 * (at + end) + draw(st.floats(-2.0, 2.0)) * 1j * (end - at)
+            ccw = ((end - middle) / (at - middle)).imag >= 0.0
+            moves.append(ArcFeed(place(end), (middle.real, middle.imag), ccw, FEED))
+        else:
+            moves.append(Feed(place(end), FEED))
+        at = end
+    return start, moves
+
+
+def along(found: Cutting, piece: int, share: float, count: int) -> ComplexArray:
+    shares = np.linspace(0.0, share, count)
+    return np.array([found.course.at(piece, float(each))[0] for each in shares])
+
+
+@settings(max_examples=15)
+@given(walks(), st.floats(0.05, 1.0))
+def test_any_course_against_a_count_of_points(walk: tuple[Point, list[Move]], share: float) -> None:
+    """The earlier course as places 0.05 mm apart; each passes over a little less than it should."""
+    found = cutting(*walk, Contour.circle(12.0), Contour.circle(4.0, 5.0 + 1.0j))
+    last = len(found.course) - 1
+    lengths = found.course.lengths
+    counts = [int(length / 0.05) + 2 for length in lengths]
+    before = [along(found, piece, 1.0, counts[piece]) for piece in range(last)]
+    before.append(along(found, last, share, counts[last]))
+    point, way = found.course.at(last, share)
+    circle = point + RADIUS * way * np.exp(1j * np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2000))
+    free = np.min(np.abs(circle[:, None] - np.concatenate(before)), axis=1)
+    within = (np.abs(circle) < 12.0) & (np.abs(circle - 5.0 - 1.0j) > 4.0)
+    loose = math.pi * float(np.mean(within & (free > RADIUS * (1.0 - 1e-9))))
+    tight = math.pi * float(np.mean(within & (free > RADIUS + 0.01)))
+    assert tight - 0.01 <= found.angle(last, share) <= loose + 0.01
+
+
+@settings(max_examples=15)
+@given(walks(), st.lists(places, min_size=1, max_size=8))
+def test_distances_from_pieces(walk: tuple[Point, list[Move]], points: list[complex]) -> None:
+    found = cutting(*walk)
+    at = np.array(points)
+    sampled = [along(found, piece, 1.0, 400) for piece in range(len(found.course))]
+    expected = [np.min(np.abs(at[:, None] - each), axis=1) for each in sampled]
+    steps = found.course.lengths / 399.0
+    exact = distances(found.course, at)
+    for column, length in enumerate(steps):
+        assert np.all(exact[:, column] <= expected[column] + 1e-9)
+        assert np.all(exact[:, column] >= expected[column] - length)
+
+
+@given(places, st.floats(1.0, 10.0))
+@example(0j, 1.0)
+def test_inside_of_contours(point: complex, radius: float) -> None:
+    boundary = boundary_of([Contour.circle(radius), Contour.polygon(BLANK.vertices - 50.0 - 25.0j)])
+    if abs(abs(point) - radius) < 1e-9:
+        return
+    # Both together are the rectangle without the circle.
+    assert inside(boundary, np.array([point]))[0] == (abs(point) > radius)
+
+
+def test_what_another_cutter_cleared_is_air() -> None:
+    start, moves = line(10.0 + 25.0j, 90.0 + 25.0j)
+    wide = course_of(moves, start)
+    found = Cutting(wide, RADIUS, (BLANK,), cleared=((wide, 5.0),))
+    assert found.engagement(5.0).air_share == pytest.approx(1.0)
+    assert Cutting(wide, RADIUS, (BLANK,), top=-2.0).engagement(5.0).peak == 0.0
+
+
+def test_only_the_moves_that_are_asked_for() -> None:
+    start, moves = line(10.0 + 25.0j, 50.0 + 25.0j, 50.0 + 30.0j)
+    found = cutting(start, moves).engagement(1.0, only=[1])
+    assert found.pieces.tolist() == [1]
+
+
+def test_nothing_to_cut() -> None:
+    found = cutting((0.0, 0.0, DEPTH), []).engagement(1.0)
+    assert (found.peak, found.air_share, found.quantile(0.5)) == (0.0, 0.0, 0.0)
