@@ -7,7 +7,7 @@ computing are those of one machine, and no test checks them.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -67,13 +67,15 @@ number, and there is a joint wherever the motion has a break.
 
 ## Machining time
 
-A controller must be able to stop at the end of the next block, so a block of length L is run at
-sqrt(2 a L) at most, where a is the acceleration of the machine profile: blocks shorter than
-feed^2/(2 a) never reach the feed. On an arc of radius r the speed is at most sqrt(a r). The tables
-give the time for one round along the flanks at the scene's feed; `certificate.json` has the
-estimate for the whole program, traverses and plunges included. Braking in corners, jerk, and the
-time that a controller needs to read a block are not included. LinuxCNC's profile has the
-acceleration of its sample machine, 508 mm/s^2.
+A controller has some blocks planned ahead, and runs so that it can stop at the end of the last of
+them, slows down in corners and on tight arcs, and needs a least time for each block: many short
+blocks cost time. The model is that of Grbl's planner, with which it agrees to a millionth, and of
+what LinuxCNC's does in corners; `[dynamics]` of the machine profile has its numbers. The tables
+give the time for one round along the flanks at the scene's feed, and the shortest one, as fast as
+the controller can run these pieces: where the feed of the scene is low, only this one shows what
+the tolerance costs. `certificate.json` has the estimate for the whole program, traverses and
+plunges included. Jerk is not included. LinuxCNC's profile has the acceleration of its sample
+machine, 508 mm/s^2.
 
 ## The knee
 
@@ -89,16 +91,16 @@ A power law has no knee of its own; the use of the pieces introduces one.
 
 Each cell gives the number of pieces of the near-optimal fit, its ratio to N, and the ratio of the
 fast fit. The DXF columns give thousands of bytes with straight pieces, arcs and splines; the milled
-round is in seconds, with straight pieces and with arcs. All of this is the same on every machine,
-except for last digits that another processor rounds differently; the computing times further below
-are not.
+round is in seconds, with straight pieces and with arcs, first at the feed of the scene, then as
+fast as the controller can run it. All of this is the same on every machine, except for last digits
+that another processor rounds differently; the computing times further below are not.
 """
 
 TABLE = """
 ### {name}
 
-| tolerance [mm] | straight pieces | arcs | spline | DXF [kB] | round [s] |
-|---|---|---|---|---|---|
+| tolerance [mm] | straight pieces | arcs | spline | DXF [kB] | round [s] | shortest [s] |
+|---|---|---|---|---|---|---|
 """
 
 PICTURE = """
@@ -163,10 +165,18 @@ def line(found: Found, tolerance: float) -> str:
     """The line of a cam's table."""
     fewest = [found[form, EFFORTS[0], tolerance] for form in FORMS]
     sizes = ["-" if row.drawing is None else f"{row.drawing.size / 1e3:,.0f}" for row in fewest]
-    times = [row.round_seconds for row in fewest[:2]]
-    rounds = ["-" if time is None else f"{time:.1f}" for time in times]
     cells = [f"{tolerance:g}", *(cell(found, form, tolerance) for form in FORMS)]
-    return f"| {' | '.join([*cells, ', '.join(sizes), ', '.join(rounds)])} |\n"
+    cells += [
+        ", ".join(sizes),
+        rounds(row.round_seconds for row in fewest[:2]),
+        rounds(row.shortest_seconds for row in fewest[:2]),
+    ]
+    return f"| {' | '.join(cells)} |\n"
+
+
+def rounds(times: Iterable[float | None]) -> str:
+    """Seconds, with a dash for what is not known."""
+    return ", ".join("-" if time is None else f"{time:.1f}" for time in times)
 
 
 def cam(name: str, rows: tuple[ContourRow, ...]) -> str:

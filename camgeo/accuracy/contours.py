@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -18,7 +19,7 @@ from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.product.product import Product
-from camgeo.toolpath.machine import load
+from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import contour_time
 from camgeo.writing.writer import find_writer
 
@@ -96,7 +97,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
     form, effort, tolerance = row.form, row.effort, row.tolerance
     # Machine of the scene, or the default; without a tool there is no feed, and no time.
     spec = design.disc.options[gcode.FORMAT]
-    dynamics = load(spec.machine).dynamics
+    machine = load(spec.machine)
     flanks = flanks_of(design)
     try:
         fits, seconds = timed(
@@ -122,11 +123,13 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
             ),
         )
         plain = [contour for contour in contours if isinstance(contour, Contour)]
-        milling = design.scene.milling
-        if plain and dynamics is not None and milling is not None:
-            feed = milling.tools[0].feed
-            spent = sum(contour_time(each, feed, dynamics.acceleration) for each in plain)
-            row = replace(row, round_seconds=spent)
+        if design.scene.milling is not None:
+            feed = design.scene.milling.tools[0].feed
+            row = replace(
+                row,
+                round_seconds=_round(plain, feed, machine, tolerance),
+                shortest_seconds=_round(plain, math.inf, machine, tolerance),
+            )
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))
         row = replace(row, drawing=file_cost(design.disc, DRAWING, tolerance))
@@ -135,6 +138,21 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
     except (ToleranceError, GeometryError) as error:
         return replace(row, fault=reason(error))
     return row
+
+
+def _round(
+    contours: Sequence[Contour], feed: float, machine: Machine, tolerance: float
+) -> float | None:
+    """Time [s] of one round along all `contours`; None without any, or without dynamics."""
+    if not contours or machine.dynamics is None:
+        return None
+    blended = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
+    smoothing = blended if blended > 0.0 else None
+    chord = machine.arcs.interpolation
+    return math.fsum(
+        contour_time(each, feed, machine.dynamics, chord=chord, smoothing=smoothing)
+        for each in contours
+    )
 
 
 def timed(work: Callable[[], Result]) -> tuple[Result, float]:

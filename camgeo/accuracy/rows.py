@@ -79,6 +79,7 @@ class ContourRow:
         machine's acceleration is not known.
     ripple : largest error of the acceleration in a replay, relative to its prescribed peak; None if
         it was not requested, and for splines.
+    shortest_seconds : time of the round at the largest feed that the controller can hold.
     fault : why something is missing; empty if nothing is.
     """
 
@@ -90,6 +91,7 @@ class ContourRow:
     program: FileCost | None = None
     round_seconds: float | None = None
     ripple: float | None = None
+    shortest_seconds: float | None = None
     fault: str = ""
 
 

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
 from camgeo.numeric.checked import check_fields, instance, instances, one_of, shown
 from camgeo.reading import MACHINE, check_toml, read_within
+from camgeo.toolpath.look_ahead import Dynamics
 from camgeo.toolpath.machine_fields import Text, WorkOffsets
 from camgeo.toolpath.machine_schema import faults_of
 from camgeo.toolpath.machine_tables import (
@@ -32,7 +33,6 @@ from camgeo.toolpath.machine_tables import (
     UnitWords,
     Words,
 )
-from camgeo.toolpath.machining_time import Dynamics
 
 KEY: Final = "output.gcode.machine"
 """Key of the scene that names the profile."""

@@ -396,7 +396,7 @@ def test_a_profile_without_dynamics_states_no_time(tmp_path: Path) -> None:
         ("rapid_feed", "rapid_feed = 0", "must be a number, above 0"),
         ("line_length", "line_length = 2", "must be a whole number from 3 to 255"),
         ("end", 'end = ["M{two}"]', "end = 'M{two}': must hold no braces but {name}, {unit}"),
-        ("rapid_feed", "", "dynamics.rapid_feed: is missing: Of traverses"),
+        ("rapid_feed", "", "dynamics.rapid_feed: is missing: Of each axis in traverses"),
         ("interpolation", "interpolation = -1", "must be a number, at least 0"),
     ],
 )

@@ -16,7 +16,8 @@ pieces: in the contours of the flanks; of least: pieces other than dwells and tu
 deviation: proved, both ways and for every point
 fit, proof, write, read: seconds of computing on this machine: the fit with its proof, the proof
     again from the finished contour alone, the drawing written with all its curves, and read back
-round: seconds to mill once along the flanks, from feed and acceleration
+round, shortest: seconds to mill once along the flanks at the feed of the scene, and as fast as the
+    controller can run these pieces, by its look-ahead, corners and accelerations
 ripple: largest error of the acceleration in a replay, as a share of its demanded peak
 error: bound on the error of the lift if it is interpolated linearly between two rows"""
 """The columns of the tables, explained below them."""
@@ -30,7 +31,7 @@ effects: tolerance, estimate and off are shares of the scale of a figure, e.g. t
 
 CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
-    "proof", "write", "read", "round",
+    "proof", "write", "read", "round", "shortest",
 )  # fmt: skip
 SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
 EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off", "figure")
@@ -92,6 +93,7 @@ def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:
         _seconds(None if drawing is None else drawing.write_seconds),
         _seconds(None if drawing is None else drawing.read_seconds),
         NONE if row.round_seconds is None else f"{row.round_seconds:.1f}",
+        NONE if row.shortest_seconds is None else f"{row.shortest_seconds:.1f}",
     ]
     if ripple:
         cells.append(NONE if row.ripple is None else f"{100.0 * row.ripple:.3g} %")

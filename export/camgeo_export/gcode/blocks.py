@@ -115,12 +115,9 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     chord = (CHORD_SHARE if arcs else LINE_SHARE) * tolerance
     smoothing = machine.smoothing
     left = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - interpolation
-    blending = 0.0
-    if smoothing is not None:
-        # Coarse numbers may leave too little for it.
-        blending = min(smoothing.share * tolerance, smoothing.largest, left - LEAST_FIT * tolerance)
-        if blending < smoothing.smallest * (1.0 - 1e-9):
-            blending = 0.0
+    # Coarse numbers may leave too little for it.
+    most = left - LEAST_FIT * tolerance
+    blending = 0.0 if smoothing is None else smoothing.deviation(tolerance, most)
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
     fit = left - blending

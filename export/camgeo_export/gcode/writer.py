@@ -53,7 +53,11 @@ class GcodeWriter:
         if shares.interpolation > 0.0:
             facts["controller_arcs_mm"] = _short(shares.interpolation)
         if machine.dynamics is not None:
-            facts["machining_time_s"] = round(toolpath_time(toolpath, machine.dynamics), 1)
+            smoothing = shares.blending if shares.blending > 0.0 else None
+            seconds = toolpath_time(
+                toolpath, machine.dynamics, chord=shares.interpolation, smoothing=smoothing
+            )
+            facts["machining_time_s"] = round(seconds, 1)
         ending = ENDINGS[machine.text.line_ending]
         return Written("".join(line + ending for line in lines).encode("ascii"), facts)
 

@@ -1,0 +1,97 @@
+"""The plan of speeds against Grbl's own planner, compiled.
+
+`CAMGEO_GRBL_PLANNER` names the program; tests/toolpath/grbl/driver.c says how to build it. Where it
+is absent, the times that it gave are compared: gnea/grbl at bfb67f0, compiled by gcc for x86-64.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+from camgeo.numeric.arrays import FloatArray
+from camgeo.toolpath.look_ahead import Dynamics, block_times
+from camgeo.toolpath.machining_time import blocks_of
+from camgeo.toolpath.moves import Feed, Move, Point, Rapid
+
+PLANNER = os.environ.get("CAMGEO_GRBL_PLANNER", "")
+
+MACHINE = Dynamics(500.0, 8000.0, look_ahead=14, junction_deviation=0.02)
+"""Grbl's buffer has 16 places, of which 15 are used: one block runs, 14 are planned. The other
+values are those of its X-Carve (grbl/defaults.h)."""
+
+FLOAT = 1e-6
+"""Grbl computes in single precision: a time may be off by some 2^-24 of itself for each of a dozen
+operations."""
+
+PLACES = 2e-6
+"""[s] Grbl's places, too, are floats of 24 bits: at 100 mm lengths are off by 8e-6 mm, and the time
+of a block by that over its speed, of which few are below 5 mm/s here."""
+
+START: Point = (0.0, 0.0, 0.0)
+
+
+def run(*moves: Move) -> FloatArray:
+    return block_times(blocks_of(moves, START), MACHINE)[0]
+
+
+def judged(*moves: Move) -> FloatArray:
+    """Seconds of each block by Grbl's planner."""
+    lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}", "0 0 0 0"]
+    for move in moves:
+        assert isinstance(move, Rapid | Feed)
+        feed = move.feed if isinstance(move, Feed) else 0.0
+        lines.append(" ".join(map(repr, (*move.end, feed))))
+    done = subprocess.run([PLANNER], input="\n".join(lines), text=True, capture_output=True)
+    return np.array([float(line) for line in done.stdout.split()])
+
+
+def random_moves(seed: int, step: float, count: int = 120) -> tuple[Move, ...]:
+    rng = np.random.default_rng(seed)
+    points = np.cumsum(rng.normal(size=(count, 3)) * (step, step, 0.1 * step), axis=0).round(4)
+    feeds = rng.choice([300.0, 1000.0, 5000.0, 0.0], count)
+    places = [(float(x), float(y), float(z)) for x, y, z in points]
+    return tuple(
+        Feed(place, float(feed)) if feed else Rapid(place)
+        for place, feed in zip(places, feeds, strict=True)
+    )
+
+
+def chords(count: int, feed: float) -> tuple[Move, ...]:
+    """A circle of 50 mm in `count` chords."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count + 1)[1:]
+    points = np.column_stack((50.0 * np.cos(angles) - 50.0, 50.0 * np.sin(angles))).round(4)
+    return tuple(Feed((float(x), float(y), 0.0), feed) for x, y in points)
+
+
+RECORDED = {
+    "corner": (
+        (Feed((10.0, 0.0, 0.0), 600.0), Feed((10.0, 10.0, 0.0), 600.0), Rapid(START)),
+        2.298173054,
+    ),
+    "back and forth": ((Feed((10.0, 0.0, 0.0), 3000.0), Feed(START, 3000.0)), 0.6),
+    "steps of 5 mm": (random_moves(1, 5.0), 50.5223301652),
+    "steps of 50 um": (random_moves(2, 0.05), 1.50641961367),
+    "circle, 500 chords": (chords(500, 3000.0), 6.3831352062),
+    "circle, 5000 chords": (chords(5000, 3000.0), 10.00995400547),
+    "circle, 20000 chords": (chords(20000, 3000.0), 19.93016676031),
+}
+"""Moves, and the seconds by Grbl's planner."""
+
+
+@pytest.mark.parametrize("name", RECORDED)
+def test_the_time_is_that_of_grbls_planner(name: str) -> None:
+    moves, seconds = RECORDED[name]
+    assert np.sum(run(*moves)) == pytest.approx(seconds, rel=FLOAT)
+
+
+@pytest.mark.skipif(not PLANNER, reason="CAMGEO_GRBL_PLANNER names no build of Grbl's planner")
+@pytest.mark.parametrize("name", RECORDED)
+def test_each_block_takes_as_long_in_grbls_planner(name: str) -> None:
+    moves, seconds = RECORDED[name]
+    own, other = run(*moves), judged(*moves)
+    assert np.max(np.abs(own - other)) < FLOAT * np.max(own) + PLACES
+    assert np.sum(other) == pytest.approx(seconds, rel=FLOAT)
