@@ -13,7 +13,15 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, joined
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    frozen,
+    joined,
+    taken,
+)
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Move, Point, Rapid, Stop
 
@@ -30,7 +38,7 @@ class Course:
     starts, ends : (n,) complex [mm]; equal where the cutter moves along Z alone.
     sweeps : (n,) [rad], positive counter-clockwise, at most half a turn; 0 for lines.
     centres : (n,) complex [mm]; 0 for lines.
-    highest, lowest : (n,) Z of the tip [mm] on each piece.
+    from_z, to_z : (n,) Z of the tip [mm] at both ends of each piece, with a constant slope between.
     moves : (n,) index of the move that it is part of.
     """
 
@@ -38,19 +46,29 @@ class Course:
     ends: ComplexArray
     sweeps: FloatArray
     centres: ComplexArray
-    highest: FloatArray
-    lowest: FloatArray
+    from_z: FloatArray
+    to_z: FloatArray
     moves: IntArray
 
     def __post_init__(self) -> None:
         for name in ("starts", "ends", "centres"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.complex128))
-        for name in ("sweeps", "highest", "lowest"):
+        for name in ("sweeps", "from_z", "to_z"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
         object.__setattr__(self, "moves", frozen(self.moves, np.intp))
 
     def __len__(self) -> int:
         return len(self.starts)
+
+    @property
+    def highest(self) -> FloatArray:
+        """(n,) largest Z of the tip [mm] on each piece."""
+        return np.maximum(self.from_z, self.to_z)
+
+    @property
+    def lowest(self) -> FloatArray:
+        """(n,) least Z of the tip [mm] on each piece."""
+        return np.minimum(self.from_z, self.to_z)
 
     @property
     def radii(self) -> FloatArray:
@@ -74,6 +92,37 @@ class Course:
         return complex(centre + arm), complex(1j * np.sign(sweep) * arm / abs(arm))
 
 
+def below(course: Course, z: float) -> Course:
+    """The parts of the pieces on which the tip is not above `z` [mm]."""
+    course = taken(course, course.lowest <= z)
+    if np.all(course.highest <= z):
+        return course
+    rise = course.to_z - course.from_z
+    share = np.divide(z - course.from_z, rise, out=np.ones(len(course)), where=rise != 0.0)
+    share = np.clip(share, 0.0, 1.0)
+    first = np.where(course.from_z > z, share, 0.0)
+    last = np.where(course.to_z > z, share, 1.0)
+    return Course(
+        _at(course, first),
+        _at(course, last),
+        course.sweeps * (last - first),
+        course.centres,
+        np.minimum(course.from_z, z),
+        np.minimum(course.to_z, z),
+        course.moves,
+    )
+
+
+def _at(course: Course, shares: FloatArray) -> ComplexArray:
+    """(n,) places [mm] at a share of each piece; its own ends at 0 and 1."""
+    along = course.starts + (course.ends - course.starts) * shares
+    turned = course.centres + (course.starts - course.centres) * np.exp(1j * course.sweeps * shares)
+    found = np.where(course.sweeps != 0.0, turned, along)
+    found = np.where(shares == 0.0, course.starts, found)
+    places: ComplexArray = np.where(shares == 1.0, course.ends, found)
+    return places
+
+
 def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     """The course of the feed moves; traverses cut nothing and are left out.
 
@@ -87,15 +136,16 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
             continue
         end = complex(move.end[0], move.end[1])
         if at is not None and not isinstance(move, Rapid):
-            start, high, low = complex(at[0], at[1]), max(at[2], move.end[2]), move.end[2]
-            low = min(at[2], low)
+            start = complex(at[0], at[1])
             if isinstance(move, ArcFeed):
                 centre = complex(*move.centre)
                 sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
-                for arc in Arc(start, end, sweep, centre).split(HALF_TURN):
+                arcs = Arc(start, end, sweep, centre).split(HALF_TURN)
+                heights = np.linspace(at[2], move.end[2], len(arcs) + 1).tolist()
+                for arc, high, low in zip(arcs, heights, heights[1:], strict=False):
                     rows.append((arc.start, arc.end, arc.sweep, arc.centre, high, low, number))
             else:
-                rows.append((start, end, 0.0, 0j, high, low, number))
+                rows.append((start, end, 0.0, 0j, at[2], move.end[2], number))
         at = move.end
     places = np.array([row[:4] for row in rows], dtype=np.complex128).reshape(-1, 4)
     levels = np.array([row[4:6] for row in rows], dtype=np.float64).reshape(-1, 2)

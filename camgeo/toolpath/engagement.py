@@ -8,7 +8,7 @@ closed form, and the parts between two of them are judged at their middle, so th
 place is exact to rounding. It is that at the height of the tip: pieces that ran higher have left
 material there.
 
-Along the course, places are sampled: at both ends of each piece and between them at the given
+Along the course, places are sampled: next to both ends of each piece and between them at the given
 spacing. The largest value is then refined between the neighbouring samples by golden sections. A
 peak shorter than the spacing, with lower samples on both sides, can be missed; the angle is
 continuous along a piece except where the circle touches an edge of the same curvature. The ends of
@@ -34,6 +34,10 @@ cutter itself, and that of a neighbouring piece which touches it there, are at i
 NOTHING: Final = 1e-4
 """Angle [rad] below which the cutter is in air: where its edge touches that of its earlier course,
 the share above is passed within sqrt(2e-10)."""
+
+INSET: Final = 1e-4
+"""Distance [mm] of the first and the last sample from the ends of a piece. At the end of an earlier
+course the circle of the cutter is the very edge of what that has swept."""
 
 LEVEL: Final = 1e-9
 """Heights [mm] that differ by less are equal."""
@@ -128,7 +132,8 @@ class Cutting:
         shares, angles, weights = [], [], []
         for piece in pieces:
             count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
-            at = np.linspace(0.0, 1.0, count)
+            inset = min(INSET / lengths[piece], 0.1)
+            at = np.linspace(inset, 1.0 - inset, count)
             shares.append(at)
             angles.append(np.array([judge.angle(int(piece), float(share)) for share in at]))
             step = np.full(count, lengths[piece] / (count - 1))
@@ -209,7 +214,7 @@ class _Judge:
         ends[-1] = place
         sweeps[-1] *= share
         return Course(
-            found.starts, ends, sweeps, found.centres, found.highest, found.lowest, found.moves
+            found.starts, ends, sweeps, found.centres, found.from_z, found.to_z, found.moves
         )
 
     def refined(
@@ -236,8 +241,9 @@ class _Judge:
     def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
         """Share of the piece on which the engagement is 0."""
         found = 0.0
+        ends = np.concatenate(([0.0], shares[1:-1], [1.0]))  # what is inset is like its sample
         for place in range(len(shares) - 1):
-            low, high = float(shares[place]), float(shares[place + 1])
+            low, high = float(ends[place]), float(ends[place + 1])
             free = angles[place] == 0.0, angles[place + 1] == 0.0
             if all(free):
                 found += high - low

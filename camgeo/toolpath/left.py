@@ -1,0 +1,142 @@
+"""What is left of a blank: pieces that nothing holds any more, and material left on the part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from camgeo.toolpath.stages import Flaw, Slab, Stage, flaw
+from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
+
+TOUCHING = 1e-4
+"""Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A connected part of the material: areas with the number of their slab."""
+
+    areas: tuple[tuple[int, Area], ...]
+
+    def volume(self, slabs: Sequence[Slab]) -> float:
+        """[mm^3]."""
+        return sum((slabs[k].z1 - slabs[k].z0) * float(area.area) for k, area in self.areas)
+
+    def shared(self, others: Sequence[Area]) -> float:
+        """Area [mm^2] shared with one area for each slab, all slabs together."""
+        return sum(float(shapely.intersection(area, others[k]).area) for k, area in self.areas)
+
+
+def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
+    """The connected parts of the material."""
+    single = [[(k, each) for each in parts(slab.material)] for k, slab in enumerate(slabs)]
+    offsets = np.concatenate(([0], np.cumsum([len(each) for each in single]))).astype(int)
+    owner = list(range(int(offsets[-1])))
+
+    def root(number: int) -> int:
+        while owner[number] != number:
+            number = owner[number]
+        return number
+
+    for k in range(len(slabs) - 1):
+        shared = overlap([area for _, area in single[k]], [area for _, area in single[k + 1]])
+        for low, high in np.argwhere(shared > TOUCHING):
+            owner[root(int(offsets[k] + low))] = root(int(offsets[k + 1] + high))
+    flat = [each for slab in single for each in slab]
+    groups: dict[int, list[tuple[int, Area]]] = {}
+    for number, each in enumerate(flat):
+        groups.setdefault(root(number), []).append(each)
+    return tuple(Piece(tuple(group)) for group in groups.values())
+
+
+def left_flaws(
+    stages: Sequence[Stage],
+    part: Sequence[Area],
+    held: Sequence[Area] | None,
+    joined: float | None,
+    allowed: float,
+) -> Iterator[Flaw]:
+    """Pieces that come loose, each where it does, and what is left on the part at the end.
+
+    Parameters
+    ----------
+    part : in each slab.
+    held, joined : as in `camgeo.toolpath.simulation.Setup`.
+    allowed : thickness [mm] that may be left.
+    """
+    known: list[Piece] = []
+    for stage in stages:
+        for piece in pieces(stage.slabs) if held is not None else ():
+            if any(_same(piece, each) for each in known) or _held(piece, held or ()):
+                continue
+            known.append(piece)
+            yield _loose(stage, piece, part)
+    if stages:
+        yield from _rests(stages[-1], part, joined, allowed)
+
+
+def _held(piece: Piece, held: Sequence[Area]) -> bool:
+    return any(
+        float(shapely.intersection(area, each).area) > TOUCHING
+        for _, area in piece.areas
+        for each in held
+    )
+
+
+def _same(piece: Piece, other: Piece) -> bool:
+    """Whether a piece is what is left of one that came loose before."""
+    before = dict(other.areas)
+    return all(
+        k in before and float(shapely.intersection(area, before[k]).area) > TOUCHING
+        for k, area in piece.areas[:1]
+    )
+
+
+def _loose(stage: Stage, piece: Piece, part: Sequence[Area]) -> Flaw:
+    k, area = max(piece.areas, key=lambda each: each[1].area)
+    low, _, high, _ = area.bounds
+    _, bottom, _, top = area.bounds
+    volume = piece.volume(stage.slabs)
+    what = "the part" if piece.shared(part) > 0.5 * sum(each.area for each in part) else "a core"
+    text = (
+        f"{what} of {high - low:.3g} x {top - bottom:.3g} mm, {volume:.3g} mm^3, comes loose"
+        " and nothing holds it"
+    )
+    place = place_in(area)
+    where = (place.real, place.imag, stage.slabs[k].z0)
+    return flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3")
+
+
+def _rests(
+    stage: Stage, part: Sequence[Area], joined: float | None, allowed: float
+) -> Iterator[Flaw]:
+    """Material that is left beside the part, or on one of its faces."""
+    found: list[Flaw] = []
+    for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
+        if slab.material.is_empty or (joined is not None and slab.z1 <= joined + 1e-6):
+            continue
+        beside = shapely.difference(slab.material, grown(target, allowed))
+        thick = parts(grown(grown(beside, -0.5 * allowed), 0.5 * allowed))
+        close = grown(target, 2.0 * allowed)
+        faces = shapely.difference(shapely.union_all(part[max(k - 1, 0) : k + 2]), target)
+        for each in thick:
+            if not target.is_empty and shapely.intersects(each, close):
+                points = shapely.points(shapely.get_coordinates(each))
+                size = float(np.max(shapely.distance(points, target)))
+            elif float(shapely.intersection(each, faces).area) > TOUCHING:
+                size = slab.z1 - slab.z0
+            else:
+                continue
+            left, low, right, high = each.bounds
+            text = (
+                f"material is left on the part, up to {size:.3g} mm thick, {right - left:.3g} mm"
+                f" along X, {high - low:.3g} mm along Y and {slab.z1 - slab.z0:.3g} mm high"
+            )
+            place = place_in(each)
+            where = (place.real, place.imag, slab.z0)
+            found.append(flaw("rest", stage.operation, text, size, allowed, where))
+    if found:
+        yield max(found, key=lambda each: each.value)

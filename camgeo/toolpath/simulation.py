@@ -1,0 +1,307 @@
+"""Simulation of a milling program: what is left of the blank, and what goes wrong on the way.
+
+The blank is cut into slabs between all heights that matter: those of the part, of the blank, and of
+passes at one depth. In each slab the material is an area, and every move takes away what its cutter
+sweeps there. So it judges any moves, whatever planned them: those of camgeo's strategies as well as
+those of a program that the interpreter has read. `camgeo.toolpath.sweep` says how exact the areas
+are. A cutter is upright down to its tip, but for the point of a drill; corner radii are ignored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import shapely
+
+from camgeo.contour.contour import Contour
+from camgeo.toolpath.course import Course, below, course_of
+from camgeo.toolpath.left import left_flaws
+from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
+from camgeo.toolpath.stages import Body, Flaw, Slab, Stage, areas, flaw
+from camgeo.toolpath.sweep import NOTHING, Area, grown, parts, place_in, polygon, swept
+
+FINENESS: Final = 1e-3
+"""Deviation of chords [mm] unless stated."""
+
+ALLOWED: Final = 0.02
+"""[mm] by which part and path may overlap or miss each other unless stated: far above what the
+polygons are off, and not seen on a part."""
+
+LEVEL: Final = 1e-6
+"""Heights [mm] that differ by less are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What one tool does: an operation.
+
+    Attributes
+    ----------
+    name : of the operation.
+    moves : in order, halts among them.
+    radius : of the cutter [mm].
+    point : height [mm] of its point, which does not cut at the full radius.
+    plunges : whether it may go straight down into material.
+    shank : radius above the cutting edges, and their length [mm]; None if not known.
+    obstacles : that no move may touch below their tops.
+    start : where it stands before; None if the first move is a traverse.
+    """
+
+    name: str
+    moves: tuple[Move | Stop, ...]
+    radius: float
+    point: float = 0.0
+    plunges: bool = True
+    shank: tuple[float, float] | None = None
+    obstacles: tuple[Body, ...] = ()
+    start: Point | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setup:
+    """What a program starts from, and what must come of it.
+
+    Attributes
+    ----------
+    blank : contours, of which a point of it is within an odd number.
+    top, bottom : of the blank, Z [mm].
+    part : what must be left.
+    held : outlines within which the blank is held; None if that is not to be judged.
+    lowest : Z below which no tip may go but for its point [mm]; None for no limit.
+    joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
+    """
+
+    blank: tuple[Contour, ...]
+    top: float
+    bottom: float
+    part: tuple[Body, ...] = ()
+    held: tuple[tuple[Contour, ...], ...] | None = None
+    lowest: float | None = None
+    joined: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """A program simulated.
+
+    Attributes
+    ----------
+    stages : the material after each operation.
+    flaws : in the order in which they arise; empty for a sound program. Of one kind in one
+        operation there is the worst only.
+    part : the area of the part in each slab of a stage.
+    """
+
+    stages: tuple[Stage, ...]
+    flaws: tuple[Flaw, ...]
+    part: tuple[Area, ...]
+
+    def of(self, name: str) -> tuple[Flaw, ...]:
+        """The flaws of one kind."""
+        return tuple(each for each in self.flaws if each.name == name)
+
+
+def simulate(
+    setup: Setup, runs: Sequence[Run], *, fineness: float = FINENESS, allowed: float = ALLOWED
+) -> Simulation:
+    """Run a program in its blank.
+
+    Parameters
+    ----------
+    fineness : deviation of chords [mm].
+    allowed : [mm] by which a cutter may enter the part, or material stay on it.
+    """
+    heights = _heights(setup, runs)
+    whole = polygon(setup.blank, fineness)
+    slabs = tuple(
+        Slab(z0, z1, whole if setup.bottom < 0.5 * (z0 + z1) < setup.top else NOTHING)
+        for z0, z1 in pairwise(heights)
+    )
+    part = tuple(_section(setup.part, 0.5 * (slab.z0 + slab.z1), fineness) for slab in slabs)
+    bench = _Bench(setup, slabs, part, fineness, allowed)
+    stages, flaws = [], []
+    for run in runs:
+        flaws += bench.run(run)
+        stages.append(Stage(run.name, bench.slabs))
+    held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
+    flaws += left_flaws(stages, part, held, setup.joined, allowed)
+    order = {run.name: place for place, run in enumerate(runs)}
+    flaws.sort(key=lambda each: order[each.operation])
+    return Simulation(tuple(stages), tuple(flaws), part)
+
+
+def _heights(setup: Setup, runs: Sequence[Run]) -> list[float]:
+    """Ascending borders of the slabs [mm]."""
+    found = [setup.top, setup.bottom]
+    found += [z for body in setup.part for z in (body.z0, body.z1)]
+    found += [] if setup.joined is None else [setup.joined]
+    for run in runs:
+        course = course_of(run.moves, run.start)
+        flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
+        ends = course.to_z[course.lengths == 0.0]  # of plunges and drilled holes
+        found += [z + run.point for z in (*course.from_z[flat].tolist(), *ends.tolist())]
+    highest = max([setup.top, *(body.z1 for body in setup.part)])
+    heights: list[float] = []
+    for z in sorted(z for z in found if setup.bottom <= z <= highest):
+        if not heights or z - heights[-1] > LEVEL:
+            heights.append(z)
+    return heights
+
+
+def _section(bodies: Sequence[Body], z: float, fineness: float) -> Area:
+    """The area of `bodies` at one height."""
+    found = [polygon(body.contours, fineness) for body in bodies if body.z0 < z < body.z1]
+    return shapely.union_all(found) if found else NOTHING
+
+
+class _Bench:
+    """The material while it is cut."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        slabs: tuple[Slab, ...],
+        part: tuple[Area, ...],
+        fineness: float,
+        allowed: float,
+    ) -> None:
+        self.setup, self.slabs, self.part = setup, slabs, part
+        self.fineness, self.allowed = fineness, allowed
+        self.kernels = [grown(area, -allowed) for area in part]
+
+    def run(self, run: Run) -> list[Flaw]:
+        """The flaws of one operation, the worst of each kind."""
+        found: list[Flaw] = []
+        chain: list[Move] = []
+        at, begin = run.start, run.start
+        for move in run.moves:
+            if isinstance(move, Stop):
+                continue
+            down = at is not None and move.end[:2] == at[:2] and move.end[2] < at[2]
+            if isinstance(move, Rapid) or (down and not run.plunges):
+                found += self._cut(run, course_of(chain, begin))
+                chain, begin = [], at
+                if at is not None:
+                    found += self._enter(run, at, move)
+            if isinstance(move, Rapid):
+                begin = move.end
+            else:
+                chain.append(move)
+            at = move.end
+        found += self._cut(run, course_of(chain, begin))
+        worst: dict[str, Flaw] = {}
+        for each in found:
+            if each.name not in worst or each.excess > worst[each.name].excess:
+                worst[each.name] = each
+        return list(worst.values())
+
+    def _enter(self, run: Run, at: Point, move: Move) -> Iterator[Flaw]:
+        """A traverse, or a plunge of a tool that must not: it may meet no material."""
+        course = _straight(at, move.end)
+        yield from self._clear(run, course)
+        if move.end[2] > at[2]:
+            return
+        rapid = isinstance(move, Rapid)
+        text = "a traverse goes {:.3g} mm deep into material" if rapid else (
+            "a plunge goes {:.3g} mm deep into material, which the tool must not"
+        )  # fmt: skip
+        name = "rapid" if rapid else "plunge"
+        yield from self._meets(
+            run, course, run.radius - self.allowed, areas(self.slabs), name, text.format
+        )
+
+    def _cut(self, run: Run, course: Course) -> Iterator[Flaw]:
+        """Take away what a chain of feed moves sweeps; what is wrong with it."""
+        if not len(course):
+            return
+        yield from self._clear(run, course)
+        yield from self._gouges(run, course)
+        self.slabs = tuple(
+            slab.without(
+                swept(below(course, slab.z0 - run.point + LEVEL), run.radius, self.fineness)
+            )
+            for slab in self.slabs
+        )
+        if run.shank is not None:
+            radius, length = run.shank
+            yield from self._meets(
+                run,
+                course,
+                radius - self.allowed,
+                areas(self.slabs),
+                "shank",
+                "the shank is {:.3g} mm deep in material".format,
+                length,
+            )
+
+    def _meets(
+        self,
+        run: Run,
+        course: Course,
+        radius: float,
+        bodies: Sequence[Area],
+        name: str,
+        text: Callable[[float], str],
+        above: float = 0.0,
+    ) -> Iterator[Flaw]:
+        """Where a cylinder that begins `above` the tip meets `bodies`, one for each slab."""
+        for slab, body in zip(self.slabs, bodies, strict=True):
+            if body.is_empty:
+                continue
+            low = below(course, slab.z1 - above - 2.0 * LEVEL)
+            touched = shapely.intersection(swept(low, radius, self.fineness), body)
+            if parts(touched):
+                tip = float(np.min(low.lowest))
+                depth = slab.z1 - above - tip
+                yield flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
+
+    def _gouges(self, run: Run, course: Course) -> Iterator[Flaw]:
+        for slab, kernel, part in zip(self.slabs, self.kernels, self.part, strict=True):
+            if kernel.is_empty:
+                continue
+            low = below(course, slab.z1 - run.point - 2.0 * LEVEL)
+            touched = shapely.intersection(swept(low, run.radius, self.fineness), kernel)
+            if parts(touched):
+                points = shapely.points(shapely.get_coordinates(touched))
+                depths = shapely.distance(points, shapely.boundary(part))
+                deepest = int(np.argmax(depths))
+                depth, where = float(depths[deepest]), shapely.get_coordinates(points)[deepest]
+                if depth <= self.allowed + 2.0 * self.fineness:  # an edge that is rounded
+                    continue
+                place = (float(where[0]), float(where[1]), float(np.min(low.lowest)))
+                text = f"the cutter goes {depth:.3g} mm into the part"
+                yield flaw("gouge", run.name, text, depth, self.allowed, place)
+
+    def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
+        """Obstacles touched, and depths that are too large."""
+        for body in run.obstacles:
+            outline = polygon(body.contours, self.fineness)
+            low = below(course, body.z1 - LEVEL)
+            touched = shapely.intersection(swept(low, run.radius, self.fineness), outline)
+            if parts(touched):
+                away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
+                within = max(0.0, run.radius - self.allowed - float(away))
+                text = f"the cutter goes {within:.3g} mm into the {body.name}"
+                tip = float(np.min(low.lowest))
+                place = _point(place_in(touched), tip)
+                yield flaw("obstacle", run.name, text, within, 0.0, place)
+        tip = float(np.min(course.lowest))
+        limit = None if self.setup.lowest is None else self.setup.lowest - run.point
+        if limit is not None and tip < limit - LEVEL:
+            piece = int(np.argmin(course.lowest))
+            text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g}"
+            place = _point(complex(course.ends[piece]), tip)
+            yield flaw("depth", run.name, text, tip, limit, place)
+
+
+def _straight(start: Point, end: Point) -> Course:
+    """A straight move, at feed or not."""
+    return course_of([Feed(end, 1.0)], start)
+
+
+def _point(place: complex, z: float) -> Point:
+    return (place.real, place.imag, z)

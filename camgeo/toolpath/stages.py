@@ -1,0 +1,99 @@
+"""What a simulation of a milling program hands on: the material in slabs, and what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import shapely
+
+from camgeo.contour.contour import Contour
+from camgeo.toolpath.moves import Point
+from camgeo.toolpath.sweep import Area
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """An upright body between two heights [mm]; a point is in it if within an odd number of its
+    contours.
+    """
+
+    name: str
+    z0: float
+    z1: float
+    contours: tuple[Contour, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slab:
+    """The material between two heights [mm]."""
+
+    z0: float
+    z1: float
+    material: Area
+
+    def without(self, area: Area) -> Slab:
+        """What is left when `area` is taken away."""
+        if self.material.is_empty or area.is_empty:
+            return self
+        return replace(self, material=shapely.difference(self.material, area))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """The material after an operation, slab by slab from the lowest."""
+
+    operation: str
+    slabs: tuple[Slab, ...]
+
+    @property
+    def volume(self) -> float:
+        """Of the material [mm^3]."""
+        return sum((slab.z1 - slab.z0) * float(slab.material.area) for slab in self.slabs)
+
+
+@dataclass(frozen=True, slots=True)
+class Flaw:
+    """Something that a machinist would not accept.
+
+    Attributes
+    ----------
+    name : "rapid", "plunge", "gouge", "obstacle", "depth", "shank", "loose" or "rest".
+    operation : in which it arises.
+    sentence : in words, with its place.
+    value, limit : what was found and what is allowed, in `unit`.
+    place : of its largest extent.
+    """
+
+    name: str
+    operation: str
+    sentence: str
+    value: float
+    limit: float
+    unit: str
+    place: Point
+
+    @property
+    def excess(self) -> float:
+        """By how much the limit is missed."""
+        return abs(self.value - self.limit)
+
+
+def flaw(
+    name: str,
+    operation: str,
+    text: str,
+    value: float,
+    limit: float,
+    place: Point,
+    unit: str = "mm",
+) -> Flaw:
+    """A flaw whose sentence ends with its place."""
+    x, y, z = place
+    sentence = f"{operation}: {text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g}"
+    return Flaw(name, operation, sentence, value, limit, unit, place)
+
+
+def areas(slabs: Iterable[Slab]) -> list[Area]:
+    """The material of each."""
+    return [slab.material for slab in slabs]

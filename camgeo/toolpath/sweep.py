@@ -1,0 +1,133 @@
+"""Areas that a cutter passes over, as polygons: for pictures, rests and collisions.
+
+Arcs become chords within a `fineness` [mm], and so do the round ends of what is swept, so that an
+area is off by up to twice that at its edge. GEOS thins its own input as well: below 1e-5 mm a finer
+one gains nothing. Verdicts on the flanks of a part are exact ones, by its parallels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+import numpy as np
+import shapely
+
+from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.toolpath.course import Course
+
+Area = Any
+"""A polygon or several, of shapely, which has no types."""
+
+FINEST: Final = 1e-5
+
+NOTHING: Final = shapely.Polygon()
+
+
+def polygon(contours: Iterable[Contour], fineness: float) -> Area:
+    """What lies within an odd number of `contours`."""
+    found: Area = NOTHING
+    for contour in contours:
+        ring = contour.points(fineness)
+        if len(ring) > 2:
+            ring_area = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
+            found = shapely.symmetric_difference(found, shapely.make_valid(ring_area))
+    return found
+
+
+def swept(course: Course, radius: float, fineness: float) -> Area:
+    """What a circle of `radius` [mm] passes over on `course`."""
+    if not len(course) or radius <= 0.0:
+        return NOTHING
+    shapes = [_shape(chain) for chain in _chains(course, fineness)]
+    return shapely.union_all(shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness)))
+
+
+def disc(place: complex, radius: float, fineness: float) -> Area:
+    """A circle."""
+    point = shapely.Point(place.real, place.imag)
+    return shapely.buffer(point, radius, quad_segs=_quarter(radius, fineness))
+
+
+def grown(area: Area, distance: float) -> Area:
+    """`area` with all that is nearer than `distance` [mm], or without its rim if that is negative.
+
+    Round corners are chords within a hundredth of it.
+    """
+    return shapely.buffer(area, distance, quad_segs=6)
+
+
+def parts(area: Area) -> list[Area]:
+    """The polygons of an area, without lines and points."""
+    return [
+        each
+        for each in shapely.get_parts(shapely.make_valid(area)).tolist()
+        if each.geom_type == "Polygon" and each.area > 0.0
+    ] if not area.is_empty else []  # fmt: skip
+
+
+def place_in(area: Area) -> complex:
+    """A point within the largest part of `area`."""
+    point = shapely.point_on_surface(max(parts(area), key=lambda each: each.area))
+    return complex(point.x, point.y)
+
+
+def rings(area: Area) -> tuple[ComplexArray, ...]:
+    """All rings of `area`, outer and inner, as complex [mm]."""
+    found = []
+    for each in parts(area):
+        for ring in (each.exterior, *each.interiors):
+            points = shapely.get_coordinates(ring)
+            found.append(points[:, 0] + 1j * points[:, 1])
+    return tuple(found)
+
+
+def _quarter(radius: float, fineness: float) -> int:
+    """Chords of a quarter of a circle within `fineness`."""
+    angle = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / radius))
+    return max(4, int(np.ceil(0.5 * np.pi / angle)))
+
+
+def _chains(course: Course, fineness: float) -> list[ComplexArray]:
+    """Points along the course, one array for each part without a gap."""
+    found: list[list[ComplexArray]] = []
+    end = complex(np.nan, np.nan)
+    for piece in range(len(course)):
+        start = complex(course.starts[piece])
+        if abs(start - end) > 0.0 or not found:
+            found.append([np.array([start])])
+        found[-1].append(_points(course, piece, fineness))
+        end = complex(course.ends[piece])
+    return [np.concatenate(each) for each in found]
+
+
+def _points(course: Course, piece: int, fineness: float) -> ComplexArray:
+    """Points of one piece behind its start."""
+    sweep, end = float(course.sweeps[piece]), complex(course.ends[piece])
+    if sweep == 0.0:
+        return np.array([end])
+    centre = complex(course.centres[piece])
+    arm = complex(course.starts[piece]) - centre
+    step = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / abs(arm)))
+    count = max(1, int(np.ceil(abs(sweep) / step)))
+    points: ComplexArray = centre + arm * np.exp(1j * sweep * np.arange(1, count + 1) / count)
+    points[-1] = end
+    return points
+
+
+def _shape(chain: ComplexArray) -> Any:
+    """A line through points, or the point that all of them are."""
+    keep = np.concatenate(([True], np.diff(chain) != 0.0))
+    points = np.column_stack((chain[keep].real, chain[keep].imag))
+    return shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
+
+
+def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, Any]:
+    """(n, m) areas [mm^2] that each of `areas` (n,) shares with each of `others` (m,)."""
+    if not areas or not others:
+        return np.zeros((len(areas), len(others)))
+    first = np.array(areas, dtype=object)[:, None]
+    second = np.array(others, dtype=object)[None, :]
+    found: np.ndarray[Any, Any] = shapely.area(shapely.intersection(first, second))
+    return found

@@ -1,0 +1,87 @@
+"""Planned programs simulated: sound ones, and ones for another blank or another holding."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.part.part import Part
+from camgeo.toolpath.course import course_of
+from camgeo.toolpath.engagement import Cutting
+from camgeo.toolpath.holding import Clamp, Holding, Tabs
+from camgeo.toolpath.judged import runs_of, setup_of
+from camgeo.toolpath.milling import MillingSpec
+from camgeo.toolpath.moves import Toolpath
+from camgeo.toolpath.simulation import Simulation, simulate
+from camgeo.toolpath.stock import Stock
+
+SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
+
+TOLERANCE = 0.001
+
+
+def program(name: str) -> tuple[Toolpath, Part, MillingSpec]:
+    design = camgeo.load(SCENES / f"{name}.toml")
+    assert design.scene.milling is not None
+    return design.disc.milled.toolpath(0.01), design.disc.drawn.part, design.scene.milling
+
+
+def judged(name: str, stock: Stock | None = None, holding: Holding | None = None) -> Simulation:
+    """With what the scene states unless another blank or holding is given."""
+    toolpath, part, spec = program(name)
+    setup = setup_of(toolpath, part, stock or spec.stock, holding or spec.holding, TOLERANCE)
+    return simulate(setup, runs_of(toolpath))
+
+
+def test_a_sound_program() -> None:
+    found = judged("setzhub")
+    assert found.flaws == ()
+    # In the lowest slab the part stands within its slot.
+    (low, *_), target = found.stages[-1].slabs, found.part[0]
+    assert low.material.intersection(target).area == pytest.approx(target.area, rel=2e-4)
+
+
+def test_a_part_comes_loose_from_a_clamped_frame() -> None:
+    clamp = Clamp(place=80.0 + 80.0j, length=20.0, width=20.0, height=10.0)
+    plate = Stock(length=200.0, width=200.0)
+    held = Holding(kind="clamps", through=2.0, clamps=(clamp,))
+    (loose,) = judged("setzhub", plate, held).of("loose")
+    assert "the part of" in loose.sentence
+
+
+def test_the_depth_that_the_holding_allows() -> None:
+    (deep, *_) = judged("setzhub", holding=Holding(kind="fixture")).flaws
+    assert deep.name == "depth"
+    assert deep.limit == -12.0
+
+
+def test_what_is_joined_below_is_no_rest() -> None:
+    toolpath, part, _ = program("setzhub")
+    low = part.layers[0].z0
+    tabs = Holding(kind="tabs", through=1.0, tabs=Tabs(4, 6.0, 2.0))
+    setup = setup_of(toolpath, part, Stock(), tabs, TOLERANCE)
+    assert setup.joined == pytest.approx(low + 2.0)
+    skin = Holding(kind="onion-skin", skin=0.3)
+    assert setup_of(toolpath, part, Stock(), skin, TOLERANCE).joined == pytest.approx(low + 0.3)
+    fixture = Holding(kind="fixture", through=1.0)
+    thick = setup_of(toolpath, part, Stock(top=1.0, bottom=3.0), fixture, TOLERANCE)
+    assert (thick.top, thick.bottom, thick.joined) == (1.0, low - 3.0, low)
+    # What is to be faced off is left.
+    (rest,) = simulate(thick, runs_of(toolpath)).of("rest")
+    assert rest.place[2] == 0.0
+
+
+def test_a_second_time_the_same_way_is_air() -> None:
+    toolpath, part, _ = program("setzhub")
+    outline = toolpath.operations[-1]
+    plate = setup_of(toolpath, part, Stock(), None, TOLERANCE).blank
+    found = Cutting(course_of(outline.moves), outline.tool.radius, plate).engagement(10.0)
+    assert found.peak > 0.5 * math.pi  # without the roughing before it
+    twice = (*outline.moves, *outline.moves)
+    second = range(len(outline.moves), len(twice))
+    again = Cutting(course_of(twice), outline.tool.radius, plate).engagement(20.0, second)
+    assert again.peak == 0.0
+    assert again.air_share == pytest.approx(1.0)
