@@ -31,12 +31,17 @@ CAM = "cam"
 
 MOTION = "motion"
 EFFECTS = "effects"
-"""The plot of the effects that a scene names; the others can be drawn for every scene."""
+"""The plot of the effects that a scene names."""
+
+BACKPLOT = "backplot"
+"""The plot of the milling program, drawn only if it is asked for; the others are of the cam."""
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
-SUMMARY: Final = "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects"
+SUMMARY: Final = (
+    "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects, backplot"
+)
 
 EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
 
@@ -60,7 +65,11 @@ def run(arguments: argparse.Namespace) -> int:
     design = opened(arguments)
     if EFFECTS in arguments.what and not design.scene.effects:
         raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
-    possible = [name for name in names if name != EFFECTS or design.scene.effects]
+    if BACKPLOT in arguments.what and design.scene.milling is None:
+        raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
+    possible = [name for name in names if name not in (EFFECTS, BACKPLOT)]
+    possible += [EFFECTS] if design.scene.effects else []
+    possible.sort()
     if design.scene.follower is None:
         possible = [MOTION]
     wanted = arguments.what or possible

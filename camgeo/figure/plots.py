@@ -30,6 +30,7 @@ OWN = {
     "curvature": "diagrams:curvature",
     "transmission-angle": "diagrams:transmission_angle",
     "effects": "effects:figure",
+    "backplot": "backplot:figure",
 }
 """Each plot with its module in this package and its builder there."""
 

@@ -78,7 +78,11 @@ OF_DATA: dict[str, Callable[[], Figure]] = {
 
 SCENES = ("scenes/setzhub", "scenes/swallow_tail", "scenes/tappet", "effects/conjugate_lever")
 
-CASES = [*OF_DATA, *(f"{name} of {scene}" for scene in SCENES for name in plots.OWN)]
+MILLED = SCENES[:3]
+"""Those that name a tool: only they have a program to be drawn."""
+
+CASES = [*OF_DATA, *(f"{name} of {scene}" for scene in SCENES for name in plots.OWN
+                     if name != "backplot" or scene in MILLED)]  # fmt: skip
 
 
 @cache

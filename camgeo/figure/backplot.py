@@ -1,0 +1,143 @@
+"""The program as a picture: the course of each tool over blank and part, one panel an operation."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.figure.layout import Size, grid
+from camgeo.figure.marks import Area, Box, Fill, Line, Mark, Style, Text, over, plane
+from camgeo.figure.model import Axis, Entry, Figure, Frame, Legend, Panel
+from camgeo.figure.style import AUXILIARY, LIMIT, LINE
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.product.product import Product
+from camgeo.toolpath.backplot import KINDS, Kind, Plotted, plotted
+from camgeo.toolpath.judged import setup_of
+from camgeo.units import MM_PER
+
+TOLERANCE: Final = 0.01
+"""Of the paths [mm]: far below a printed line."""
+
+SIDE: Final = 3.8
+"""Width and height [inch] of one panel, without its margins."""
+
+MARGINS: Final = (0.65, 0.2, 0.35, 0.95)
+
+GAPS: Final = (0.2, 0.2)
+
+BLANK: Final = Fill("#f3efe6", "#8a7a55", 0.8, (4.0, 2.0))
+PART: Final = Fill("#d5dce4", LINE, 0.8)
+
+STYLES: Final[dict[Kind, Style]] = {
+    "cut": Style(LINE, 0.9),
+    "air": Style("#3c9a5f", 0.9, (3.0, 1.2)),
+    "entry": Style(LIMIT, 1.6),
+    "rapid": Style(AUXILIARY, 0.7, (1.0, 2.0)),
+}
+
+NAMES: Final[dict[Kind, str]] = {
+    "cut": "cut",
+    "air": "feed in air",
+    "entry": "entry",
+    "rapid": "traverse",
+}
+
+PLUNGE: Final = Style(LIMIT, 0.0, marker="v", size=4.5, face=LIMIT)
+
+REACH: Final = 1.0
+"""Diameters of the cutter that are shown around its course."""
+
+
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The program of `product`, in its unit, seen from above.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if it has no program.
+    """
+    spec = product.milled.spec
+    if spec is None:
+        raise GeometryError("names no tool: there is no program to draw", key="tool")
+    toolpath = product.milled.toolpath(TOLERANCE)
+    setup = setup_of(toolpath, product.drawn.part, spec.stock, spec.holding, TOLERANCE)
+    found = plotted(toolpath, setup.blank, setup.top, TOLERANCE)
+    columns = min(2, max(1, len(found)))
+    rows = max(1, math.ceil(len(found) / columns))
+    left, right, top, bottom = MARGINS
+    own = (
+        left + right + SIDE * (columns + GAPS[1] * (columns - 1)),
+        top + bottom + SIDE * (rows + GAPS[0] * (rows - 1)),
+    )
+    size = own if size is None else size
+    scale = 1.0 / MM_PER[product.unit]
+    parts = [contour.points(TOLERANCE) * scale for body in setup.part for contour in body.contours]
+    blank = [contour.points(TOLERANCE) * scale for contour in setup.blank]
+    ground = _ground(blank, BLANK), _ground(_distinct(parts), PART)
+    panels = tuple(
+        _panel(each, frame, ground, scale, product.unit)
+        for each, frame in zip(found, grid(size, MARGINS, rows, columns, GAPS), strict=False)
+    )
+    kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in found)]
+    entries = [Entry("blank", BLANK), Entry("part", PART)]
+    entries += [Entry(NAMES[kind], STYLES[kind]) for kind in kinds]
+    legend = Legend(tuple(entries), "lower center", (0.5, 0.01), columns=len(entries))
+    return Figure(size, panels, legend=legend)
+
+
+def _panel(
+    found: Plotted,
+    frame: Frame,
+    ground: tuple[Area, Area],
+    scale: float,
+    unit: str,
+) -> Panel:
+    """One operation, with as much around its course as the cutter reaches."""
+    marks: list[Mark] = list(ground)
+    drawn = []
+    for kind in KINDS:
+        for trace in found.traces:
+            points = trace.points * scale
+            if trace.kind == kind:
+                drawn.append(points)
+                still = bool(np.all(points == points[0]))
+                style = PLUNGE if still else STYLES[kind]
+                if not still or kind == "entry":
+                    marks.append(Line(plane(points), style, layer=2.0 + 0.1 * KINDS.index(kind)))
+    every = np.concatenate(drawn)
+    middle = complex(
+        0.5 * (np.max(every.real) + np.min(every.real)),
+        0.5 * (np.max(every.imag) + np.min(every.imag)),
+    )
+    reach = REACH * found.operation.tool.diameter * scale
+    half = 0.5 * float(max(np.ptp(every.real), np.ptp(every.imag))) + reach
+    marks.append(Line(over([0.0], [0.0]), Style("black", 0.0, marker="+"), layer=4.0))
+    tool = found.operation.tool
+    lowest = min(move.end[2] for move in found.operation.travel) * scale
+    note = f"T{tool.number}, diameter {tool.diameter * scale:g} {unit}\ndown to Z {lowest:g}"
+    behind = Box(0.2, 0.8)
+    marks.append(Text(note, (0.02, 0.98), 7.5, of="panel", up="top", box=behind, layer=5.0))
+    return Panel(
+        frame,
+        Axis((middle.real - half, middle.real + half), f"X [{unit}]"),
+        Axis((middle.imag - half, middle.imag + half), f"Y [{unit}]"),
+        tuple(marks),
+        found.operation.name,
+        title_size=10.0,
+        equal=True,
+    )
+
+
+def _distinct(rings: list[ComplexArray]) -> list[ComplexArray]:
+    """Each ring once: a boundary may run through several layers."""
+    found: dict[bytes, ComplexArray] = {ring.tobytes(): ring for ring in rings}
+    return list(found.values())
+
+
+def _ground(rings: list[ComplexArray], fill: Fill) -> Area:
+    """The area between rings, the largest around the others."""
+    outer, *holes = sorted(rings, key=lambda ring: -float(np.ptp(ring.real)))
+    return Area((plane(outer), *(plane(hole[::-1]) for hole in holes)), fill, layer=0.5)
