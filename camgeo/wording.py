@@ -47,3 +47,13 @@ def over_cam_angles(first: float, last: float, form: str = ".6g") -> str:
         return f"from cam angle {start} to {end} deg"
     whole = abs(last - first) > math.pi
     return "over the whole turn" if whole else at_cam_angles(first, form=form)
+
+
+def clock(seconds: float) -> str:
+    """A time to the second: "42 s", "3:07 min", "1:03:07 h"."""
+    whole = round(seconds)
+    minutes, rest = divmod(whole, 60)
+    if minutes < 60:
+        return f"{minutes}:{rest:02d} min" if minutes else f"{rest} s"
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d} h"

@@ -352,10 +352,18 @@ def test_importing_camgeo_imports_nothing_unasked(tmp_path: Path) -> None:
 
 
 def test_check_imports_nothing_that_it_does_not_need(tmp_path: Path) -> None:
-    code, loaded = run(ROOT, tmp_path / "report.json", "check", "fixtures/scenes/setzhub.toml")
+    scene = "fixtures/effects/conjugate_lever.toml"
+    code, loaded = run(ROOT, tmp_path / "report.json", "check", scene)
     assert code in {0, 1}
     assert "numpy" in loaded
     assert loaded & UNASKED == set()
+
+
+def test_a_check_with_machining_time_imports_no_writer(tmp_path: Path) -> None:
+    """The program is planned, which fits its paths and tests its leads for gouges."""
+    code, loaded = run(ROOT, tmp_path / "report.json", "check", "fixtures/scenes/setzhub.toml")
+    assert code in {0, 1}
+    assert loaded & (UNASKED - {"scipy", "shapely"}) == set()
 
 
 def test_a_build_imports_no_library_of_verification(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.units import TURN
-from camgeo.wording import at_cam_angles, cam_angle, counted, listed, over_cam_angles
+from camgeo.wording import at_cam_angles, cam_angle, clock, counted, listed, over_cam_angles
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -64,3 +64,12 @@ def test_messages_count_with_counted(folder: str) -> None:
         for match in COUNT.finditer(path.read_text(encoding="utf-8"))
     ]
     assert found == []
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.4, "0 s"), (59.6, "1:00 min"), (187.0, "3:07 min"), (3599.7, "1:00:00 h"),
+     (3787.0, "1:03:07 h")],
+)  # fmt: skip
+def test_times_to_the_second(seconds: float, text: str) -> None:
+    assert clock(seconds) == text

@@ -11,9 +11,20 @@ from camgeo.answers.check import check
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
+from camgeo.wording import clock
 from tests.answers.documents import FIXTURES, SCENES, document, explained
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+
+TOOL = {
+    "number": 1,
+    "diameter": 10.0,
+    "flute_length": 22.0,
+    "spindle_speed": 3000.0,
+    "feed": 300.0,
+    "plunge_feed": 100.0,
+    "stepdown": 3.0,
+}
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
@@ -80,3 +91,36 @@ def test_a_crank_that_its_slider_cannot_turn_has_no_disc() -> None:
     assert "the slider cannot turn the crank there" in fatal.sentence
     assert "cam angle 72.4073 deg" in fatal.sentence
     assert found.exit_code == 1
+
+
+def test_the_machining_time_of_each_operation() -> None:
+    found = check(Design(load_scene(SETZHUB)))
+    machining = found.machining
+    assert machining is not None
+    assert machining.machine == "LinuxCNC"
+    names = [each.name for each in machining.operations]
+    assert names[-1] == "outline"
+    reported = document(found)["machining"]
+    assert [each["name"] for each in reported["operations"]] == names
+    assert sum(each["seconds"] for each in reported["operations"]) == pytest.approx(
+        machining.seconds
+    )
+    (head,) = (line for line in text(found).splitlines() if line.startswith("machining on "))
+    assert clock(machining.seconds) in head
+
+
+def test_a_program_that_cannot_be_planned_has_a_reason() -> None:
+    short = load_scene(SETZHUB).with_values({"tool": [{**TOOL, "flute_length": 5.0}]})
+    machining = check(Design(short)).machining
+    assert machining is not None
+    assert machining.operations == ()
+    assert machining.fault
+    assert f"machining: {machining.fault}" in text(check(Design(short)))
+
+
+def test_no_machining_without_a_tool_or_without_a_disc() -> None:
+    bare = FIXTURES / "effects" / "conjugate_lever.toml"
+    assert check(Design(load_scene(bare))).machining is None
+    refused = FIXTURES / "refused" / "undercut_tappet.toml"
+    assert check(Design(load_scene(refused))).machining is None
+    assert document(check(Design(load_scene(bare))))["machining"] is None

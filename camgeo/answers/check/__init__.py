@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, ClassVar
 
 from camgeo.answers.answer import Answer, exit_code
+from camgeo.check.finding import forbidding
 from camgeo.check.judge import RETURN
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, ToleranceError
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
     from camgeo.design import Design
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path, Pivot
+    from camgeo.product.milled import MilledDisc
     from camgeo.scene.scene import Scene
+    from camgeo.toolpath.machining_time import OperationTime
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,27 @@ class Remains:
 
 
 @dataclass(frozen=True, slots=True)
+class Machining:
+    """The program of the main disc, as its controller runs it.
+
+    Attributes
+    ----------
+    machine : name of the controller.
+    operations : the time of each.
+    fault : why there is none; empty if there are.
+    """
+
+    machine: str
+    operations: tuple[OperationTime, ...]
+    fault: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Of the whole program, tool changes and dwells left out."""
+        return math.fsum(each.seconds for each in self.operations)
+
+
+@dataclass(frozen=True, slots=True)
 class Check(Answer):
     """The findings on a scene.
 
@@ -60,6 +85,7 @@ class Check(Answer):
     curves : the discs by their names, the main one first. None without a follower.
     cures : what would cure undercut, the cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
+    milled : the main disc as it is milled; None if the scene names no tool, or if there is no disc.
     """
 
     command: ClassVar[str] = "check"
@@ -69,6 +95,14 @@ class Check(Answer):
     curves: Mapping[str, Disc]
     cures: tuple[Cure, ...]
     effects: Mapping[str, tuple[Finding, ...]]
+    milled: MilledDisc | None = None
+
+    @property
+    def machining(self) -> Machining | None:
+        """Machining time by operation; None if nothing is milled, or if the machine's dynamics are
+        not known. Planned when asked for.
+        """
+        return None if self.milled is None else _machining(self.milled, self.scene)
 
     @property
     def discs(self) -> dict[str, dict[str, Remains | None]]:
@@ -103,7 +137,31 @@ def check(design: Design) -> Check:
         {name: cam.disc for name, cam in cams},
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
+        None if design.scene.milling is None or forbidding(found) else design.disc.milled,
     )
+
+
+def _machining(milled: MilledDisc, scene: Scene) -> Machining | None:
+    # Few scenes are milled, and only their programs take a machine, a plan and fits.
+    from camgeo.formats.gcode import FORMAT
+    from camgeo.toolpath.machine import load
+    from camgeo.toolpath.machining_time import toolpath_times
+
+    machine, tolerance = load(milled.options[FORMAT].machine), scene.output.tolerance
+    if machine.dynamics is None:
+        return None
+    smoothing = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
+    try:
+        toolpath = milled.toolpath(tolerance)
+    except (GeometryError, ToleranceError) as error:
+        return Machining(machine.name, (), str(error))
+    times = toolpath_times(
+        toolpath,
+        machine.dynamics,
+        chord=machine.arcs.interpolation,
+        smoothing=smoothing if smoothing > 0.0 else None,
+    )
+    return Machining(machine.name, times)
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:
