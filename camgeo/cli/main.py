@@ -47,6 +47,7 @@ COMMANDS = (
     "lint",
     "table",
     "plot",
+    "setup",
     "replay",
     "laws",
     "machines",

@@ -28,8 +28,8 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 SETZHUB = str(SCENES / "setzhub.toml")
 
 NAMES = (
-    "new", "check", "build", "verify", "lint", "table", "plot", "replay", "accuracy", "laws",
-    "explain", "stability", "slotted-lever", "import", "size",
+    "new", "check", "build", "verify", "lint", "table", "plot", "setup", "replay", "accuracy",
+    "laws", "explain", "stability", "slotted-lever", "import", "size",
     "machines",
 )  # fmt: skip
 

@@ -1,0 +1,197 @@
+"""The setup sheet of a program: what the machinist sets up, with the program simulated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from camgeo.answers.answer import BROKEN, FINE, Answer
+from camgeo.design import Design
+from camgeo.errors import GeometryError
+from camgeo.formats.gcode import FORMAT
+from camgeo.scene.scene import Scene
+from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Holding
+from camgeo.toolpath.judged import runs_of, setup_of
+from camgeo.toolpath.machine import Machine, load
+from camgeo.toolpath.machining_time import OperationTime, toolpath_times
+from camgeo.toolpath.moves import Operation, Stop, Toolpath
+from camgeo.toolpath.simulation import simulate
+from camgeo.toolpath.stages import Flaw
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.tool import Tool
+
+ZERO: Final = "X 0, Y 0 on the cam axis, Z 0 on the upper face of the finished disc"
+
+FINENESS: Final = 1e-3
+"""Of the contours with which the part is compared [mm]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One operation, in its order.
+
+    Attributes
+    ----------
+    operation : that is run.
+    seconds : its machining time; None where the machine's dynamics are not known.
+    """
+
+    operation: Operation
+    seconds: float | None
+
+    @property
+    def name(self) -> str:
+        """Of the operation."""
+        return self.operation.name
+
+    @property
+    def tool(self) -> Tool:
+        """With the feeds and the speed of this operation."""
+        return self.operation.tool
+
+    @property
+    def number(self) -> int:
+        """Of the tool."""
+        return self.tool.number
+
+    @property
+    def lowest(self) -> float:
+        """Z of the tip at its deepest [mm]."""
+        return min(move.end[2] for move in self.operation.travel)
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """What the operator does at each halt."""
+        return tuple(move.note for move in self.operation.moves if isinstance(move, Stop))
+
+
+@dataclass(frozen=True, slots=True)
+class SetupSheet(Answer):
+    """A setup sheet.
+
+    Attributes
+    ----------
+    scene : whose main disc is milled.
+    machine : the controller.
+    work_offset : as the scene states it; empty for the machine's first.
+    blank, holding, zero : in words; lengths in mm.
+    tools : each once, in the order in which they are called.
+    steps : the operations.
+    flaws : of the simulated program.
+    """
+
+    command: ClassVar[str] = "setup"
+
+    scene: Scene
+    machine: str
+    work_offset: str
+    blank: str
+    holding: str
+    zero: str
+    tools: tuple[Tool, ...]
+    steps: tuple[Step, ...]
+    flaws: tuple[Flaw, ...]
+
+    @property
+    def seconds(self) -> float | None:
+        """Machining time of all operations; None where it is not known."""
+        times = [step.seconds for step in self.steps]
+        return None if None in times else math.fsum(time for time in times if time is not None)
+
+    @property
+    def exit_code(self) -> int:
+        """1 if the simulation finds a flaw."""
+        return BROKEN if self.flaws else FINE
+
+
+def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
+    """The sheet of the main disc's program, within `tolerance` [mm] or the scene's.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if it has no program.
+    """
+    spec, milled = design.scene.milling, design.disc.milled
+    if spec is None:
+        raise GeometryError("is not stated: there is no program to set up", key="tool")
+    tolerance = design.scene.output.tolerance if tolerance is None else tolerance
+    toolpath = milled.toolpath(tolerance)
+    machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
+    setup = setup_of(toolpath, milled.drawn.part, spec.stock, spec.holding, FINENESS)
+    part = milled.drawn.part
+    return SetupSheet(
+        design.scene,
+        machine.name,
+        options.work_offset or next(iter(machine.work_offsets)),
+        _blank(spec.stock, part.layers[-1].z1 - part.layers[0].z0),
+        _holding(spec.holding),
+        ZERO,
+        _tools(toolpath),
+        _steps(toolpath, _times(toolpath, machine, tolerance)),
+        simulate(setup, runs_of(toolpath)).flaws,
+    )
+
+
+def _times(
+    toolpath: Toolpath, machine: Machine, tolerance: float
+) -> Sequence[OperationTime | None]:
+    if machine.dynamics is None:
+        return [None] * len(toolpath.operations)
+    smoothing = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
+    return toolpath_times(
+        toolpath,
+        machine.dynamics,
+        chord=machine.arcs.interpolation,
+        smoothing=smoothing if smoothing > 0.0 else None,
+    )
+
+
+def _steps(toolpath: Toolpath, times: Sequence[OperationTime | None]) -> tuple[Step, ...]:
+    return tuple(
+        Step(operation, None if time is None else time.seconds)
+        for operation, time in zip(toolpath.operations, times, strict=True)
+    )
+
+
+def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
+    found: dict[int, Tool] = {}
+    for operation in toolpath.operations:
+        found.setdefault(operation.tool.number, operation.tool)
+    return tuple(found.values())
+
+
+def _blank(stock: Stock, thickness: float) -> str:
+    """The blank in words."""
+    height = f"{thickness + stock.top + stock.bottom:g} mm high"
+    if stock.diameter is not None:
+        outline = f"round, diameter {stock.diameter:g} mm"
+    elif stock.length is not None:
+        outline = f"plate, {stock.length:g} x {stock.width:g} mm"
+    else:
+        outline = "plate of unstated size"
+    bore = "" if stock.bore is None else f", bore {stock.bore:g} mm"
+    where = f", its upper face at Z {stock.top:g}"
+    centre = stock.centre
+    off = f", its middle at X {centre.real:g}, Y {centre.imag:g}" if centre else ""
+    return f"{outline}, {height}{bore}{where}{off}"
+
+
+def _holding(holding: Holding | None) -> str:
+    """The holding in words."""
+    if holding is None:
+        return "not stated"
+    tabs = holding.tabs
+    words = {
+        FIXTURE: "from below: vacuum, tape, soft jaws or a chuck",
+        TABS: "" if tabs is None else f"{tabs.count} tabs, {tabs.width:g} x {tabs.height:g} mm",
+        ONION_SKIN: "" if holding.skin is None else f"a skin of {holding.skin:g} mm",
+        CLAMPS: "clamps",
+        SCREWS: "screws",
+    }[holding.kind]
+    clamps = [each.obstacle for each in holding.clamps]
+    places = "; ".join(f"{each.name}, top at Z {each.top:g}" for each in clamps)
+    through = f"; cuts go {holding.through:g} mm below the part" if holding.through else ""
+    return f"{words}{': ' if places else ''}{places}{through}"

@@ -1,0 +1,154 @@
+"""The setup sheet as text, and as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Final
+
+from camgeo.answers.setup import SetupSheet, Step
+from camgeo.toolpath.tool import Tool
+from camgeo.wording import clock, counted
+
+NONE: Final = "-"
+"""Shown where nobody states a value."""
+
+TOOLS: Final = ("T", "tool", "diameter", "flutes", "cutting length", "stick-out", "shank")
+STEPS: Final = ("", "operation", "T", "speed", "feed", "plunge", "down to Z", "coolant", "time")
+"""Heads of the columns; lengths in mm, feeds in mm/min, speeds in rev/min."""
+
+STYLE: Final = """
+body { font: 14px/1.4 sans-serif; margin: 2em auto; max-width: 60em; color: #111; }
+h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin-top: 1.5em; }
+table { border-collapse: collapse; }
+th, td { border: 1px solid #999; padding: 0.2em 0.6em; text-align: right; }
+th:nth-child(2), td:nth-child(2) { text-align: left; }
+dt { font-weight: bold; } dd { margin: 0 0 0.4em 0; }
+.flaw { color: #b3261e; } svg { max-width: 100%; height: auto; }
+@media print { body { margin: 0; } h2, figure { break-inside: avoid; } }
+"""
+
+
+def text(answer: SetupSheet) -> str:
+    """The sheet for a terminal."""
+    lines = [f"{answer.scene.name}: setup for {answer.machine}", ""]
+    lines += [f"{name:10}{value}" for name, value in _facts(answer)]
+    lines += ["", *_columns(TOOLS, [_tool(tool) for tool in answer.tools])]
+    lines += ["", *_columns(STEPS, [_step(k, step) for k, step in enumerate(answer.steps, 1)])]
+    lines += [f"   stop in {name}: {note}" for name, note in _stops(answer)]
+    lines += ["", *(f"FLAW    {flaw.name:10}{flaw.sentence}" for flaw in answer.flaws)]
+    return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
+
+
+def html(answer: SetupSheet, picture: str) -> str:
+    """The sheet as a page; `picture` is an SVG element, all other texts are escaped."""
+    name = escape(answer.scene.name)
+    facts = "".join(
+        f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
+    )
+    stops = "".join(
+        f"<p>Stop in {escape(step)}: {escape(note)}</p>" for step, note in _stops(answer)
+    )
+    flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
+    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
+    steps = [_step(k, step) for k, step in enumerate(answer.steps, 1)]
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<title>{name}: setup</title>
+<style>{STYLE}</style>
+</head>
+<body>
+<h1>{name}: setup for {escape(answer.machine)}</h1>
+<dl>{facts}</dl>
+<h2>Tools</h2>
+{_table(TOOLS, [_tool(tool) for tool in answer.tools])}
+<h2>Operations</h2>
+{_table(STEPS, steps)}
+{stops}
+<p>Lengths in mm, feeds in mm/min, speeds in rev/min. Each operation can be started alone.</p>
+<h2>Simulation</h2>
+{verdict}
+<h2>Backplot</h2>
+<figure>{picture}</figure>
+</body>
+</html>
+"""
+
+
+def svg_element(data: bytes) -> str:
+    """The SVG element of a picture, without the prologue of a file."""
+    source = data.decode("utf-8")
+    return source[source.index("<svg") :].strip()
+
+
+def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
+    found = [
+        ("blank", answer.blank),
+        ("zero", answer.zero),
+        ("offset", answer.work_offset),
+        ("held", answer.holding),
+    ]
+    if answer.seconds is not None:
+        found.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
+    return found
+
+
+def _verdict(answer: SetupSheet) -> str:
+    steps = counted(len(answer.steps), "operation")
+    return f"Simulated: {steps}, no gouge, no rest, nothing comes loose."
+
+
+def _stops(answer: SetupSheet) -> Iterable[tuple[str, str]]:
+    return [(step.name, note) for step in answer.steps for note in step.stops]
+
+
+def _tool(tool: Tool) -> list[str]:
+    def shown(value: float | None) -> str:
+        return NONE if value is None else f"{value:g}"
+
+    return [
+        f"{tool.number}",
+        tool.name or tool.kind,
+        f"{tool.diameter:g}",
+        shown(tool.flutes),
+        shown(tool.flute_length),
+        shown(tool.stick_out),
+        shown(tool.shank_diameter),
+    ]
+
+
+def _step(number: int, step: Step) -> list[str]:
+    tool = step.tool
+    return [
+        f"{number}",
+        step.name,
+        f"{tool.number}",
+        f"{tool.spindle_speed:.0f}",
+        f"{tool.feed:.0f}",
+        f"{tool.plunge_feed:.0f}",
+        f"{step.lowest:.4g}",
+        tool.coolant or NONE,
+        NONE if step.seconds is None else clock(step.seconds),
+    ]
+
+
+def _columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    table = [heads, *rows]
+    widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
+    return [
+        "  ".join(
+            cell.ljust(width) if column == 1 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in table
+    ]
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def line(tag: str, cells: Sequence[str]) -> str:
+        return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+    return f"<table>{line('th', heads)}{''.join(line('td', row) for row in rows)}</table>"

@@ -1,0 +1,113 @@
+"""The setup sheet: its document, its text and its page."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from camgeo.answers.render import text
+from camgeo.answers.setup import SetupSheet, setup_sheet
+from camgeo.answers.setup.rendering import html, svg_element
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.errors import GeometryError
+from camgeo.scene.load import load_scene
+from camgeo.toolpath.stages import Flaw
+from tests.answers.documents import FIXTURES, document
+
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+
+FLAW = Flaw("gouge", "outline", "outline: goes <too> deep & far", 0.3, 0.02, "mm", (1.0, 2.0, -3.0))
+
+VOID = {"meta"}
+
+
+@pytest.fixture(scope="module")
+def sheet() -> SetupSheet:
+    return setup_sheet(Design(load_scene(SETZHUB)))
+
+
+class Tags(HTMLParser):
+    """Checks that all elements are closed, and keeps the texts."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.texts: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+def test_a_document_is_what_its_schema_says(sheet: SetupSheet) -> None:
+    reported = document(sheet)
+    assert [each["name"] for each in reported["operations"]] == [s.name for s in sheet.steps]
+    assert reported["tools"][0]["diameter"] == 10.0
+    assert reported["flaws"] == []
+    assert sheet.exit_code == 0
+    assert sheet.seconds == pytest.approx(sum(each["seconds"] for each in reported["operations"]))
+
+
+def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
+    shown = text(sheet)
+    assert "zero      X 0, Y 0 on the cam axis, Z 0 on the upper face" in shown
+    assert "cuts go 0.5 mm below the part" in shown
+    assert all(re.search(rf"\d  {step.name} ", shown) for step in sheet.steps)
+    assert "nothing comes loose" in shown
+    wrong = replace(sheet, flaws=(FLAW,))
+    assert wrong.exit_code == 1
+    assert FLAW.sentence in text(wrong)
+    assert "nothing comes loose" not in text(wrong)
+    assert document(wrong)["flaws"][0]["place"] == [1.0, 2.0, -3.0]
+
+
+def test_texts_of_the_page_are_escaped(sheet: SetupSheet) -> None:
+    tools = (replace(sheet.tools[0], name="<b>mill</b> & co"),)
+    page = html(replace(sheet, tools=tools, flaws=(FLAW,)), "<svg></svg>")
+    assert "<b>" not in page
+    assert "&lt;b&gt;mill&lt;/b&gt; &amp; co" in page
+    assert "goes &lt;too&gt; deep &amp; far" in page
+    tags = Tags()
+    tags.feed(page)
+    assert tags.open == []
+    assert "<b>mill</b> & co" in "".join(tags.texts)
+
+
+def test_a_page_stands_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "setup.html"
+    assert main(["setup", str(SETZHUB), "-o", str(file)]) == 0
+    page = file.read_text("utf-8")
+    assert page.count("<svg") == 1
+    tags = Tags()
+    tags.feed(page)
+    assert tags.open == []
+    # Nothing is loaded: the only addresses are names of XML.
+    assert set(re.findall(r"(?:src|href)=\"([^#\"]+)", page)) == set()
+    assert "script" not in page
+    assert "outline" in capsys.readouterr().out
+    again = tmp_path / "again.html"
+    main(["setup", str(SETZHUB), "-o", str(again)])
+    assert again.read_bytes() == file.read_bytes()
+
+
+def test_a_picture_without_its_prologue() -> None:
+    assert svg_element(b'<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg a="b"></svg>\n') == (
+        '<svg a="b"></svg>'
+    )
+
+
+def test_a_scene_without_a_tool_has_no_sheet() -> None:
+    bare = load_scene(FIXTURES / "effects" / "conjugate_lever.toml")
+    with pytest.raises(GeometryError, match="no program to set up"):
+        setup_sheet(Design(bare))
