@@ -146,9 +146,7 @@ def _round(
     """Time [s] of one round along all `contours`; None without any, or without dynamics."""
     if not contours or machine.dynamics is None:
         return None
-    blended = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
-    smoothing = blended if blended > 0.0 else None
-    chord = machine.arcs.interpolation
+    smoothing, chord = machine.smoothed(tolerance), machine.arcs.interpolation
     return math.fsum(
         contour_time(each, feed, machine.dynamics, chord=chord, smoothing=smoothing)
         for each in contours

@@ -95,6 +95,13 @@ class Machine:
             message = "must be a point and up to eight letters or digits"
             raise GeometryError(message, "extension", shown(self.extension))
 
+    def smoothed(self, tolerance: float) -> float | None:
+        """By how much the controller may leave the path within `tolerance` [mm]; None if it runs
+        the exact path.
+        """
+        deviation = 0.0 if self.smoothing is None else self.smoothing.deviation(tolerance)
+        return deviation if deviation > 0.0 else None
+
 
 @functools.cache
 def names() -> tuple[str, ...]:

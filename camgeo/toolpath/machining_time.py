@@ -16,6 +16,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped, phase
 from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import ArcFeed, Move, Point, Rapid, Stop, Toolpath
 
 
@@ -67,6 +68,18 @@ def toolpath_times(
             OperationTime(operation.name, cutting, math.fsum(times[rapid]), len(blocks), slowed)
         )
     return tuple(found)
+
+
+def times_on(
+    machine: Machine, toolpath: Toolpath, tolerance: float
+) -> tuple[OperationTime, ...] | None:
+    """The times on a machine that may leave the path within `tolerance` [mm] as its profile says;
+    None if its dynamics are not known.
+    """
+    if machine.dynamics is None:
+        return None
+    chord, smoothing = machine.arcs.interpolation, machine.smoothed(tolerance)
+    return toolpath_times(toolpath, machine.dynamics, chord=chord, smoothing=smoothing)
 
 
 def toolpath_time(

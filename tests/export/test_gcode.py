@@ -361,6 +361,8 @@ def test_the_machining_time_is_reported(tmp_path: Path) -> None:
     least = rounds + plunges + leads
     # Eight traverses of 13 mm at most and 43 mm once, with 30 mm/s and 0.06 s to get there.
     assert least < float(facts["machining_time_s"]) < least + (8 * 13 + 43) / 30.0 + 9 * 0.06
+    each = [float(text.split()[-2]) for text in str(facts["machining_times"]).split(", ")]
+    assert sum(each) == pytest.approx(float(facts["machining_time_s"]), abs=0.05 * (len(each) + 1))
     lazy = profile(tmp_path, acceleration="acceleration = 1.0")
     assert float(WRITER.write(lazy, 0.001).facts["machining_time_s"]) > 1.1 * least
 

@@ -145,23 +145,16 @@ def _machining(milled: MilledDisc, scene: Scene) -> Machining | None:
     # Few scenes are milled, and only their programs take a machine, a plan and fits.
     from camgeo.formats.gcode import FORMAT
     from camgeo.toolpath.machine import load
-    from camgeo.toolpath.machining_time import toolpath_times
+    from camgeo.toolpath.machining_time import times_on
 
     machine, tolerance = load(milled.options[FORMAT].machine), scene.output.tolerance
     if machine.dynamics is None:
         return None
-    smoothing = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
     try:
         toolpath = milled.toolpath(tolerance)
     except (GeometryError, ToleranceError) as error:
         return Machining(machine.name, (), str(error))
-    times = toolpath_times(
-        toolpath,
-        machine.dynamics,
-        chord=machine.arcs.interpolation,
-        smoothing=smoothing if smoothing > 0.0 else None,
-    )
-    return Machining(machine.name, times)
+    return Machining(machine.name, times_on(machine, toolpath, tolerance) or ())
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

@@ -14,8 +14,8 @@ from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Holding
 from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.toolpath.machine import Machine, load
-from camgeo.toolpath.machining_time import OperationTime, toolpath_times
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Operation, Stop, Toolpath
 from camgeo.toolpath.simulation import simulate
 from camgeo.toolpath.stages import Flaw
@@ -130,30 +130,14 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         _holding(spec.holding),
         ZERO,
         _tools(toolpath),
-        _steps(toolpath, _times(toolpath, machine, tolerance)),
+        _steps(toolpath, times_on(machine, toolpath, tolerance)),
         simulate(setup, runs_of(toolpath)).flaws,
     )
 
 
-def _times(
-    toolpath: Toolpath, machine: Machine, tolerance: float
-) -> Sequence[OperationTime | None]:
-    if machine.dynamics is None:
-        return [None] * len(toolpath.operations)
-    smoothing = 0.0 if machine.smoothing is None else machine.smoothing.deviation(tolerance)
-    return toolpath_times(
-        toolpath,
-        machine.dynamics,
-        chord=machine.arcs.interpolation,
-        smoothing=smoothing if smoothing > 0.0 else None,
-    )
-
-
-def _steps(toolpath: Toolpath, times: Sequence[OperationTime | None]) -> tuple[Step, ...]:
-    return tuple(
-        Step(operation, None if time is None else time.seconds)
-        for operation, time in zip(toolpath.operations, times, strict=True)
-    )
+def _steps(toolpath: Toolpath, times: Sequence[OperationTime] | None) -> tuple[Step, ...]:
+    seconds = [None] * len(toolpath.operations) if times is None else [t.seconds for t in times]
+    return tuple(map(Step, toolpath.operations, seconds))
 
 
 def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:

@@ -10,7 +10,7 @@ from camgeo.numeric.checked import one_of
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import KEY, Machine, load
-from camgeo.toolpath.machining_time import toolpath_time
+from camgeo.toolpath.machining_time import toolpath_times
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import budget
@@ -54,10 +54,11 @@ class GcodeWriter:
             facts["controller_arcs_mm"] = _short(shares.interpolation)
         if machine.dynamics is not None:
             smoothing = shares.blending if shares.blending > 0.0 else None
-            seconds = toolpath_time(
+            times = toolpath_times(
                 toolpath, machine.dynamics, chord=shares.interpolation, smoothing=smoothing
             )
-            facts["machining_time_s"] = round(seconds, 1)
+            facts["machining_time_s"] = round(sum(each.seconds for each in times), 1)
+            facts["machining_times"] = ", ".join(f"{t.name} {t.seconds:.1f} s" for t in times)
         ending = ENDINGS[machine.text.line_ending]
         return Written("".join(line + ending for line in lines).encode("ascii"), facts)
 

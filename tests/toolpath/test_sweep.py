@@ -1,0 +1,55 @@
+"""Areas that a cutter sweeps, against closed forms, within what their chords allow."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.toolpath.course import course_of
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.toolpath.sweep import NOTHING, parts, place_in, polygon, rings, swept
+
+FEED = 100.0
+
+RADIUS = 3.0
+
+LINE: list[Move] = [Feed((20.0, 0.0, 0.0), FEED)]
+ARC: list[Move] = [
+    ArcFeed((-30.0, 0.0, 0.0), (0.0, 0.0), True, FEED),
+    ArcFeed((30.0, 0.0, 0.0), (0.0, 0.0), True, FEED),
+]
+
+
+@pytest.mark.parametrize("fineness", [1e-2, 1e-3, 1e-4])
+def test_a_line_and_a_ring(fineness: float) -> None:
+    """The area is off by less than twice the fineness along the edge."""
+    line = swept(course_of(LINE, (0.0, 0.0, 0.0)), RADIUS, fineness)
+    assert line.area == pytest.approx(120.0 + math.pi * 9.0, abs=2.0 * fineness * 2.0 * math.pi * 3)
+    ring = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, fineness)
+    edge = 2.0 * math.pi * (33.0 + 27.0)
+    assert ring.area == pytest.approx(math.pi * (33.0**2 - 27.0**2), abs=2.0 * fineness * edge)
+    outer, inner = rings(ring)
+    for points, radius in ((outer, 33.0), (inner, 27.0)):
+        assert np.max(np.abs(np.abs(points) - radius)) < 2.0 * fineness
+
+
+def test_separate_pieces_are_joined_where_they_overlap() -> None:
+    moves = [*LINE, Rapid((0.0, 5.0, 0.0)), Feed((20.0, 5.0, 0.0), FEED)]
+    found = swept(course_of(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3)
+    assert len(parts(found)) == 1
+    apart = swept(course_of(moves, (0.0, 0.0, 0.0)), 2.0, 1e-3)
+    assert len(parts(apart)) == 2
+    assert abs(place_in(apart).imag) < 8.0
+
+
+def test_nothing_is_swept_by_nothing() -> None:
+    assert swept(course_of([]), RADIUS, 1e-3).is_empty
+    assert parts(NOTHING) == []
+
+
+def test_contours_within_contours_are_holes() -> None:
+    found = polygon([Contour.circle(10.0), Contour.circle(4.0), Contour.circle(1.0)], 1e-4)
+    assert found.area == pytest.approx(math.pi * (100.0 - 16.0 + 1.0), rel=1e-4)
