@@ -73,6 +73,20 @@ def flattest(contour: Contour) -> Iterator[int]:
     yield from (int(k) for k in order[:MOST_PLACES])
 
 
+def farthest_along_x(contour: Contour) -> float:
+    """Distance [mm] along the contour from its first vertex to its point with the largest x.
+
+    Parallels have these points on one normal.
+    """
+    arms = contour.vertices - contour.centres
+    turned = np.mod(-np.angle(arms) * np.where(contour.sweeps < 0.0, -1.0, 1.0), 2.0 * np.pi)
+    round_there = (contour.sweeps != 0.0) & (turned < np.abs(contour.sweeps))
+    most = np.where(round_there, contour.centres.real + contour.radii, contour.vertices.real)
+    index = int(np.argmax(most))
+    before = float(np.sum(contour.lengths[:index]))
+    return before + (float(turned[index] * contour.radii[index]) if round_there[index] else 0.0)
+
+
 def begun(contour: Contour, distance: float) -> Contour:
     """The same contour, starting `distance` [mm] along it from its first vertex."""
     stops = np.cumsum(contour.lengths)
@@ -106,6 +120,7 @@ def joined(
     usual: float,
     straight: bool = False,
     avoid: Sequence[tuple[Track, float]] = (),
+    place: float | None = None,
 ) -> tuple[Contour, Lead]:
     """The path, begun at its flattest place where leads fit, and these leads.
 
@@ -116,6 +131,7 @@ def joined(
     usual : radius [mm] of a lead's arc where the room is narrow.
     straight : whether a line of a third of the room precedes and follows the arcs.
     avoid : tracks, and how near [mm] the leads may come to them.
+    place : the only place for leads, as a distance [mm] along the path; None for any.
 
     Raises
     ------
@@ -124,9 +140,11 @@ def joined(
         they join the path.
     """
     size = room
+    places = [started(path, index) for index in flattest(path)]
+    if place is not None:
+        places = [begun(path, place)]
     while size >= SMALLEST_SHARE * room:
-        for index in flattest(path):
-            there = started(path, index)
+        for there in places:
             lead = lead_at(there, size, free=free, usual=usual, straight=straight, avoid=avoid)
             if lead is not None:
                 return there, lead

@@ -10,7 +10,7 @@ import math
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.toolpath.cut import COMPUTED, ContourCut, Cut
-from camgeo.toolpath.leads import flattest, joined, started
+from camgeo.toolpath.leads import begun, farthest_along_x, flattest, joined, started
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.tabs import lifted
@@ -36,13 +36,15 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
     if not (cut.cleared and cut.room):
         return slot(cut, heights, tolerance, effort)
     walk = Walk(cut, heights)
+    path = fitted(cut, tolerance, effort)
     contour, lead = joined(
-        fitted(cut, tolerance, effort),
+        path,
         cut.room,
         free=walk.free,
         usual=cut.tool.radius,
         straight=cut.compensation != COMPUTED,
         avoid=walk.avoid(cut.bottom),
+        place=None if cut.tabs is None else farthest_along_x(path),
     )
     track = Track.around(contour)
     back = Track.line(lead.off.end, lead.into.start)
@@ -74,7 +76,10 @@ def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
     cut = contour_cut(cut)
     walk = Walk(cut, heights)
     contour = fitted(cut, tolerance, effort)
-    contour = started(contour, next(flattest(contour)))
+    if cut.tabs is None:
+        contour = started(contour, next(flattest(contour)))
+    else:
+        contour = begun(contour, farthest_along_x(contour))
     track = Track.around(contour)
     walk.above(track.start)
     both = bool(cut.left)

@@ -21,7 +21,8 @@ def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tupl
     Over each tab the cutter stays above its top, which is given above the last depth, over the
     width of the tab and its own diameter, so that its circle leaves that width. It rises steeply
     and comes down no steeper than it may enter material. The first tab lies half a space behind the
-    start, where leads join.
+    start, where leads join. Rounds with tabs start at the point with the largest x, so that a
+    finish leaves the tabs where the roughing has left them.
 
     Raises
     ------

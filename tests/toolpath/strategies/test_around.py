@@ -165,6 +165,24 @@ def test_tabs_are_left(cut: ContourCut) -> None:
     assert max(down) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
 
 
+def test_a_finish_leaves_the_tabs_of_the_roughing() -> None:
+    rough = replace(SLOT, centre=DISC.offset(TOOL.radius + 0.4), allowance=0.4, tabs=TABS)
+    finish = replace(FINISH, springs=0, room=0.4, tabs=TABS)
+    middles = []
+    for cut in (rough, finish):
+        top, moves = cut.bottom + TABS.height, made(cut)
+        tabs: list[list[complex]] = []
+        for before, after in pairwise(moves):
+            if before.end[2] == after.end[2] == pytest.approx(top):
+                if not tabs or tabs[-1][-1] != complex(*before.end[:2]):
+                    tabs.append([complex(*before.end[:2])])
+                tabs[-1].append(complex(*after.end[:2]))
+        assert len(tabs) >= TABS.count
+        middles.append(np.array([0.5 * (tab[0] + tab[-1]) for tab in tabs[-TABS.count :]]))
+    # Parallels 0.4 mm apart, whose lengths between two normals differ by that times their angle.
+    assert np.max(np.abs(middles[0] - middles[1])) < 0.4 * 3.0
+
+
 def test_tabs_that_do_not_fit_are_refused() -> None:
     with pytest.raises(GeometryError, match="40 tabs with the ramps beside them") as caught:
         made(replace(SLOT, tabs=replace(TABS, count=40)))
