@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
@@ -95,12 +96,15 @@ class Machine:
             message = "must be a point and up to eight letters or digits"
             raise GeometryError(message, "extension", shown(self.extension))
 
-    def smoothed(self, tolerance: float) -> float | None:
-        """By how much the controller may leave the path within `tolerance` [mm]; None if it runs
-        the exact path.
+    def smoothed(self, tolerance: float, most: float = math.inf) -> float | None:
+        """By how much the controller may leave the path within `tolerance` [mm], `most` at most;
+        None if it runs the exact path.
         """
-        deviation = 0.0 if self.smoothing is None else self.smoothing.deviation(tolerance)
-        return deviation if deviation > 0.0 else None
+        smoothing = self.smoothing
+        if smoothing is None:
+            return None
+        found = min(smoothing.share * tolerance, smoothing.largest, most)
+        return found if found > 0.0 and found >= smoothing.smallest * (1.0 - 1e-9) else None
 
 
 @functools.cache

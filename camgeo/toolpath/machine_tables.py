@@ -365,11 +365,6 @@ class Smoothing:
     def __post_init__(self) -> None:
         check_fields(self, "smoothing.")
 
-    def deviation(self, tolerance: float, most: float = math.inf) -> float:
-        """What is asked for within `tolerance` [mm], at most `most`; 0 for the exact path."""
-        found = min(self.share * tolerance, self.largest, most)
-        return found if found >= self.smallest * (1.0 - 1e-9) else 0.0
-
 
 @dataclass(frozen=True, slots=True)
 class Words:

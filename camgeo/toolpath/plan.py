@@ -45,7 +45,8 @@ def plan_toolpath(
             raise GeometryError(message, "toolpath", cut.strategy)
         moves = STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
         first, *others = islice(divided(moves, limits.largest_turn), left + 1)
-        stop = (Stop(cut.stop),) if cut.stop else ()
+        # After a halt the cutter comes back above its first point, wherever it was taken.
+        stop = (Stop(cut.stop), first) if cut.stop else ()
         operation = Operation(cut, (first, *stop, *others))
         left -= len(operation.moves)
         if left < 0:

@@ -36,10 +36,12 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import divided
 from camgeo.toolpath.sequence import Sequence
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
@@ -170,6 +172,11 @@ class StubProduct(Product):
     @property
     def milled(self) -> MilledDisc:
         return cast("MilledDisc", self)
+
+    @property
+    def spec(self) -> MillingSpec:
+        tools = {tool.number: tool for tool in self.tools}
+        return MillingSpec(tools=tuple(tools.values()), stock=Stock())
 
     @property
     def tabulated(self) -> TabulatedCam:

@@ -234,6 +234,19 @@ def test_the_spindle_starts_away_from_the_work() -> None:
         assert up < on, name
 
 
+def test_a_tool_has_its_own_coolant() -> None:
+    wet, dry = replace(TOOL, coolant="mist"), replace(OTHER, coolant="off")
+    product = StubProduct(gcode=spec("linuxcnc"), tool=wet, second_tool=dry)
+    lines = WRITER.write(product, TOLERANCE).data.decode().splitlines()
+    second = positions(lines, r"T7")[0]
+    assert positions(lines[:second], r"^M[789]$")
+    assert [line for line in lines if re.fullmatch("M[789]", line)] == ["M7", "M9"]
+    with pytest.raises(SceneError) as caught:
+        WRITER.write(replace(product, gcode=GcodeSpec(machine="grbl")), TOLERANCE)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("tool.coolant", "'mist'")
+
+
 def test_what_a_machine_does_not_have_is_refused() -> None:
     with pytest.raises(SceneError) as caught:
         WRITER.write(StubProduct(gcode=GcodeSpec(machine="grbl", coolant="through")), 0.01)

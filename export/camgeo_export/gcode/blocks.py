@@ -113,11 +113,9 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     if not arcs:
         interpolation = 0.0
     chord = (CHORD_SHARE if arcs else LINE_SHARE) * tolerance
-    smoothing = machine.smoothing
     left = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - interpolation
     # Coarse numbers may leave too little for it.
-    most = left - LEAST_FIT * tolerance
-    blending = 0.0 if smoothing is None else smoothing.deviation(tolerance, most)
+    blending = machine.smoothed(tolerance, left - LEAST_FIT * tolerance) or 0.0
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
     fit = left - blending

@@ -34,7 +34,7 @@ class Setup:
     name : of the part.
     unit : of length.
     work_offset : words that select it.
-    coolant : one of the machine's kinds.
+    coolant : one of the machine's kinds, with tools that do not state theirs.
     spin_up : dwell behind the start of the spindle [s].
     number : of the program, on controllers that number them.
     """
@@ -168,9 +168,11 @@ class Program:
             self.lines += self.speller.take()
 
     def _wetted(self) -> None:
-        """Coolant on, if the scene wants any."""
-        if self.setup.coolant != "off":
-            self.lines += self.machine.coolant.blocks(self.setup.coolant)
+        """Coolant on, if tool or scene want any."""
+        assert self._tool is not None
+        coolant = self._tool.coolant or self.setup.coolant
+        if coolant != "off":
+            self.lines += self.machine.coolant.blocks(coolant)
             self._wet = True
 
     def _halt(self, stop: Stop) -> None:

@@ -52,10 +52,15 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def bench_of(product: Product, machine: Machine) -> Bench:
-    """The work of a program of ours: traverses at its safe height, which is printed rounded."""
+    """The work of a program of ours: its blank, and its heights, which are printed rounded."""
+    heights, milling = product.options[FORMAT].heights, product.milled.spec
     step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
     names = tuple(cut.name for cut in product.milled.cuts)
-    return Bench(clearance=product.options[FORMAT].safe_height - 0.5 * step, operations=names)
+    return Bench(
+        stock_top=0.0 if milling is None else milling.stock.top,
+        clearance=heights.retract - 0.5 * step,
+        operations=names,
+    )
 
 
 def _check_complete(cuts: tuple[Cut, ...], program: Run, loops: list[Loop]) -> None:

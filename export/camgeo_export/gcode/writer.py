@@ -72,9 +72,11 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     offset = spec.work_offset or next(iter(machine.work_offsets))
     allowed = {"coolant": machine.coolant.kinds, "work_offset": tuple(machine.work_offsets)}
     faults = []
-    for key, value in (("coolant", spec.coolant), ("work_offset", offset)):
+    wanted = {("output.gcode.coolant", spec.coolant), ("output.gcode.work_offset", offset)}
+    wanted |= {("tool.coolant", cut.tool.coolant or "off") for cut in product.milled.cuts}
+    for key, value in sorted(wanted):
         try:
-            one_of(f"output.gcode.{key}", value, allowed[key])
+            one_of(key, value, allowed[key.rpartition(".")[2]])
         except GeometryError as error:
             message = f"{error.message} for {machine.name}"
             faults.append(Fault(error.key, repr(value), message))

@@ -12,6 +12,7 @@ from camgeo.product.product import Product
 from camgeo.toolpath.cut import ContourCut, Cut, PointCut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
@@ -33,12 +34,12 @@ def cutting_checks(
     program: Run,
     stated: Stated,
     machine: Machine,
-    safe_height: float,
+    heights: Heights,
     tolerance: float,
 ) -> list[Check]:
     """All checks of one of our programs that its closed paths do not show."""
     cuts = product.milled.cuts
-    checks = [_heights(program, safe_height), _comments(product, program, stated, machine)]
+    checks = [_heights(program, heights), _comments(product, program, stated, machine)]
     checks += [_cutters(cuts, stated), _work_offset(product, program, machine)]
     for cut in cuts:
         own = [move for move in program.moves if move.operation == cut.name]
@@ -47,14 +48,17 @@ def cutting_checks(
     return checks
 
 
-def _heights(program: Run, safe_height: float) -> Check:
-    """All traverses are at the safe height, or lead there."""
+def _heights(program: Run, heights: Heights) -> Check:
+    """All traverses are at the clearance or the retract height, or lead there."""
     for move in program.moves:
-        high = abs(move.z_end - safe_height) <= program.step or move.z_end == math.inf
+        off = min(abs(move.z_end - each) for each in (heights.clearance, heights.retract))
+        high = off <= program.step or move.z_end == math.inf
         if move.kind == "rapid" and not high:
-            note = f"line {move.line}: a traverse to Z {move.z_end:g} mm, not {safe_height:g} mm"
+            note = (
+                f"line {move.line}: a traverse to Z {move.z_end:g} mm, not {heights.clearance:g} mm"
+            )
             return failed("traverses", note)
-    return Check("traverses", "", f"at Z {safe_height:g} mm", ok=True)
+    return Check("traverses", "", f"at Z {heights.clearance:g} mm", ok=True)
 
 
 def _of_cut(

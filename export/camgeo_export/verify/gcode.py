@@ -87,7 +87,7 @@ class GcodeVerifier:
         checks += _paths(product, program, tolerance, extra)
         if reading.ours:
             said = stated(program.comments)
-            checks += cutting_checks(product, program, said, machine, spec.safe_height, tolerance)
+            checks += cutting_checks(product, program, said, machine, spec.heights, tolerance)
         return tuple(checks)
 
 
