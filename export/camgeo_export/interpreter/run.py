@@ -171,7 +171,7 @@ class _Program:
         alone = not block or (klartext and block.isdigit())
         for note in notes:
             self._note(note, alone)
-        if not block:
+        if alone:
             return
         if not klartext and CONTROL.match(block):
             self._control(number, block)

@@ -1,0 +1,133 @@
+"""Programs of scenes that state blank, holding and tools: nothing is found in them, they verify."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+import camgeo
+from camgeo.design import Design
+from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import Product
+from camgeo.toolpath.machine import load
+from camgeo.verifying.verification import Reading
+from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import run_bytes
+from camgeo_export.verify.gcode import VERIFIER
+
+TOLERANCE: Final = 0.02
+
+CAM: Final = """camgeo = 1
+name = "stated"
+[cam]
+rotation = "cw"
+[follower]
+kind = "translating-roller"
+base_radius = 25
+roller_radius = 8
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 8
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 0
+[part]
+thickness = 6
+bore = 18
+[[tool]]
+number = 4
+diameter = 10
+flute_length = 12
+spindle_speed = 3000
+feed = 500
+plunge_feed = 150
+stepdown = 3
+stepover = 3
+ramp_angle = 3
+coolant = "flood"
+[output]
+formats = ["gcode"]
+[output.gcode]
+clearance_height = 15
+retract_height = 3
+"""
+
+SCREWED: Final = """[stock]
+shape = "round"
+diameter = 70
+top = 1
+bottom = 0
+[holding]
+kind = "screws"
+through = 0.5
+[[holding.screw]]
+place = [0, 0]
+head_diameter = 24
+height = 8
+since = "rough outline"
+"""
+
+TABBED: Final = """[holding]
+kind = "tabs"
+through = 0.3
+count = 3
+width = 5
+height = 1.5
+"""
+
+SKINNED: Final = """[stock]
+length = 80
+width = 70
+[holding]
+kind = "onion-skin"
+thickness = 0.2
+"""
+
+HELD: Final = {"screws": SCREWED, "tabs": TABBED, "onion-skin": SKINNED}
+
+
+def product_of(folder: Path, held: str, machine: str) -> Product:
+    path = folder / "scene.toml"
+    path.write_text(f'{CAM}machine = "{machine}"\n{HELD[held]}', "utf-8")
+    return Design(camgeo.load(path).scene).discs[0]
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "haas", "heidenhain"])
+@pytest.mark.parametrize("held", HELD)
+def test_programs_are_clean_and_verify(held: str, machine: str, tmp_path: Path) -> None:
+    product, profile = product_of(tmp_path, held, machine), load(machine)
+    data = WRITER.write(product, TOLERANCE).data
+    bench = bench_of(product, profile)
+    found = run_bytes(data, profile, bench)
+    assert found.findings == ()
+    assert {move.coolant for move in found.moves if move.kind != "rapid"} == {"flood"}
+    assert WRITER.measure(product, data) <= TOLERANCE
+    checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+    assert bench.stock_top == (1.0 if held == "screws" else 0.0)
+
+
+def test_from_a_halt_the_cutter_comes_back_above_its_first_point(tmp_path: Path) -> None:
+    """The operator may have moved it: no cut goes down before X and Y are said again."""
+    text = WRITER.write(product_of(tmp_path, "screws", "linuxcnc"), TOLERANCE).data.decode()
+    (halt,) = re.finditer(r"^M0$", text, re.MULTILINE)
+    after = [line for line in text[halt.end() :].splitlines() if line.startswith("G0")]
+    assert re.fullmatch(r"G0 Z15\.0+", after[0])
+    assert re.fullmatch(r"G0 X\S+ Y\S+", after[1])
+    assert re.fullmatch(r"G0 Z3\.0+", after[2])
+
+
+def test_a_traverse_at_another_height_is_found(tmp_path: Path) -> None:
+    product = product_of(tmp_path, "tabs", "linuxcnc")
+    text = WRITER.write(product, TOLERANCE).data.decode()
+    assert product.options[FORMAT].heights.retract == 3.0
+    changed = re.sub(r"^G0 Z3\.0+$", "G0 Z4.0000", text, count=1, flags=re.MULTILINE)
+    reading = Reading("a.ngc", ours=True)
+    checks = VERIFIER.checks(product, changed.encode(), reading, TOLERANCE)
+    assert [check.name for check in checks if check.ok is False] == ["traverses"]
