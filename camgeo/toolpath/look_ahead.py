@@ -32,7 +32,7 @@ SECONDS: Final = 60.0
 STRAIGHT: Final = 0.999999
 """Cosine of the turn, 0.081 degrees, up to which a corner counts as straight in Grbl's planner."""
 
-MOST_BLOCKS: Final = 100_000
+MOST_BLOCKS: Final = 10_000
 """No controller plans as many ahead."""
 
 

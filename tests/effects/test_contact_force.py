@@ -236,7 +236,7 @@ def test_a_textbook_exercise() -> None:
 
 
 def test_friction_keeps_the_balance_on_both_flanks() -> None:
-    subject = design("groove", "", ("speed = 30", "speed = 300"))
+    subject = design("groove", "", ("speed = 30\n", "speed = 300\n"))
     friction = Stuck(subject, 0.2 * 80.0)
     loads = {"load": constant(-2000.0), "spring": swaying(), "friction": friction}
     found = computed(subject, loads)
@@ -345,7 +345,7 @@ def test_a_force_that_pulls_is_reported() -> None:
 
 
 def test_each_flank_of_a_groove_is_reported() -> None:
-    subject = design("groove", ROCKING, ("speed = 30", "speed = 400"))
+    subject = design("groove", ROCKING, ("speed = 30\n", "speed = 400\n"))
     contact = subject.effect("contact-force")
     inner = finding(contact.findings, "largest-contact-force-inner")
     outer = finding(contact.findings, "largest-contact-force-outer")
@@ -371,7 +371,7 @@ def test_a_shock_is_reported_and_the_rest_stays_finite() -> None:
 
 
 def test_the_force_keeps_its_sign_between_its_edges() -> None:
-    subject = design("groove", ROCKING, ("speed = 30", "speed = 400"))
+    subject = design("groove", ROCKING, ("speed = 30\n", "speed = 400\n"))
     contact = subject.effect("contact-force")
     share = np.linspace(0.0, 1.0, 41)[1:-1, np.newaxis]
     inside = contact.edges[:-1] + share * np.diff(contact.edges)

@@ -152,7 +152,8 @@ SIGNED = {
 
 NOT_NEGATIVE = {
     "room", "allowance", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation",
-    "share", "smallest", "largest", "spin_up",
+    "share", "smallest", "largest", "spin_up", "junction_deviation",
+    "velocity_jump", "block_time",
 }  # fmt: skip
 """Numbers that may be as near to 0 as doubles are."""
 
