@@ -126,7 +126,7 @@ def made(text: str, effects: str = "") -> Design:
 def with_speed(name: str, rev: str = "90") -> str:
     """The fixture scene; at `rev` rev/min if it has no speed of its own."""
     text = scene_text(name)
-    if "speed" in text:
+    if "\nspeed" in text:  # or a table of it
         return text
     return text.replace("[follower]\n", f"speed = {rev}\n[follower]\n", 1)
 
@@ -139,8 +139,8 @@ def changed(text: str, *changes: tuple[str, str]) -> str:
 
 
 def without_output(text: str) -> str:
-    """The scene without its tables of files, whose lengths are none of the cam."""
-    return text[: text.index("[output]")]
+    """The scene without its tables of tools and files, whose lengths are none of the cam."""
+    return text[: min(text.find(each) % len(text) for each in ("[[tool]]", "[output]"))]
 
 
 def every(text: str, **data: str) -> str:
