@@ -371,7 +371,7 @@ ROCKER = "[effects.inertia]\nmoment_of_inertia = 0.01\nroller_mass = 0.1\n"
 def groove(backlash: float, more: str = "", speed: float = 30.0) -> Design:
     clearance = f"backlash = {backlash!r}\n" if backlash else ""
     tables = f"{ROCKER}{more}\n[effects.contact-force]\n[effects.lift-off]\n{clearance}"
-    return design("groove", tables, ("speed = 30", f"speed = {speed!r}"))
+    return design("groove", tables, ("\nspeed = 30\n", f"\nspeed = {speed!r}\n"))
 
 
 def test_the_flanks_change_where_the_acceleration_does() -> None:
