@@ -86,6 +86,7 @@ class Worker:
     def __init__(self, root: Path) -> None:
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         environment["PYTHONPATH"] = os.pathsep.join((str(root), str(root / "export")))
+        self._root = root
         self._process = subprocess.Popen(
             [sys.executable, "-c", WORKER],
             cwd=root, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
@@ -95,6 +96,9 @@ class Worker:
         """CPU time [s] of the findings, None if the scene has nothing to edit; and the findings."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
+        # A fixture scene as the tree has it, since keys change; any other scene itself.
+        if path.is_relative_to(ROOT) and (self._root / path.relative_to(ROOT)).exists():
+            path = self._root / path.relative_to(ROOT)
         self._process.stdin.write(json.dumps([str(path), way]) + "\n")
         self._process.stdin.flush()
         answer: Any = json.loads(self._process.stdout.readline())
