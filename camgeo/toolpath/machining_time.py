@@ -82,14 +82,6 @@ def times_on(
     return toolpath_times(toolpath, machine.dynamics, chord=chord, smoothing=smoothing)
 
 
-def toolpath_time(
-    toolpath: Toolpath, dynamics: Dynamics, *, chord: float = 0.0, smoothing: float | None = None
-) -> float:
-    """Time [s] of a whole program; as `toolpath_times`."""
-    times = toolpath_times(toolpath, dynamics, chord=chord, smoothing=smoothing)
-    return math.fsum(each.seconds for each in times)
-
-
 def contour_time(
     contour: Contour,
     feed: float,
