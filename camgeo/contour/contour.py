@@ -34,6 +34,18 @@ def is_straight(
     return np.asarray(sagitta <= EPS * np.maximum(np.abs(start), np.abs(end)))
 
 
+def radii_of(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> FloatArray:
+    """(n,) [mm] radius of each piece, an arc; 0 for lines."""
+    return np.where(sweeps != 0.0, np.abs(starts - centres), 0.0)
+
+
+def lengths_of(
+    starts: ComplexArray, ends: ComplexArray, sweeps: FloatArray, radii: FloatArray
+) -> FloatArray:
+    """(n,) [mm] length of each piece from `starts` to `ends`, with the `radii` of arcs."""
+    return np.where(sweeps != 0.0, np.abs(sweeps) * radii, np.abs(ends - starts))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Contour:
     """Closed chain of lines and circular arcs in the plane.
@@ -66,7 +78,7 @@ class Contour:
     @property
     def radii(self) -> FloatArray:
         """(n,) [mm] radius of each arc; 0 for lines."""
-        return np.where(self.sweeps != 0.0, np.abs(self.vertices - self.centres), 0.0)
+        return radii_of(self.vertices, self.sweeps, self.centres)
 
     @property
     def arc_count(self) -> int:
@@ -76,8 +88,7 @@ class Contour:
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm] length of each piece."""
-        chords = np.abs(self.ends - self.vertices)
-        return np.where(self.sweeps != 0.0, np.abs(self.sweeps) * self.radii, chords)
+        return lengths_of(self.vertices, self.ends, self.sweeps, self.radii)
 
     @property
     def length(self) -> float:

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, lengths_of, radii_of
 from camgeo.contour.spline import Arc
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -73,13 +73,12 @@ class Course:
     @property
     def radii(self) -> FloatArray:
         """(n,) [mm] of arcs; 0 for lines."""
-        return np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
+        return radii_of(self.starts, self.sweeps, self.centres)
 
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm] in the plane."""
-        chords = np.abs(self.ends - self.starts)
-        return np.where(self.sweeps != 0.0, np.abs(self.sweeps) * self.radii, chords)
+        return lengths_of(self.starts, self.ends, self.sweeps, self.radii)
 
     def at(self, piece: int, share: float) -> tuple[complex, complex]:
         """Place [mm] and direction, a unit vector, at a share of a piece's length."""

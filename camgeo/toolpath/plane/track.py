@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, lengths_of, radii_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, grouped
 
 FLAT = 1e-9
@@ -61,13 +61,12 @@ class Track:
     @property
     def radii(self) -> FloatArray:
         """(n,) [mm] radius of each arc; 0 for lines."""
-        return np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
+        return radii_of(self.starts, self.sweeps, self.centres)
 
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm] length of each piece."""
-        chords = np.abs(self.ends - self.starts)
-        return np.where(self.sweeps != 0.0, np.abs(self.sweeps) * self.radii, chords)
+        return lengths_of(self.starts, self.ends, self.sweeps, self.radii)
 
     @property
     def length(self) -> float:
