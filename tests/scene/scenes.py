@@ -9,6 +9,21 @@ from camgeo.scene.scene import Scene
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures" / "scenes"
 
+MILLED = """\
+[[tool]]
+number = 1
+diameter = 10
+flute_length = 22
+spindle_speed = 3000
+feed = 300
+plunge_feed = 100
+stepdown = 3
+[holding]
+kind = "fixture"
+through = 0.5
+"""
+"""Tables of a scene that is milled."""
+
 PLATE = """\
 camgeo = 1
 name = "plate"
@@ -53,18 +68,7 @@ entity = "arcs"
 machine = "linuxcnc"
 [output.csv]
 step = 0.5
-[[tool]]
-number = 1
-diameter = 10
-flute_length = 22
-spindle_speed = 3000
-feed = 300
-plunge_feed = 100
-stepdown = 3
-[holding]
-kind = "fixture"
-through = 0.5
-"""
+""" + MILLED
 
 ROCKER = """\
 camgeo = 1
@@ -136,18 +140,7 @@ groove_depth = 10
 bore = 25
 [output]
 formats = ["dxf", "stl", "gcode"]
-[[tool]]
-number = 1
-diameter = 10
-flute_length = 22
-spindle_speed = 3000
-feed = 300
-plunge_feed = 100
-stepdown = 3
-[holding]
-kind = "fixture"
-through = 0.5
-"""
+""" + MILLED
 
 
 def spoilt(scene: str, *changes: tuple[str, str]) -> str:
