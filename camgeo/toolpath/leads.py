@@ -34,10 +34,31 @@ LEAST_PART = 1e-6
 """A contour is not cut nearer than this [mm] to a joint of its pieces, but at the joint."""
 
 TIGHTEST = 0.6
-"""Largest radius of a narrow lead's arc as a share of that of the path's, inside which it runs."""
+"""Largest radius of a lead's arc as a share of that of the path's, inside which it runs."""
+
+FARTHEST = 0.5
+"""How far off a path inside which it runs a lead goes, at most, as a share of the path's radius."""
 
 MOST_PLACES = 24
 """Places that are tried for leads, the flattest first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Beside:
+    """What leads keep to beside a path.
+
+    Attributes
+    ----------
+    free : 1 if the free side is on the left of the path, -1 if on its right.
+    usual : radius [mm] of a lead's arc where the room is narrow.
+    straight : whether a line of a third of the room precedes and follows the arcs.
+    avoid : tracks, and how near [mm] the leads may come to them.
+    """
+
+    free: int
+    usual: float
+    straight: bool = False
+    avoid: Sequence[tuple[Track, float]] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,24 +134,13 @@ def _parted(contour: Contour, share: float) -> Contour:
 
 
 def joined(
-    path: Contour,
-    room: float,
-    *,
-    free: int,
-    usual: float,
-    straight: bool = False,
-    avoid: Sequence[tuple[Track, float]] = (),
-    place: float | None = None,
+    path: Contour, room: float, beside: Beside, *, place: float | None = None
 ) -> tuple[Contour, Lead]:
     """The path, begun at its flattest place where leads fit, and these leads.
 
     Parameters
     ----------
     room : how far the leads go off the path [mm], above 0.
-    free : 1 if the free side is on the left of the path, -1 if on its right.
-    usual : radius [mm] of a lead's arc where the room is narrow.
-    straight : whether a line of a third of the room precedes and follows the arcs.
-    avoid : tracks, and how near [mm] the leads may come to them.
     place : the only place for leads, as a distance [mm] along the path; None for any.
 
     Raises
@@ -145,7 +155,7 @@ def joined(
         places = [begun(path, place)]
     while size >= SMALLEST_SHARE * room:
         for there in places:
-            lead = lead_at(there, size, free=free, usual=usual, straight=straight, avoid=avoid)
+            lead = lead_at(there, size, beside)
             if lead is not None:
                 return there, lead
         size /= 2.0
@@ -155,26 +165,17 @@ def joined(
     )
 
 
-def lead_at(
-    path: Contour,
-    room: float,
-    *,
-    free: int,
-    usual: float,
-    straight: bool = False,
-    avoid: Sequence[tuple[Track, float]] = (),
-) -> Lead | None:
+def lead_at(path: Contour, room: float, beside: Beside) -> Lead | None:
     """Leads where the path begins, as of `joined`; None if they do not fit."""
     track = Track.around(path)
-    bend = max(_bend(path, piece, free) for piece in (0, -1))
-    if bend > 0.0:
-        usual = min(usual, TIGHTEST / bend)
-    lead = _lead(track, room, free, usual, bend, straight=straight)
-    if float(lead.off.radii[0]) * bend >= 1.0 or not _keeps_off(lead, avoid):
+    bend = max(_bend(path, piece, beside.free) for piece in (0, -1))
+    lead = _lead(track, room, bend, beside)
+    if not _keeps_off(lead, beside.avoid):
         return None
     near = [min(NEAR * lead.off.length, 0.5 * float(path.lengths[k])) for k in (0, -1)]
     ways = (lead.off, near[0]), (lead.into.reversed(), near[1])
-    return lead if all(_is_clear(path, track, way, skip, free) for way, skip in ways) else None
+    fits = all(_is_clear(path, track, way, skip, beside.free) for way, skip in ways)
+    return lead if fits else None
 
 
 def _bend(path: Contour, piece: int, free: int) -> float:
@@ -183,25 +184,33 @@ def _bend(path: Contour, piece: int, free: int) -> float:
     return math.copysign(1.0, free * sweep) / float(path.radii[piece]) if sweep else 0.0
 
 
-def _lead(
-    path: Track, room: float, free: int, usual: float, bend: float, *, straight: bool
-) -> Lead:
-    """Leads at the beginning of the path that go `room` [mm] off it.
+def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead:
+    """Leads at the beginning of the path that go `room` [mm] off it, or a quarter turn.
 
-    `bend` is the curvature [1/mm] of the path there, positive towards the free side.
+    `bend` is the curvature [1/mm] of the path there, positive towards the free side: then they go
+    up to half its radius off it, by as much of a turn as that takes.
     """
-    point, along = path.start, path.headings[0]
-    line = room / 3.0 if straight else 0.0
+    point, along, free = path.start, path.headings[0], beside.free
+    if bend > 0.0:
+        room = min(room, FARTHEST / bend)
+    line = room / 3.0 if beside.straight else 0.0
     lift = room - line
     # An arc of radius r that turns by t is r (1 - cos t) off a straight path: a quarter turn in
     # wide room, a flatter and larger arc in a narrow one.
-    radius = max(lift, min(usual, lift / (1.0 - math.cos(LEAST_TURN))))
-    cosine = 1.0 - lift / radius
-    if bend < 0.0:
-        # Off a round one of radius p: by the triangle with sides p + r, r and p + lift.
-        side, far = radius - 1.0 / bend, lift - 1.0 / bend
-        cosine = (side * side + radius * radius - far * far) / (2.0 * side * radius)
-    turn = math.acos(min(max(cosine, 0.0), math.cos(0.1 * LEAST_TURN)))
+    radius = max(lift, min(beside.usual, lift / (1.0 - math.cos(LEAST_TURN))))
+    if bend > 0.0:
+        radius = min(radius, TIGHTEST / bend)
+    # The end of the line is so far from the middle of the arc, and so much farther round it.
+    arm, ahead = math.hypot(radius, line), math.atan2(line, radius)
+    cosine, most = (radius - room) / arm, 0.5 * math.pi
+    if bend:
+        # Off a round path of radius p, negative where it bends away: by the triangle with sides
+        # p - r, the arm and p - room.
+        side, far = 1.0 / bend - radius, 1.0 / bend - room
+        cosine = (far * far - side * side - arm * arm) / (2.0 * side * arm)
+        most = math.pi if bend > 0.0 else most
+    turn = math.acos(min(max(cosine, -1.0), 1.0)) - ahead
+    turn = min(max(turn, 0.1 * LEAST_TURN), most)
     centre = point + free * 1j * along * radius
     off = Track.arc(point, centre, free * turn)
     into = Track.arc(point, centre, -free * turn).reversed()

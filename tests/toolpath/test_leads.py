@@ -9,7 +9,16 @@ import shapely
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.toolpath.leads import SMALLEST_SHARE, Lead, begun, flattest, joined, lead_at, started
+from camgeo.toolpath.leads import (
+    SMALLEST_SHARE,
+    Beside,
+    Lead,
+    begun,
+    flattest,
+    joined,
+    lead_at,
+    started,
+)
 from camgeo.toolpath.plane.nearness import distances, least_distance
 from camgeo.toolpath.plane.track import Track
 from tests.contour.cams import outline
@@ -76,7 +85,7 @@ def checked(path: Contour, lead: Lead, free: int) -> None:
 
 @pytest.mark.parametrize("room", [0.05, 0.5, 1.2, 5.0, 30.0])
 def test_lead_stays_in_the_slot(room: float) -> None:
-    path, lead = joined(SLOT, room, free=1, usual=0.5)
+    path, lead = joined(SLOT, room, Beside(free=1, usual=0.5))
     checked(path, lead, 1)
     off = distances(np.array([lead.off.end, lead.into.start]), Track.line(-10 - 1j, 10 - 1j))
     if abs(path.vertices[0].imag) == HALF_WIDTH and path.vertices[0].imag < 0:
@@ -96,7 +105,7 @@ def test_leads_outside_a_disc(name: str, climb: bool, room: float) -> None:
     contour = contour.reversed() if climb else contour
     free = 1 if climb else -1
     for straight in (False, True):
-        begun_there, lead = joined(contour, room, free=free, usual=3.0, straight=straight)
+        begun_there, lead = joined(contour, room, Beside(free=free, usual=3.0, straight=straight))
         checked(begun_there, lead, free)
         assert len(lead.off) == (2 if straight else 1)
         # It joins at a place flatter than most.
@@ -105,11 +114,27 @@ def test_leads_outside_a_disc(name: str, climb: bool, room: float) -> None:
         assert own <= np.quantile(bends, 0.5)
 
 
+@pytest.mark.parametrize("share", [0.002, 0.1, 0.3, 0.5])
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize("straight", [True, False])
+def test_leads_go_as_far_off_a_round_path_as_the_room_is(
+    share: float, inside: bool, straight: bool
+) -> None:
+    """Where a cutter goes straight down there it meets nothing that roughing has left."""
+    radius, free = 4.0, 1 if inside else -1
+    beside = Beside(free=free, usual=3.0, straight=straight)
+    path, lead = joined(Contour.circle(radius), share * radius, beside)
+    checked(path, lead, free)
+    off = (radius - abs(lead.off.end)) * free
+    assert off == pytest.approx(share * radius)
+    assert abs(lead.into.start) == pytest.approx(abs(lead.off.end))
+
+
 def test_leads_keep_off_what_they_must() -> None:
     circle = Contour.circle(20.0).reversed()
-    _, lead = joined(circle, 5.0, free=1, usual=5.0)
+    _, lead = joined(circle, 5.0, Beside(free=1, usual=5.0))
     body = Track.around(Contour.circle(1.0, lead.off.end))
-    path, other = joined(circle, 5.0, free=1, usual=5.0, avoid=((body, 3.0),))
+    path, other = joined(circle, 5.0, Beside(free=1, usual=5.0, avoid=((body, 3.0),)))
     checked(path, other, 1)
     assert min(least_distance(each, body) for each in (other.into, other.off)) >= 3.0
 
@@ -117,6 +142,6 @@ def test_leads_keep_off_what_they_must() -> None:
 def test_no_room_is_refused() -> None:
     narrow = Contour(SLOT.vertices.real + 1e-3j * SLOT.vertices.imag, SLOT.sweeps, SLOT.centres)
     room = 2.1 * HALF_WIDTH * 1e-3 / SMALLEST_SHARE
-    assert lead_at(started(narrow, 0), room, free=1, usual=room) is None
+    assert lead_at(started(narrow, 0), room, Beside(free=1, usual=room)) is None
     with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
-        joined(narrow, 1.1 * room, free=1, usual=room)
+        joined(narrow, 1.1 * room, Beside(free=1, usual=room))

@@ -10,7 +10,7 @@ import math
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.toolpath.cut import COMPUTED, ContourCut, Cut
-from camgeo.toolpath.leads import begun, farthest_along_x, flattest, joined, started
+from camgeo.toolpath.leads import Beside, begun, farthest_along_x, flattest, joined, started
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.tabs import lifted
@@ -37,15 +37,14 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         return slot(cut, heights, tolerance, effort)
     walk = Walk(cut, heights)
     path = fitted(cut, tolerance, effort)
-    contour, lead = joined(
-        path,
-        cut.room,
+    beside = Beside(
         free=walk.free,
         usual=cut.tool.radius,
         straight=cut.compensation != COMPUTED,
         avoid=walk.avoid(cut.bottom),
-        place=None if cut.tabs is None else farthest_along_x(path),
     )
+    place = None if cut.tabs is None else farthest_along_x(path)
+    contour, lead = joined(path, cut.room, beside, place=place)
     track = Track.around(contour)
     back = Track.line(lead.off.end, lead.into.start)
     walk.above(lead.into.start)

@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
-from camgeo.toolpath.leads import begun, lead_at
+from camgeo.toolpath.leads import Beside, begun, lead_at
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.spiral import fitted
 from camgeo.toolpath.plane.star import Star
@@ -71,7 +71,11 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
     helix = Track.arc(outward.start, 0j, turned)
     last = begun(path, star.along(finish))
     last = last if cut.climb else last.reversed()
-    lead = lead_at(last, ROOM * min(cut.tool.radius, least), free=walk.free, usual=cut.tool.radius)
+    lead = lead_at(
+        last,
+        ROOM * min(cut.tool.radius, least),
+        Beside(free=walk.free, usual=cut.tool.radius),
+    )
     off = () if lead is None else (lead.off,)
     # The first round of the spiral begins on that of the helix, whose floor is still sloping.
     first = (helix,) if hole is None else ()

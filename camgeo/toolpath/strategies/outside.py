@@ -11,7 +11,7 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
-from camgeo.toolpath.leads import begun, lead_at
+from camgeo.toolpath.leads import Beside, begun, lead_at
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.parallel import grown
@@ -116,7 +116,7 @@ def _continued(cut: AreaCut, morph: Morph, place: complex, fine: float) -> Morph
 def _off(last: Contour, morph: Morph, radius: float) -> tuple[Track, ...]:
     """The way off the last round, none where there is no room for one."""
     for size in (ROOM * radius, 0.3 * radius, 0.1 * radius):
-        lead = lead_at(last, size, free=-morph.side, usual=radius)
+        lead = lead_at(last, size, Beside(free=-morph.side, usual=radius))
         if lead is not None:
             return (lead.off,)
     return ()
