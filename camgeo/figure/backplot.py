@@ -15,7 +15,7 @@ from camgeo.figure.style import AUXILIARY, LIMIT, LINE
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.product.product import Product
 from camgeo.toolpath.backplot import KINDS, Kind, Plotted, plotted
-from camgeo.toolpath.judged import setup_of
+from camgeo.toolpath.judged import runs_of, setup_of
 from camgeo.units import MM_PER
 
 TOLERANCE: Final = 0.01
@@ -63,7 +63,8 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     if spec is None:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
     toolpath = product.milled.toolpath(TOLERANCE)
-    setup = setup_of(toolpath, product.drawn.part, spec.stock, spec.holding, TOLERANCE)
+    runs, part = runs_of(toolpath), product.drawn.part
+    setup = setup_of(product.milled.cuts, runs, part, spec.stock, spec.holding, TOLERANCE)
     found = plotted(toolpath, setup.blank, setup.top, TOLERANCE)
     columns = min(2, max(1, len(found)))
     rows = max(1, math.ceil(len(found) / columns))

@@ -1,7 +1,8 @@
-"""A planned toolpath as a simulation judges it: its runs, and the setup that it starts from."""
+"""A toolpath as a simulation judges it: its runs, and the setup that it starts from."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -10,13 +11,13 @@ from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Part
 from camgeo.toolpath.course import course_of
-from camgeo.toolpath.cut import AreaCut, ContourCut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
-from camgeo.toolpath.moves import Point, Toolpath
+from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
 from camgeo.toolpath.simulation import Run, Setup
 from camgeo.toolpath.stages import Body
 from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import DRILL, END_MILL
+from camgeo.toolpath.tool import DRILL, END_MILL, Tool
 
 RIM: Final = 1.0
 """Width [mm] of the strip along the outline of a blank by which waste is taken to be held."""
@@ -30,33 +31,48 @@ def runs_of(toolpath: Toolpath) -> tuple[Run, ...]:
     found = []
     at: Point | None = None
     for operation in toolpath.operations:
-        tool = operation.tool
-        shank = None
-        if tool.shank_diameter is not None and tool.flute_length is not None:
-            shank = (0.5 * tool.shank_diameter, tool.flute_length)
-        found.append(
-            Run(
-                operation.name,
-                operation.moves,
-                tool.radius,
-                0.0 if tool.kind == END_MILL else tool.tip_length,
-                tool.plunges or tool.kind == DRILL,
-                shank,
-                tuple(_body(each) for each in operation.cut.obstacles),
-                at,
-            )
-        )
+        obstacles = operation.cut.obstacles
+        found.append(run_with(operation.tool, operation.name, operation.moves, obstacles, at))
         at = operation.travel[-1].end
     return tuple(found)
 
 
-def setup_of(
-    toolpath: Toolpath, part: Part, stock: Stock, holding: Holding | None, tolerance: float
-) -> Setup:
-    """What the program starts from, and the part that must come of it, within `tolerance` [mm].
+def run_with(
+    tool: Tool,
+    name: str,
+    moves: tuple[Move | Stop, ...],
+    obstacles: Iterable[Obstacle],
+    start: Point | None,
+) -> Run:
+    """What a tool does that stands at `start` before; None if the first move is a traverse."""
+    shank = None
+    if tool.shank_diameter is not None and tool.flute_length is not None:
+        shank = (0.5 * tool.shank_diameter, tool.flute_length)
+    return Run(
+        name,
+        moves,
+        tool.radius,
+        0.0 if tool.kind == END_MILL else tool.tip_length,
+        tool.plunges or tool.kind == DRILL,
+        shank,
+        tuple(_body(each) for each in obstacles),
+        start,
+    )
 
-    A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Without
-    a holding nothing is said of pieces that come loose.
+
+def setup_of(
+    cuts: Iterable[Cut],
+    runs: Sequence[Run],
+    part: Part,
+    stock: Stock,
+    holding: Holding | None,
+    tolerance: float,
+) -> Setup:
+    """What a program starts from, and the part that must come of it, within `tolerance` [mm].
+
+    `cuts` say which walls are cut, and where the outline of the blank is not known, `runs` how far
+    it must reach. A bore with a keyway counts as round: a round cutter leaves the keyway to be
+    broached. Without a holding nothing is said of pieces that come loose.
     """
     bodies = tuple(
         Body(
@@ -68,7 +84,7 @@ def setup_of(
         for layer in part.layers
     )
     low, high = part.layers[0].z0, part.layers[-1].z1
-    outline, rim = _blank(toolpath, part, stock, tolerance)
+    outline, rim = _blank(cuts, runs, part, stock, tolerance)
     blank = [outline]
     if stock.bore is not None:
         blank.append(Contour.circle(0.5 * stock.bore))
@@ -110,7 +126,7 @@ def _clamped(obstacle: Obstacle) -> tuple[Contour, ...]:
 
 
 def _blank(
-    toolpath: Toolpath, part: Part, stock: Stock, tolerance: float
+    cuts: Iterable[Cut], runs: Sequence[Run], part: Part, stock: Stock, tolerance: float
 ) -> tuple[Contour, tuple[Contour, ...]]:
     """The outline of the blank, and the strip along it.
 
@@ -124,38 +140,28 @@ def _blank(
         return outline, (outline, inner)
     if stock.length is not None and stock.width is not None:
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
-    elif part.boundaries[0].name not in _produced(toolpath):
+    elif part.boundaries[0].name not in _produced(cuts):
         outline = _contour(part.boundaries[0], tolerance)
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner)
     else:
-        ends = [complex(x, y) for x, y, _ in _places(toolpath)]
-        reach = max(abs(complex(max(abs(p.real), abs(p.imag)))) for p in ends or [0j])
-        wide = UNKNOWN * max((each.tool.diameter for each in toolpath.operations), default=0.0)
+        ends = [course_of(run.moves, run.start).ends for run in runs]
+        reach = max((max(abs(p.real), abs(p.imag)) for each in ends for p in each), default=0.0)
+        wide = 2.0 * UNKNOWN * max((run.radius for run in runs), default=0.0)
         corner, centre = (reach + wide) * (1.0 + 1.0j), 0j
     outline = _rectangle(corner, centre)
     return outline, (outline, _rectangle(corner - RIM * (1.0 + 1.0j), centre))
 
 
-def _produced(toolpath: Toolpath) -> set[str]:
-    """Names of the boundaries that the program cuts."""
+def _produced(cuts: Iterable[Cut]) -> set[str]:
+    """Names of the boundaries that are cut."""
     found: set[str] = set()
-    for operation in toolpath.operations:
-        cut = operation.cut
+    for cut in cuts:
         if isinstance(cut, ContourCut):
             found |= {cut.right, cut.left}
         elif isinstance(cut, AreaCut):
             found |= {wall.name for wall in cut.walls}
-    return found
-
-
-def _places(toolpath: Toolpath) -> list[Point]:
-    """Ends of all feed moves."""
-    found: list[Point] = []
-    for operation in toolpath.operations:
-        course = course_of(operation.moves)
-        found += [(end.real, end.imag, 0.0) for end in course.ends.tolist()]
     return found
 
 

@@ -32,7 +32,7 @@ ALLOWED: Final = 0.02
 polygons are off, and not seen on a part."""
 
 LEVEL: Final = 1e-6
-"""Heights [mm] that differ by less are one."""
+"""Heights [mm] that differ by less are one, unless stated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,7 +106,12 @@ class Simulation:
 
 
 def simulate(
-    setup: Setup, runs: Sequence[Run], *, fineness: float = FINENESS, allowed: float = ALLOWED
+    setup: Setup,
+    runs: Sequence[Run],
+    *,
+    fineness: float = FINENESS,
+    allowed: float = ALLOWED,
+    level: float = LEVEL,
 ) -> Simulation:
     """Run a program in its blank.
 
@@ -114,15 +119,16 @@ def simulate(
     ----------
     fineness : deviation of chords [mm].
     allowed : [mm] by which a cutter may enter the part, or material stay on it.
+    level : heights [mm] that differ by less are one: the last decimal of a printed program.
     """
-    heights = _heights(setup, runs)
+    heights = _heights(setup, runs, level)
     whole = polygon(setup.blank, fineness)
     slabs = tuple(
         Slab(z0, z1, whole if setup.bottom < 0.5 * (z0 + z1) < setup.top else NOTHING)
         for z0, z1 in pairwise(heights)
     )
     part = tuple(_section(setup.part, 0.5 * (slab.z0 + slab.z1), fineness) for slab in slabs)
-    bench = _Bench(setup, slabs, part, fineness, allowed)
+    bench = _Bench(setup, slabs, part, fineness, allowed, level)
     stages, flaws = [], []
     for run in runs:
         flaws += bench.run(run)
@@ -134,7 +140,7 @@ def simulate(
     return Simulation(tuple(stages), tuple(flaws), part)
 
 
-def _heights(setup: Setup, runs: Sequence[Run]) -> list[float]:
+def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     """Ascending borders of the slabs [mm]."""
     found = [setup.top, setup.bottom]
     found += [z for body in setup.part for z in (body.z0, body.z1)]
@@ -147,7 +153,7 @@ def _heights(setup: Setup, runs: Sequence[Run]) -> list[float]:
     highest = max([setup.top, *(body.z1 for body in setup.part)])
     heights: list[float] = []
     for z in sorted(z for z in found if setup.bottom <= z <= highest):
-        if not heights or z - heights[-1] > LEVEL:
+        if not heights or z - heights[-1] > level:
             heights.append(z)
     return heights
 
@@ -168,9 +174,10 @@ class _Bench:
         part: tuple[Area, ...],
         fineness: float,
         allowed: float,
+        level: float,
     ) -> None:
         self.setup, self.slabs, self.part = setup, slabs, part
-        self.fineness, self.allowed = fineness, allowed
+        self.fineness, self.allowed, self.level = fineness, allowed, level
         self.kernels = [grown(area, -allowed) for area in part]
 
     def run(self, run: Run) -> list[Flaw]:
@@ -222,7 +229,7 @@ class _Bench:
         yield from self._gouges(run, course)
         self.slabs = tuple(
             slab.without(
-                swept(below(course, slab.z0 - run.point + LEVEL), run.radius, self.fineness)
+                swept(below(course, slab.z0 - run.point + self.level), run.radius, self.fineness)
             )
             for slab in self.slabs
         )
@@ -252,7 +259,7 @@ class _Bench:
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
-            low = below(course, slab.z1 - above - 2.0 * LEVEL)
+            low = below(course, slab.z1 - above - 2.0 * self.level)
             touched = shapely.intersection(swept(low, radius, self.fineness), body)
             if parts(touched):
                 tip = float(np.min(low.lowest))
@@ -263,7 +270,7 @@ class _Bench:
         for slab, kernel, part in zip(self.slabs, self.kernels, self.part, strict=True):
             if kernel.is_empty:
                 continue
-            low = below(course, slab.z1 - run.point - 2.0 * LEVEL)
+            low = below(course, slab.z1 - run.point - 2.0 * self.level)
             touched = shapely.intersection(swept(low, run.radius, self.fineness), kernel)
             if parts(touched):
                 points = shapely.points(shapely.get_coordinates(touched))
@@ -280,7 +287,7 @@ class _Bench:
         """Obstacles touched, and depths that are too large."""
         for body in run.obstacles:
             outline = polygon(body.contours, self.fineness)
-            low = below(course, body.z1 - LEVEL)
+            low = below(course, body.z1 - self.level)
             touched = shapely.intersection(swept(low, run.radius, self.fineness), outline)
             if parts(touched):
                 away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
@@ -291,7 +298,7 @@ class _Bench:
                 yield flaw("obstacle", run.name, text, within, 0.0, place)
         tip = float(np.min(course.lowest))
         limit = None if self.setup.lowest is None else self.setup.lowest - run.point
-        if limit is not None and tip < limit - LEVEL:
+        if limit is not None and tip < limit - self.level:
             piece = int(np.argmin(course.lowest))
             text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g}"
             place = _point(complex(course.ends[piece]), tip)

@@ -112,7 +112,9 @@ def there_and_back(stroke: float) -> plan.MotionPlan:
 
 NO_SCENE: Any = None
 
-TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
+TOOL = Tool(
+    number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0, plunges=True
+)
 
 CAM = Cam(
     Drive(there_and_back(10.0)), TranslatingRoller(base_radius=35.0, roller_radius=8.0), rotation=-1

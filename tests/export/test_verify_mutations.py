@@ -36,7 +36,9 @@ from tests.export.verified import TOLERANCE, checked, faults
 from tests.packages import repacked
 
 PRODUCT = StubProduct(
-    second_tool=Tool(number=2, diameter=8.0, spindle_speed=2500.0, feed=250.0, plunge_feed=80.0)
+    second_tool=Tool(
+        number=2, diameter=8.0, spindle_speed=2500.0, feed=250.0, plunge_feed=80.0, plunges=True
+    )
 )
 
 

@@ -35,9 +35,7 @@ def workshop(folder: Path) -> Path:
 
 def milled_scenes() -> list[str]:
     """Names of the fixture scenes that have a milling program."""
-    return [
-        path.stem for path in sorted(FIXTURES.glob("*.toml")) if "output.gcode" in path.read_text()
-    ]
+    return [path.stem for path in sorted(FIXTURES.glob("*.toml")) if "[[tool]]" in path.read_text()]
 
 
 def programs(folder: Path, scene: str, machine: str) -> Iterator[tuple[Product, bytes]]:

@@ -15,7 +15,7 @@ from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.judged import runs_of, setup_of
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Toolpath
-from camgeo.toolpath.simulation import Simulation, simulate
+from camgeo.toolpath.simulation import Setup, Simulation, simulate
 from camgeo.toolpath.stock import Stock
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -32,8 +32,14 @@ def program(name: str) -> tuple[Toolpath, Part, MillingSpec]:
 def judged(name: str, stock: Stock | None = None, holding: Holding | None = None) -> Simulation:
     """With what the scene states unless another blank or holding is given."""
     toolpath, part, spec = program(name)
-    setup = setup_of(toolpath, part, stock or spec.stock, holding or spec.holding, TOLERANCE)
-    return simulate(setup, runs_of(toolpath))
+    return simulate(
+        started(toolpath, part, stock or spec.stock, holding or spec.holding), runs_of(toolpath)
+    )
+
+
+def started(toolpath: Toolpath, part: Part, stock: Stock, holding: Holding | None) -> Setup:
+    cuts = [operation.cut for operation in toolpath.operations]
+    return setup_of(cuts, runs_of(toolpath), part, stock, holding, TOLERANCE)
 
 
 def test_a_sound_program() -> None:
@@ -62,12 +68,12 @@ def test_what_is_joined_below_is_no_rest() -> None:
     toolpath, part, _ = program("setzhub")
     low = part.layers[0].z0
     tabs = Holding(kind="tabs", through=1.0, tabs=Tabs(4, 6.0, 2.0))
-    setup = setup_of(toolpath, part, Stock(), tabs, TOLERANCE)
+    setup = started(toolpath, part, Stock(), tabs)
     assert setup.joined == pytest.approx(low + 2.0)
     skin = Holding(kind="onion-skin", skin=0.3)
-    assert setup_of(toolpath, part, Stock(), skin, TOLERANCE).joined == pytest.approx(low + 0.3)
+    assert started(toolpath, part, Stock(), skin).joined == pytest.approx(low + 0.3)
     fixture = Holding(kind="fixture", through=1.0)
-    thick = setup_of(toolpath, part, Stock(top=1.0, bottom=3.0), fixture, TOLERANCE)
+    thick = started(toolpath, part, Stock(top=1.0, bottom=3.0), fixture)
     assert (thick.top, thick.bottom, thick.joined) == (1.0, low - 3.0, low)
     # What is to be faced off is left.
     (rest,) = simulate(thick, runs_of(toolpath)).of("rest")
@@ -77,7 +83,7 @@ def test_what_is_joined_below_is_no_rest() -> None:
 def test_a_second_time_the_same_way_is_air() -> None:
     toolpath, part, _ = program("setzhub")
     outline = toolpath.operations[-1]
-    plate = setup_of(toolpath, part, Stock(), None, TOLERANCE).blank
+    plate = started(toolpath, part, Stock(), None).blank
     found = Cutting(course_of(outline.moves), outline.tool.radius, plate).engagement(10.0)
     assert found.peak > 0.5 * math.pi  # without the roughing before it
     twice = (*outline.moves, *outline.moves)

@@ -120,8 +120,8 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
-    setup = setup_of(toolpath, milled.drawn.part, spec.stock, spec.holding, FINENESS)
-    part = milled.drawn.part
+    part, runs = milled.drawn.part, runs_of(toolpath)
+    setup = setup_of(milled.cuts, runs, part, spec.stock, spec.holding, FINENESS)
     return SetupSheet(
         design.scene,
         machine.name,
@@ -131,7 +131,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         ZERO,
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
-        simulate(setup, runs_of(toolpath)).flaws,
+        simulate(setup, runs).flaws,
     )
 
 

@@ -31,6 +31,7 @@ from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
+from camgeo_export.verify.simulated import simulation_checks
 
 NAMES = {1.0: "mm", 25.4: "inch"}
 
@@ -88,6 +89,8 @@ class GcodeVerifier:
         if reading.ours:
             said = stated(program.comments)
             checks += cutting_checks(product, program, said, machine, spec.heights, tolerance)
+        if all(check.ok is not False for check in checks):  # else it is told where it goes wrong
+            checks += simulation_checks(product, program, tolerance)
         return tuple(checks)
 
 
