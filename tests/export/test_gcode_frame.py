@@ -13,6 +13,7 @@ from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.tool import Tool
+from camgeo.units import LengthUnit
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.writer import WRITER
@@ -299,6 +300,24 @@ def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:
     assert budget(fanuc, "mm", caught.value.reached).fit > 0.0
     with pytest.raises(ToleranceError):
         budget(fanuc, "mm", 0.99 * caught.value.reached)
+
+
+@pytest.mark.parametrize("machine", machines.names())
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_from_what_a_controller_can_reach_every_tolerance_has_a_budget(
+    machine: str, unit: LengthUnit
+) -> None:
+    """Also where smoothing takes all that the fit can spare, up to a rounding."""
+    profile = machines.load(machine)
+    for steps in range(1, 201):
+        tolerance = least = 2.5e-4 * steps
+        try:
+            shares = budget(profile, unit, tolerance)
+        except ToleranceError as error:
+            least = error.reached
+            shares = budget(profile, unit, float(f"{least:g}"))  # as the message names it
+        assert least == tolerance or least > tolerance * (1.0 + 1e-9)
+        assert shares.fit >= 0.0999 * tolerance
 
 
 def test_smoothing_takes_no_more_than_coarse_numbers_leave() -> None:

@@ -15,7 +15,7 @@ from camgeo.units import LengthUnit
 from camgeo.verifying.linting import Bench
 from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import run_bytes
+from camgeo_export.interpreter.run import run, run_bytes
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
 
@@ -46,6 +46,18 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
     checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), origin.tolerance)
     assert [check for check in checks if check.ok is False] == []
     assert WRITER.measure(product, data) <= origin.tolerance
+
+
+@pytest.mark.parametrize("machine", names())
+def test_only_coordinates_have_the_largest_of_coordinates(machine: str) -> None:
+    """A router's spindle turns faster than Grbl's coordinates reach."""
+    product = StubProduct(gcode=GcodeSpec(machine=machine), tool=replace(TOOL, spindle_speed=24e3))
+    found = run_bytes(WRITER.write(product, TOLERANCE).data, load(machine))
+    assert found.findings == ()
+    far = {"klartext": "0 BEGIN PGM A MM\n1 L X+{} R0 FMAX\n", "iso": "G21 G90 G0 X{}\n"}
+    profile = load(machine)
+    ran = run(far[profile.dialect].format(f"{2.0 * profile.numbers.largest:.1f}"), profile)
+    assert "number" in {each.rule for each in ran.findings}
 
 
 @pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "sinumerik", "heidenhain"])

@@ -24,7 +24,8 @@ through = 0.5
 """
 """Tables of a scene that is milled."""
 
-PLATE = """\
+PLATE = (
+    """\
 camgeo = 1
 name = "plate"
 [units]
@@ -68,7 +69,9 @@ entity = "arcs"
 machine = "linuxcnc"
 [output.csv]
 step = 0.5
-""" + MILLED
+"""
+    + MILLED
+)
 
 ROCKER = """\
 camgeo = 1
@@ -121,7 +124,8 @@ span = 200
 to = 0
 """
 
-GROOVE = """\
+GROOVE = (
+    """\
 camgeo = 1
 name = "groove"
 [cam]
@@ -140,7 +144,9 @@ groove_depth = 10
 bore = 25
 [output]
 formats = ["dxf", "stl", "gcode"]
-""" + MILLED
+"""
+    + MILLED
+)
 
 
 def spoilt(scene: str, *changes: tuple[str, str]) -> str:

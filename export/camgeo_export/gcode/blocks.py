@@ -68,6 +68,9 @@ PROOF_SHARE = 0.05
 LEAST_FIT = 0.1
 """Least share of the tolerance left for the fit where numbers are coarse."""
 
+SLACK = 1e-6
+"""Of shares: messages name a tolerance with six digits."""
+
 LINE_SHARE = 0.3
 """Share of the tolerance for chords on a machine that gets lines alone."""
 
@@ -119,8 +122,10 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     # rounded down to what is printed
     blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
     fit = left - blending
-    if fit < LEAST_FIT * tolerance and rounding > ROUNDING_SHARE * tolerance:
-        least = rounding / (fit + rounding - LEAST_FIT * tolerance) * tolerance
+    # Blending takes no more than leaves this, up to a rounding. A tolerance that a message has
+    # named as the least is enough.
+    if left < (LEAST_FIT - SLACK) * tolerance and rounding > ROUNDING_SHARE * tolerance:
+        least = rounding / (left + rounding - LEAST_FIT * tolerance) * tolerance
         message = f"{decimals} decimals in a program are too coarse"
         raise ToleranceError(message, tolerance, least)
     if fit <= 0.0:

@@ -91,14 +91,22 @@ def _value(
     if letter in block.values:
         findings.add(block.line, "repeated-word", f"the word {letter} is there twice")
         return
-    if abs(number.value) > controller.machine.numbers.largest:
-        allowed = f"at most {controller.machine.numbers.largest:g} in magnitude"
-        findings.add(block.line, "number", f"{letter} is too large", number.text, allowed)
+    within_reach(block, letter, number, controller, findings)
     if letter in WHOLE and (number.value < 0.0 or (number.value % 1.0 and letter != "D")):
         findings.add(block.line, "number", f"{letter} must be a whole number", number.text)
     if letter in "FS" and number.value < 0.0:
         findings.add(block.line, "number", f"{letter} must not be negative", number.text)
     block.values[letter] = number
+
+
+def within_reach(
+    block: Block, letter: str, number: Number, controller: Controller, findings: Findings
+) -> None:
+    """Find a coordinate that is larger than the controller reads."""
+    largest = controller.machine.numbers.largest
+    if letter in COORDINATES and abs(number.value) > largest:
+        allowed = f"at most {largest:.10g} in magnitude"
+        findings.add(block.line, "number", f"{letter} is too large", number.text, allowed)
 
 
 def _command(

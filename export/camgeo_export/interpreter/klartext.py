@@ -15,7 +15,7 @@ from camgeo.units import MM_PER
 from camgeo_export.interpreter.block import Block, Number
 from camgeo_export.interpreter.codes import normal
 from camgeo_export.interpreter.controller import Controller
-from camgeo_export.interpreter.decode import code
+from camgeo_export.interpreter.decode import code, within_reach
 from camgeo_export.interpreter.iso import shown
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import State
@@ -296,6 +296,7 @@ class Klartext:
         elif name in ("X", "Y", "Z", "PA"):
             block.relative[name] = False
         block.values[name] = Number(value, text)
+        within_reach(block, name, block.values[name], self._controller, self._findings)
 
     def _refuse(self, line: int, text: str) -> None:
         unread = UNREAD.match(text)
