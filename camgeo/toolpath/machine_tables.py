@@ -131,7 +131,7 @@ class NumberForm:
     most_decimals: Decimals
     largest: Annotated[float, partial(number, above=0.0)]
     increment: Increments | None = None
-    feed_decimals: Annotated[int, partial(whole, least=1, most=6)] = 4
+    feed_decimals: Annotated[int, partial(whole, least=1, most=6)] = 2
     inch_feed: Annotated[float, partial(number, above=0.0, most=1.0)] = 1.0
     feed_increment: Increments | None = None
 

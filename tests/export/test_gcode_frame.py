@@ -17,6 +17,7 @@ from camgeo.units import LengthUnit
 from camgeo_export.gcode.blocks import budget
 from camgeo_export.gcode.frame import Setup, numbered, written
 from camgeo_export.gcode.writer import WRITER
+from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
 
 NAMES = machines.names()
@@ -281,6 +282,15 @@ def test_work_offset_and_program_number() -> None:
     assert "G17 G21 G40 G49 G59.3 G80 G90 G94" in text
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_a_tool_is_named_as_its_user_names_it(name: str) -> None:
+    tool = replace(TOOL, name="Carbide, 4 flutes")
+    product = StubProduct(gcode=spec(name), tool=tool)
+    data = WRITER.write(product, TOLERANCE).data
+    assert f"diameter {tool.diameter:g} mm, carbide, 4 flutes" in data.decode("ascii").lower()
+    assert VERIFIER.origin(data).tolerance == TOLERANCE
+
+
 def test_a_feed_in_inches_has_the_unit_of_the_controller() -> None:
     """Of Heidenhain F counts in tenths of an inch per minute, with three decimals."""
     feed = 25.4 * 12.34567
@@ -290,7 +300,7 @@ def test_a_feed_in_inches_has_the_unit_of_the_controller() -> None:
         product = StubProduct(gcode=GcodeSpec(machine=name), unit="inch", second_tool=tool)
         text = WRITER.write(product, 0.05).data.decode()
         found[name] = {each for each in re.findall(r"F([\d.]+)", text) if each.startswith("12")}
-    assert found == {"haas": {"12.3457"}, "linuxcnc": {"12.3457"}, "heidenhain": {"123.457"}}
+    assert found == {"haas": {"12.35"}, "linuxcnc": {"12.35"}, "heidenhain": {"123.457"}}
 
 
 def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:

@@ -10,7 +10,7 @@ from camgeo.toolpath.machine import Machine
 from camgeo.units import MM_PER, LengthUnit
 
 FEED_DECIMALS = 4
-"""Decimals of a feed, trailing zeros dropped."""
+"""Decimals of a number that no profile limits, trailing zeros dropped."""
 
 
 @dataclass(frozen=True, slots=True)

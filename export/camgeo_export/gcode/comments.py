@@ -63,6 +63,7 @@ def about_program(
         f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
         *(
             f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {diameter(tool.diameter)}"
+            + (f", {tool.name}" if tool.name else "")
             for each, tool in tools.items()
         ),
         *product.milled.told,
