@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.toolpath.course import Course
 
 Area = Any
@@ -44,7 +44,7 @@ def swept(course: Course, radius: float, fineness: float) -> Area:
     """What a circle of `radius` [mm] passes over on `course`."""
     if not len(course) or radius <= 0.0:
         return NOTHING
-    chains = (part for chain in _chains(course, fineness) for part in _in_parts(chain))
+    chains = (part for chain in _chains(_once(course), fineness) for part in _in_parts(chain))
     shapes = [_shape(part) for part in chains]
     return shapely.union_all(shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness)))
 
@@ -92,6 +92,15 @@ def _quarter(radius: float, fineness: float) -> int:
     """Chords of a quarter of a circle within `fineness`."""
     angle = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / radius))
     return max(4, int(np.ceil(0.5 * np.pi / angle)))
+
+
+def _once(course: Course) -> Course:
+    """The course without pieces that it repeats: further rounds of a path sweep nothing more, and
+    what overlaps itself takes GEOS far longer.
+    """
+    rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
+    _, first = np.unique(rows, axis=0, return_index=True)
+    return taken(course, np.sort(first)) if len(first) < len(course) else course
 
 
 def _chains(course: Course, fineness: float) -> list[ComplexArray]:

@@ -53,3 +53,11 @@ def test_nothing_is_swept_by_nothing() -> None:
 def test_contours_within_contours_are_holes() -> None:
     found = polygon([Contour.circle(10.0), Contour.circle(4.0), Contour.circle(1.0)], 1e-4)
     assert found.area == pytest.approx(math.pi * (100.0 - 16.0 + 1.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("rounds", [2, 5])
+def test_further_rounds_sweep_nothing_more(rounds: int) -> None:
+    once = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    again = swept(course_of(ARC * rounds, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    assert again.equals(once)
+    assert len(again.exterior.coords) == len(once.exterior.coords)
