@@ -84,6 +84,10 @@ class UndercutError(GeometryError):
     """A contour was requested of a flank with a cusp or undercut, which is no outline of a disc."""
 
 
+class UnsafeError(GeometryError):
+    """A milling program would damage part, tool or machine, or drop what it cuts free."""
+
+
 class ToleranceError(CamgeoError, ArithmeticError):
     """A contour or file cannot be brought within the tolerance.
 

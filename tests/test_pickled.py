@@ -24,6 +24,7 @@ from camgeo.errors import (
     ToleranceError,
     UndercutError,
     UnknownNameError,
+    UnsafeError,
     VersionError,
 )
 from camgeo.lazy import Ledger, lazy
@@ -86,6 +87,7 @@ def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         SceneError([Fault("follower.arm", "1", "is too short", line=3)], "a.toml"),
         GeometryError("must be above 0", "arm", "-1"),
         UndercutError("has undercut", "arm", "-1"),
+        UnsafeError("a plunge", "output.gcode", ""),
         ToleranceError("chords cannot follow", 0.1, 0.2),
         OutputError("cannot be written"),
         CycleError(("a", "b", "a")),

@@ -13,7 +13,7 @@ from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
-from camgeo.errors import EffectError, GeometryError, ToleranceError
+from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
 from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
@@ -135,7 +135,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
         row = replace(row, drawing=file_cost(design.disc, DRAWING, tolerance))
         if form == "arcs" and not gcode.FORMAT.lacking(design.disc.values):
             row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance))
-    except (ToleranceError, GeometryError) as error:
+    except (ToleranceError, GeometryError, SceneError) as error:
         return replace(row, fault=reason(error))
     return row
 
@@ -193,8 +193,10 @@ def without_fits(product: Product, tolerance: float) -> Product:
     return product
 
 
-def reason(error: ToleranceError | GeometryError | EffectError) -> str:
+def reason(error: ToleranceError | GeometryError | EffectError | SceneError) -> str:
     """Why a row has no value, in one short sentence."""
+    if isinstance(error, SceneError):
+        return "; ".join(fault.message for fault in error.faults)
     return error.reason if isinstance(error, ToleranceError) else error.message
 
 

@@ -49,4 +49,6 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if found.certificate is None:
         notify("nothing was written: the cam has no outline")
+    for line in finding_lines(each for file in found.files for each in file.findings):
+        notify(line)
     return show(found, arguments)

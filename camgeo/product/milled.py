@@ -2,53 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, lazy
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
-    from camgeo.formats.format import Options, Values
+    from camgeo.check.finding import Finding
+    from camgeo.formats.format import Options
     from camgeo.product.drawn import DrawnDisc
+    from camgeo.scene.scene import Scene
     from camgeo.toolpath.cut import ContourCut, Cut
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
+
+Planned = TypeVar("Planned")
 
 
 @dataclass(frozen=True)
 class MilledDisc(Pickled):
     """A disc as seen by milling programs.
 
+    What cannot be planned raises `SceneError` with the key that is at fault.
+
     Attributes
     ----------
     drawn : the disc to be milled.
-    options : include the machine and the heights of traverses.
-    values : of the scene; what milling needs may be missing.
-    spec : tools, blank, holding and operations; None if the scene says nothing on milling.
+    scene : with tools, blank, holding and operations; what milling needs may be missing.
     ledger : records what was computed.
     """
 
     drawn: DrawnDisc
-    options: Options
-    values: Values
-    spec: MillingSpec | None = None
+    scene: Scene
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    @property
+    def options(self) -> Options:
+        """Include the machine and the heights of traverses."""
+        return self.scene.output.options
+
+    @property
+    def spec(self) -> MillingSpec | None:
+        """Tools, blank, holding and operations; None if the scene says nothing on milling."""
+        return self.scene.milling
 
     @lazy
     def sequence(self) -> Sequence:
-        """The exact cuts, and what is told of them; raises GeometryError if the scene lacks what
+        """The exact cuts, and what is told of them; raises SceneError if the scene lacks what
         milling needs, or its tools cannot do it.
         """
+        return self._planned(self._sequence)
+
+    def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
 
-        if lacking := FORMAT.lacking(self.values):
+        if lacking := FORMAT.lacking(self.scene.stated):
             raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
         assert self.spec is not None  # for the scene has a tool
         return sequence_of(self.drawn.part, self.spec, self.options[FORMAT].heights)
+
+    def _planned(self, plan: Callable[[], Planned]) -> Planned:
+        """What `plan` makes; what it finds wrong is the scene's fault."""
+        try:
+            return plan()
+        except UndercutError:  # of the disc, not of how it is milled
+            raise
+        except GeometryError as error:
+            from camgeo.scene.milling import refused  # few scenes mill
+
+            scene = self.scene
+            raise refused(scene.stated, error, scene.source.file) from error
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
@@ -74,6 +102,27 @@ class MilledDisc(Pickled):
 
         cuts, spec, effort = self.cuts, self.options[FORMAT], self.drawn.effort
         limits, heights = load(spec.machine).arcs, spec.heights
-        return self.ledger.run(
-            "toolpath", lambda: plan_toolpath(cuts, heights, limits, tolerance, effort)
+        return self._planned(
+            lambda: self.ledger.run(
+                "toolpath", lambda: plan_toolpath(cuts, heights, limits, tolerance, effort)
+            )
         )
+
+    def findings(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+        """What is told of the sequence, and what the simulation of its program finds: "broken" if
+        it must not be run.
+        """
+        from camgeo.toolpath.verdict import verdict
+
+        part, spec = self.drawn.part, self.spec
+        assert spec is not None  # for there is a program
+        found = self.ledger.run("simulation", lambda: verdict(toolpath, part, spec))
+        names = {each.name for each in found}
+        return (*(each for each in self.sequence.findings if each.name not in names), *found)
+
+    def safe(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+        """What is to be watched in a program; raises UnsafeError if it must not be run."""
+        found = self.findings(toolpath)
+        if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
+            raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
+        return tuple(each for each in found if each.severity != "ok")

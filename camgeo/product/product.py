@@ -111,7 +111,7 @@ class Product(Pickled):
         """The disc as milling programs cut it."""
         from camgeo.product.milled import MilledDisc
 
-        return MilledDisc(self.drawn, self.options, self.values, self.scene.milling, self.ledger)
+        return MilledDisc(self.drawn, self.scene, self.ledger)
 
     @built
     def tabulated(self) -> TabulatedCam:

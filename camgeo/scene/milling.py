@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from camgeo.errors import Fault, GeometryError, SceneError
@@ -21,15 +22,19 @@ from camgeo.toolpath.milling import (
     stock_of,
     tool_of,
 )
+from camgeo.toolpath.spec import EARLIER
 from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import END_MILL, Tool
+from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
 if TYPE_CHECKING:
     from camgeo.toolpath.holding import Holding
     from camgeo.toolpath.milling import OperationSpec
     from camgeo.toolpath.spec import GcodeSpec
 
-LIBRARY: Final = ("output", "gcode", "tools")
+PROGRAM: Final = ("output", "gcode")
+"""Key of the table with the options of the program."""
+
+LIBRARY: Final = (*PROGRAM, "tools")
 """Key of the file with further tools."""
 
 Broken = tuple[Path, str]
@@ -197,3 +202,38 @@ def tools_of(data: bytes) -> list[Tool]:
     if faults:
         raise SceneError(faults)
     return tools
+
+
+# Faults of planning -----------------------------------------------------------------------------
+
+
+def refused(values: ValidValues, error: GeometryError, file: str) -> SceneError:
+    """What planning a program raises, as the fault of its scene: file, key, value and line."""
+    fault = values.scene.fault(_blamed(values, error), error.message)
+    fault = fault if fault.value else replace(fault, value=error.value)
+    return SceneError([fault], file)
+
+
+def _blamed(values: ValidValues, error: GeometryError) -> Path:
+    """The place in the scene that an error of planning is about."""
+    if isinstance(error, ToolError):
+        return _place_of(values, error.number, error.field)
+    path = path_of(error.key) or PROGRAM
+    if path[0] == "toolpath":
+        return PROGRAM
+    return path if path[0] != "tool" or values.has("tool") else _tools_elsewhere(values)
+
+
+def _place_of(values: ValidValues, number: int, field: str) -> Path:
+    """Of a field of a tool, or of the whole one: in the scene, in earlier keys, in a library."""
+    for place in _places(values, "tool"):
+        if values.get(*place, "number") == number:
+            return (*place, field) if field else place
+    if values.has(*PROGRAM, "tool_diameter"):
+        keys = {name: key for key, name in EARLIER.items()}
+        return (*PROGRAM, keys.get(field, "tool_diameter"))
+    return LIBRARY
+
+
+def _tools_elsewhere(values: ValidValues) -> Path:
+    return LIBRARY if values.has(*LIBRARY) else (*PROGRAM, "tool_diameter")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
@@ -12,7 +12,7 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part, Wall
 from camgeo.toolpath.fitting import largest_diameter, tightest
 from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.tool import END_MILL, Tool
+from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
 SAME: Final = 2.0**-48
 """Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
@@ -21,8 +21,26 @@ ALLOWANCE_SHARE: Final = 0.05
 LARGEST_ALLOWANCE: Final = 0.5
 """What a planned roughing leaves, as a share of the cutter's diameter, and at most [mm]."""
 
+
+class Reason(str):
+    """Why a tool cannot do something.
+
+    Attributes
+    ----------
+    field : of the tool, too small or too large for it.
+    """
+
+    __slots__ = ("field",)
+    field: str
+
+    def __new__(cls, sentence: str, field: str) -> Self:
+        found = super().__new__(cls, sentence)
+        found.field = field
+        return found
+
+
 Unfit = Callable[[Tool], str]
-"""Why a tool cannot do something; empty if it can."""
+"""Why a tool cannot do something, perhaps a `Reason`; empty if it can."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +94,9 @@ class Bench:
                 return tool
             reasons.append(f"tool {tool.number}: {reason}")
         message = f"none fits the {what}: {'; '.join(reasons) or f'no {END_MILL} is stated'}"
-        raise GeometryError(message, key=self.key)
-
-    @property
-    def key(self) -> str:
-        """Key of the scene with the tools."""
-        return "output.gcode.tool_diameter" if self.milling.earlier else "tool"
+        if len(reasons) == len(self.milling.tools) == 1:
+            raise ToolError(message, self.milling.tools[0], getattr(reason, "field", ""))
+        raise GeometryError(message, key="tool")
 
     def allowance(self, tool: Tool, wall: Wall) -> float:
         """What a planned roughing with `tool` leaves on a wall [mm].
@@ -98,12 +113,15 @@ class Bench:
         """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]."""
         depth = top - bottom
         if tool.flute_length is not None and tool.flute_length < depth:
-            return f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
+            text = f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
+            return Reason(text, "flute_length")
         if tool.stick_out is not None and tool.stick_out < depth:
-            return f"it sticks out {tool.stick_out:g} mm, less than {depth:g} mm"
+            text = f"it sticks out {tool.stick_out:g} mm, less than {depth:g} mm"
+            return Reason(text, "stick_out")
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
-            return f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
+            text = f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
+            return Reason(text, "shank_diameter")
         return ""
 
     def too_large(self, tool: Tool, boundary: Boundary) -> str:
@@ -113,10 +131,12 @@ class Bench:
             return ""
         if isinstance(boundary, ExactBoundary):
             size = 2.0 * place.radius
-            return f"the cutter must be smaller than the {boundary.name}, {size:g} mm"
-        return (
+            text = f"the cutter must be smaller than the {boundary.name}, {size:g} mm"
+            return Reason(text, "diameter")
+        return Reason(
             f"the cutter is too large for the {boundary.name}: {place.sentence};"
-            f" the largest that fits has {largest_diameter(place):g} mm"
+            f" the largest that fits has {largest_diameter(place):g} mm",
+            "diameter",
         )
 
     def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:

@@ -18,6 +18,9 @@ from camgeo.toolpath.moves import Heights
 COARSE: Final = 0.01
 """Tolerance [mm] of the contours with which clamps are compared; it counts against them."""
 
+LOOSE_CORE: Final = "loose-core"
+"""Name of findings on waste that is cut free in one piece."""
+
 
 def guarded(bench: Bench, cuts: Sequence[Cut], heights: Heights) -> list[Cut]:
     """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
@@ -91,7 +94,7 @@ def told_of_holding(bench: Bench, cuts: Sequence[Cut]) -> Iterator[Finding]:
             )  # fmt: skip
         if wall.boundary.hole and holding.kind == FIXTURE:
             yield Finding(
-                "loose-core", "warning",
+                LOOSE_CORE, "warning",
                 f"{cut.name}: the core inside it is cut free in one piece; the fixture must hold it"
                 " as well as the part",
             )  # fmt: skip

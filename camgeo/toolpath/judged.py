@@ -106,6 +106,7 @@ def setup_of(
         low - stock.bottom,
         bodies,
         None if held is None else tuple(held),
+        holding is not None and holding.kind == FIXTURE,
         lowest,
         max(joined, default=None),
     )

@@ -14,6 +14,8 @@ from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
 TOUCHING = 1e-4
 """Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
 
+PART = "the part"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
@@ -58,13 +60,15 @@ def left_flaws(
     held: Sequence[Area] | None,
     joined: float | None,
     allowed: float,
+    *,
+    fixture: bool = False,
 ) -> Iterator[Flaw]:
     """Pieces that come loose, each where it does, and what is left on the part at the end.
 
     Parameters
     ----------
     part : in each slab.
-    held, joined : as in `camgeo.toolpath.simulation.Setup`.
+    held, joined, fixture : as in `camgeo.toolpath.simulation.Setup`.
     allowed : thickness [mm] that may be left.
     """
     known: list[Piece] = []
@@ -73,7 +77,7 @@ def left_flaws(
             if any(_same(piece, each) for each in known) or _held(piece, held or ()):
                 continue
             known.append(piece)
-            yield _loose(stage, piece, part)
+            yield _loose(stage, piece, part, fixture=fixture)
     if stages:
         yield from _rests(stages[-1], part, joined, allowed)
 
@@ -95,19 +99,20 @@ def _same(piece: Piece, other: Piece) -> bool:
     )
 
 
-def _loose(stage: Stage, piece: Piece, part: Sequence[Area]) -> Flaw:
+def _loose(stage: Stage, piece: Piece, part: Sequence[Area], *, fixture: bool) -> Flaw:
     k, area = max(piece.areas, key=lambda each: each[1].area)
     low, _, high, _ = area.bounds
     _, bottom, _, top = area.bounds
     volume = piece.volume(stage.slabs)
-    what = "the part" if piece.shared(part) > 0.5 * sum(each.area for each in part) else "a core"
-    text = (
-        f"{what} of {high - low:.3g} x {top - bottom:.3g} mm, {volume:.3g} mm^3, comes loose"
-        " and nothing holds it"
-    )
+    what = PART if piece.shared(part) > 0.5 * sum(each.area for each in part) else "a core"
+    watched = fixture and what != PART
+    text = f"{what} of {high - low:.3g} x {top - bottom:.3g} mm, {volume:.3g} mm^3, "
+    text += "which the fixture must hold, comes loose" if watched else (
+        "comes loose and nothing holds it"
+    )  # fmt: skip
     place = place_in(area)
     where = (place.real, place.imag, stage.slabs[k].z0)
-    return flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3")
+    return flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3", watched=watched)
 
 
 def _rests(
@@ -137,6 +142,6 @@ def _rests(
             )
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
-            found.append(flaw("rest", stage.operation, text, size, allowed, where))
+            found.append(flaw("rest", stage.operation, text, size, allowed, where, watched=True))
     if found:
         yield max(found, key=lambda each: each.value)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from camgeo.curve.working_curve import WorkingCurve
-from camgeo.errors import GeometryError
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import Bench, flank_curve
 from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut, passes
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.tool import Tool, ToolError
 
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
@@ -108,17 +107,16 @@ def drill_at(name: str, tool: Tool, top: float, bottom: float, place: complex) -
 
 
 def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
-    """Z of equal passes [mm]; raises GeometryError without a stepdown."""
+    """Z of equal passes [mm]; raises ToolError without a stepdown."""
     if tool.stepdown is None:
-        message = f"tool {tool.number} needs it to cut {top - bottom:g} mm deep"
-        raise GeometryError(message, "tool.stepdown")
+        message = f"is missing: tool {tool.number} needs it to cut {top - bottom:g} mm deep"
+        raise ToolError(message, tool, "stepdown")
     return passes(top, bottom, tool.stepdown)
 
 
 def stepover_of(tool: Tool) -> float:
-    """Between neighbouring paths [mm]; raises GeometryError if it is not stated."""
+    """Between neighbouring paths [mm]; raises ToolError if it is not stated."""
     if tool.stepover is None:
-        raise GeometryError(
-            f"tool {tool.number} needs it to clear an area; none is invented", "tool.stepover"
-        )
+        message = f"is missing: tool {tool.number} needs it to clear an area; none is invented"
+        raise ToolError(message, tool, "stepover")
     return tool.stepover

@@ -15,6 +15,7 @@ from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath
 from camgeo.toolpath.strategies import STRATEGIES
+from camgeo.toolpath.tool import ToolError
 
 
 def plan_toolpath(
@@ -31,7 +32,7 @@ def plan_toolpath(
     Raises
     ------
     GeometryError
-        With key "tool", if a cutter is too large for its cut; with key "toolpath", if there is no
+        `ToolError`, if a cutter is too large for its cut; with key "toolpath", if there is no
         strategy for it.
     FileError
         If there are more moves than lines are allowed in a program that is read.
@@ -43,7 +44,7 @@ def plan_toolpath(
             known = ", ".join(STRATEGIES)
             message = f"{cut.name} has no such strategy; there are {known}"
             raise GeometryError(message, "toolpath", cut.strategy)
-        moves = STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
+        moves = _moves_of(cut, heights, tolerance, effort)
         first, *others = islice(divided(moves, limits.largest_turn), left + 1)
         # After a halt the cutter comes back above its first point, wherever it was taken.
         stop = (Stop(cut.stop), first) if cut.stop else ()
@@ -53,6 +54,18 @@ def plan_toolpath(
             raise too_long()
         operations.append(operation)
     return Toolpath(heights, tuple(operations))
+
+
+def _moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
+    """Those of its strategy; what is wrong with the tool there is said of this cut's."""
+    try:
+        return STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
+    except ToolError:
+        raise
+    except GeometryError as error:
+        if error.key == "tool":
+            raise ToolError(f"{cut.name}: {error.message}", cut.tool) from error
+        raise
 
 
 def too_long() -> FileError:

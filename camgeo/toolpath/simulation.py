@@ -71,6 +71,7 @@ class Setup:
     top, bottom : of the blank, Z [mm].
     part : what must be left.
     held : outlines within which the blank is held; None if that is not to be judged.
+    fixture : whether a fixture below all of the blank is to hold what nothing else holds.
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
     joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
     """
@@ -80,6 +81,7 @@ class Setup:
     bottom: float
     part: tuple[Body, ...] = ()
     held: tuple[tuple[Contour, ...], ...] | None = None
+    fixture: bool = False
     lowest: float | None = None
     joined: float | None = None
 
@@ -134,7 +136,7 @@ def simulate(
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
     held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
-    flaws += left_flaws(stages, part, held, setup.joined, allowed)
+    flaws += left_flaws(stages, part, held, setup.joined, allowed, fixture=setup.fixture)
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)

@@ -63,6 +63,7 @@ class Flaw:
     sentence : in words, with its place.
     value, limit : what was found and what is allowed, in `unit`.
     place : of its largest extent.
+    watched : whether it is no fault, but something for the machinist to watch.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Flaw:
     limit: float
     unit: str
     place: Point
+    watched: bool = False
 
     @property
     def excess(self) -> float:
@@ -87,11 +89,13 @@ def flaw(
     limit: float,
     place: Point,
     unit: str = "mm",
+    *,
+    watched: bool = False,
 ) -> Flaw:
     """A flaw whose sentence ends with its place."""
     x, y, z = place
     sentence = f"{operation}: {text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g}"
-    return Flaw(name, operation, sentence, value, limit, unit, place)
+    return Flaw(name, operation, sentence, value, limit, unit, place, watched)
 
 
 def areas(slabs: Iterable[Slab]) -> list[Area]:

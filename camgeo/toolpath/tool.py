@@ -41,6 +41,21 @@ Text = Annotated[str, partial(instance, kind=str, what="a text")]
 Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 
 
+class ToolError(GeometryError):
+    """A tool cannot do what is asked of it, or lacks what that takes.
+
+    Attributes
+    ----------
+    number : of the tool.
+    field : its attribute that is at fault, or empty for the tool as a whole.
+    """
+
+    def __init__(self, message: str, tool: Tool, field: str = "") -> None:
+        super().__init__(message, f"tool.{field}" if field else "tool")
+        self.number = tool.number
+        self.field = field
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tool:
     """A tool, and how it is run; None for what nobody has stated.

@@ -7,10 +7,11 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.check.finding import forbidding
+from camgeo.check.finding import Finding, forbidding
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
@@ -39,6 +40,7 @@ class FileReport:
     tolerance : the requested one [mm].
     deviation : proved for the file as read back [mm]; None for pictures.
     facts : what its writer reports, e.g. the number of arcs.
+    findings : what whoever uses the file has to watch.
     """
 
     name: str
@@ -47,6 +49,7 @@ class FileReport:
     tolerance: float
     deviation: float | None
     facts: dict[str, int | float | str]
+    findings: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,9 +134,8 @@ def make_files(
                 message = f"would be {file}, as another file of the same set"
                 raise SceneError([Fault("format", name, message)])
             contents[file] = written.data
-            reports.append(
-                FileReport(file, name, len(written.data), tolerance, deviation, written.facts)
-            )
+            size, facts, told = len(written.data), written.facts, written.findings
+            reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
     contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
     return contents, tuple(reports)
 
@@ -191,7 +193,7 @@ def _certificate(
         ],
         "findings": [
             {key: getattr(finding, key) for key in ("name", "severity", "value", "limit", "unit")}
-            for finding in product.findings
+            for finding in (*product.findings, *chain.from_iterable(r.findings for r in reports))
         ],
     }
     return (json.dumps(document, indent=2, allow_nan=False) + "\n").encode()

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from camgeo.check.finding import Finding
 from camgeo.errors import Fault, SceneError, meant
 from camgeo.formats.format import Format
 from camgeo.formats.registry import NO_FORMATS, format_of, writer_entries
@@ -25,10 +26,12 @@ class Written:
     data : the whole file.
     facts : what the certificate should state besides the deviation, e.g. {"arcs": 64}; numbers and
         short texts, in the order of writing.
+    findings : what whoever uses the file has to watch.
     """
 
     data: bytes
     facts: dict[str, int | float | str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
 
 
 class Writer(Protocol):

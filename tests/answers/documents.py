@@ -21,6 +21,15 @@ FOLDERS = ("effects", "refused", "scenes")
 
 SCENES = [path for name in FOLDERS for path in sorted((FIXTURES / name).glob("*.toml"))]
 
+RING = FIXTURES / "scenes" / "ring.toml"
+
+UNHELD = RING.read_text().replace(
+    'kind = "fixture"\nthrough = 0.5',
+    'kind = "clamps"\nthrough = 0.5\n'
+    "clamp = [{ place = [85, 0], length = 12, width = 20, height = 4 }]",
+)
+"""The ring clamped, and the core that is cut out of it not held by anything."""
+
 
 @cache
 def explained(scene: Path) -> tuple[Design, Explanation]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import camgeo
 from camgeo.answers.build import build
 from camgeo.answers.render import text
 from camgeo.answers.verify import verify
 from camgeo.design import Design
+from camgeo.errors import SceneError, UnsafeError
 from camgeo.scene.load import load_scene
-from tests.answers.documents import FIXTURES, document
+from tests.answers.documents import FIXTURES, RING, UNHELD, document
 
 SCENE = FIXTURES / "scenes" / "inch.toml"
 
@@ -48,6 +51,32 @@ def test_text_and_document_are_of_one_result(folder: Path) -> None:
     assert document(failed)["passed"] is False
     assert "FAIL" in text(failed).splitlines()[0]
     assert (verified.exit_code, failed.exit_code) == (0, 1)
+
+
+def test_what_is_to_be_watched_stands_in_report_and_certificate(tmp_path: Path) -> None:
+    found = build(Design(load_scene(RING)), tmp_path, ["gcode"], tolerance=0.01)
+    (core,) = (each for each in found.findings if each.name == "loose-core")
+    assert core.severity == "warning"
+    certificate = json.loads((tmp_path / "certificate.json").read_text())
+    (stated,) = (each for each in certificate["findings"] if each["name"] == "loose-core")
+    assert (stated["value"], stated["unit"]) == (core.value, "mm^3")
+
+
+def test_a_program_that_must_not_be_run_is_not_written(tmp_path: Path) -> None:
+    """Nor are the other files of its set."""
+    with pytest.raises(UnsafeError, match=r"a core of .* nothing holds it at X"):
+        build(camgeo.loads(UNHELD), tmp_path, ["dxf", "gcode"])
+    assert list(tmp_path.iterdir()) == []
+    assert build(camgeo.loads(UNHELD), tmp_path, ["dxf"]).exit_code == 0
+
+
+def test_a_program_that_cannot_be_planned_is_not_written(tmp_path: Path) -> None:
+    text = RING.read_text().replace("flute_length = 26", "flute_length = 6")
+    with pytest.raises(SceneError) as caught:
+        build(camgeo.loads(text), tmp_path, ["gcode"])
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("tool[1].flute_length", "6")
+    assert fault.line is not None
 
 
 def test_a_cam_without_outline_has_no_files(tmp_path: Path) -> None:

@@ -7,24 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.check import check
+import camgeo
+from camgeo.answers.check import Check, check
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from camgeo.wording import clock
-from tests.answers.documents import FIXTURES, SCENES, document, explained
+from tests.answers.documents import FIXTURES, RING, SCENES, UNHELD, document, explained
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
-TOOL = {
-    "number": 1,
-    "diameter": 10.0,
-    "flute_length": 22.0,
-    "spindle_speed": 3000.0,
-    "feed": 300.0,
-    "plunge_feed": 100.0,
-    "stepdown": 3.0,
-}
+
+def lines_of(found: Check) -> list[str]:
+    return text(found).splitlines()
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
@@ -98,24 +93,95 @@ def test_the_machining_time_of_each_operation() -> None:
     machining = found.machining
     assert machining is not None
     assert machining.machine == "LinuxCNC"
-    names = [each.name for each in machining.operations]
+    (program,) = machining.programs.values()
+    assert program.operations is not None
+    names = [each.name for each in program.operations]
     assert names[-1] == "outline"
-    reported = document(found)["machining"]
+    (reported,) = document(found)["machining"]["programs"].values()
     assert [each["name"] for each in reported["operations"]] == names
     assert sum(each["seconds"] for each in reported["operations"]) == pytest.approx(
         machining.seconds
     )
+    assert machining.seconds is not None
     (head,) = (line for line in text(found).splitlines() if line.startswith("machining on "))
     assert clock(machining.seconds) in head
 
 
-def test_a_program_that_cannot_be_planned_has_a_reason() -> None:
-    short = load_scene(SETZHUB).with_values({"tool": [{**TOOL, "flute_length": 5.0}]})
-    machining = check(Design(short)).machining
-    assert machining is not None
-    assert machining.operations == ()
-    assert machining.fault
-    assert f"machining: {machining.fault}" in text(check(Design(short)))
+def test_the_machining_times_of_both_discs_and_their_sum() -> None:
+    found = check(Design(load_scene(FIXTURES / "scenes" / "conjugate_lever.toml")))
+    assert found.machining is not None
+    times = {name: each.seconds for name, each in found.machining.programs.items()}
+    assert list(times) == ["conjugate_lever", "conjugate_lever-return"]
+    seconds = [each for each in times.values() if each is not None]
+    assert found.machining.seconds == pytest.approx(sum(seconds))
+    lines = text(found).splitlines()
+    for name, time in times.items():
+        assert f"  {name}: {clock(time or 0.0)}" in lines
+        assert f"milling of {name}:" in lines
+    assert document(found)["machining"]["seconds"] == found.machining.seconds
+
+
+def test_a_program_that_cannot_be_planned_is_the_fault_of_its_scene() -> None:
+    """As of other invalid scenes: file, line, key, value, what is wrong; exit code 2."""
+    design = camgeo.loads(SETZHUB.read_text().replace("flute_length = 22", "flute_length = 5"))
+    found = check(design)
+    assert found.machining is not None
+    (program,) = found.machining.programs.values()
+    (fault,) = program.faults
+    assert (fault.key, fault.value) == ("tool[1].flute_length", "5")
+    assert fault.line == 1 + design.scene.to_toml().splitlines().index("flute_length = 5")
+    assert "shorter than 12.5 mm" in fault.message
+    assert program.operations is None
+    assert found.exit_code == 2
+    assert any(line.startswith("INVALID") and str(fault) in line for line in lines_of(found))
+    (reported,) = document(found)["machining"]["programs"].values()
+    assert reported["faults"][0]["line"] == fault.line
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("width = 200", "width = 200\nbore = 20", "stock.bore"),
+        ("stepdown = 3", "stepdown = 3\nstick_out = 22\nramp_angle = 0.0001", "tool[1].ramp_angle"),
+        ('machine = "linuxcnc"', "clearance_height = 0.5", "output.gcode.clearance_height"),
+        (
+            'kind = "fixture"\n',
+            'kind = "tabs"\ncount = 90\nwidth = 4\nheight = 2\n',
+            "holding.count",
+        ),
+    ],
+)
+def test_faults_of_planning_name_their_keys(old: str, new: str, key: str) -> None:
+    text = SETZHUB.read_text()
+    text = text.replace(
+        "through = 0.5", "through = 0.5\n[stock]\ntop = 1\nlength = 200\nwidth = 200"
+    )
+    text = text.replace("stepdown = 3", "stepdown = 3\nstepover = 4")
+    assert text.count(old) == 1
+    found = check(camgeo.loads(text.replace(old, new)))
+    assert found.machining is not None
+    ((fault,),) = (each.faults for each in found.machining.programs.values())
+    assert fault.key == key
+    assert fault.line is not None
+    assert found.exit_code == 2
+
+
+def test_what_a_program_cuts_loose_and_a_fixture_must_hold_is_told() -> None:
+    found = check(Design(load_scene(RING)))
+    (line,) = (each for each in lines_of(found) if "loose-core" in each)
+    assert line.startswith("warning")
+    assert "a core of 123 x 115 mm" in line
+    assert " at X " in line
+    assert found.exit_code == 0
+
+
+def test_a_program_that_must_not_be_run_is_broken() -> None:
+    """Clamps on the ring hold the blank, and not the core that is cut out of it."""
+    found = check(camgeo.loads(UNHELD))
+    (line,) = (each for each in lines_of(found) if each.startswith("BROKEN"))
+    assert "a core of" in line
+    assert "nothing holds it" in line
+    assert found.exit_code == 1
 
 
 def test_no_machining_without_a_tool_or_without_a_disc() -> None:

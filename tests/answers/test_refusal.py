@@ -17,6 +17,7 @@ from camgeo.errors import (
     SceneError,
     ToleranceError,
     UndercutError,
+    UnsafeError,
 )
 from tests.answers.documents import document, validator
 from tests.cli.test_bad_input import BAD
@@ -27,6 +28,7 @@ ERRORS: list[tuple[CamgeoError, int]] = [
     (SceneError([Fault("a.b", "1", "is wrong", "try 2", 3), Fault("", "", "is odd")], "x.toml"), 2),
     (GeometryError("cannot close", "linkage", "7"), 2),
     (UndercutError("has a cusp"), 1),
+    (UnsafeError("a core comes loose"), 1),
     (ToleranceError("arcs cannot follow", 0.1, 0.2), 2),
 ]
 

@@ -268,6 +268,9 @@ class StubProduct(Product):
     def told(self) -> tuple[str, ...]:
         return ()
 
+    def safe(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+        return ()
+
     def toolpath(self, tolerance: float) -> Toolpath:
         largest = machine.load(self.gcode.machine).arcs.largest_turn
         operations = []

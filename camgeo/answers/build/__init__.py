@@ -59,9 +59,10 @@ def build(
     output = design.scene.output
     asked = output.tolerance if tolerance is None else tolerance
     bad = tuple(each for each in design.findings if each.severity != "ok")
-    about = design.scene, asked, bad, str(folder)
+    scene, where = design.scene, str(folder)
     if not design.judgement.has_outline:
-        return Build(*about)
+        return Build(scene, asked, bad, where)
     names = output.formats if formats is None else tuple(formats)
     report = write_files(design.discs, folder, names, asked, force=force, progress=progress)
-    return Build(*about, report.files, report.paths[-1].name)
+    watched = tuple(finding for each in report.files for finding in each.findings)
+    return Build(scene, asked, bad + watched, where, report.files, report.paths[-1].name)

@@ -6,24 +6,28 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from camgeo.answers.answer import Answer, exit_code
-from camgeo.check.finding import forbidding
+from camgeo.check.finding import Finding, forbidding
 from camgeo.check.judge import RETURN
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
     from camgeo.check.cures.cure import Cure
-    from camgeo.check.finding import Finding
     from camgeo.design import Design
+    from camgeo.errors import Fault
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path, Pivot
-    from camgeo.product.milled import MilledDisc
+    from camgeo.product.product import Product
     from camgeo.scene.scene import Scene
+    from camgeo.toolpath.machine import Machine
     from camgeo.toolpath.machining_time import OperationTime
+
+MILLING: Final = "milling"
+"""Name of findings on what cannot be planned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,24 +58,52 @@ class Remains:
 
 
 @dataclass(frozen=True, slots=True)
+class Program:
+    """The milling program of one disc.
+
+    Attributes
+    ----------
+    findings : what is told of its sequence, and what its simulation finds; why there is none, if
+        it cannot be planned.
+    operations : the time of each; None if the machine's dynamics are not known, or if there is no
+        program.
+    faults : of the scene, if it cannot be planned.
+    """
+
+    findings: tuple[Finding, ...]
+    operations: tuple[OperationTime, ...] | None = None
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def seconds(self) -> float | None:
+        """Of the whole program, tool changes and dwells left out; None if it is not known."""
+        times = self.operations
+        return None if times is None else math.fsum(each.seconds for each in times)
+
+
+@dataclass(frozen=True, slots=True)
 class Machining:
-    """The program of the main disc, as its controller runs it.
+    """The milling programs of all discs, as their controller runs them.
 
     Attributes
     ----------
     machine : name of the controller.
-    operations : the time of each.
-    fault : why there is none; empty if there are.
+    programs : by the names of the discs, the main one first.
     """
 
     machine: str
-    operations: tuple[OperationTime, ...]
-    fault: str = ""
+    programs: Mapping[str, Program]
 
     @property
-    def seconds(self) -> float:
-        """Of the whole program, tool changes and dwells left out."""
-        return math.fsum(each.seconds for each in self.operations)
+    def seconds(self) -> float | None:
+        """Of all programs; None if one is not known."""
+        times = [each.seconds for each in self.programs.values()]
+        return None if None in times else math.fsum(each for each in times if each is not None)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Of all programs."""
+        return tuple(chain.from_iterable(each.findings for each in self.programs.values()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +117,7 @@ class Check(Answer):
     curves : the discs by their names, the main one first. None without a follower.
     cures : what would cure undercut, the cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
-    milled : the main disc as it is milled; None if the scene names no tool, or if there is no disc.
+    machining : the milling programs; None if the scene states no milling, or if there is no disc.
     """
 
     command: ClassVar[str] = "check"
@@ -95,14 +127,7 @@ class Check(Answer):
     curves: Mapping[str, Disc]
     cures: tuple[Cure, ...]
     effects: Mapping[str, tuple[Finding, ...]]
-    milled: MilledDisc | None = None
-
-    @property
-    def machining(self) -> Machining | None:
-        """Machining time by operation; None if nothing is milled, or if the machine's dynamics are
-        not known. Planned when asked for.
-        """
-        return None if self.milled is None else _machining(self.milled, self.scene)
+    machining: Machining | None = None
 
     @property
     def discs(self) -> dict[str, dict[str, Remains | None]]:
@@ -121,8 +146,11 @@ class Check(Answer):
 
     @property
     def exit_code(self) -> int:
-        """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc."""
-        return exit_code(chain(self.findings, *self.effects.values()))
+        """2 if there is no such mechanism or no program of it can be planned, 1 if a limit is
+        broken, there is no such disc, or a program must not be run.
+        """
+        milling = () if self.machining is None else self.machining.findings
+        return exit_code(chain(self.findings, *self.effects.values(), milling))
 
 
 def check(design: Design) -> Check:
@@ -137,24 +165,43 @@ def check(design: Design) -> Check:
         {name: cam.disc for name, cam in cams},
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
-        None if design.scene.milling is None or forbidding(found) else design.disc.milled,
+        None if design.scene.milling is None or forbidding(found) else _machining(design),
     )
 
 
-def _machining(milled: MilledDisc, scene: Scene) -> Machining | None:
+def _machining(design: Design) -> Machining:
     # Few scenes are milled, and only their programs take a machine, a plan and fits.
     from camgeo.formats.gcode import FORMAT
     from camgeo.toolpath.machine import load
+
+    machine = load(design.scene.output.options[FORMAT].machine)
+    return Machining(
+        machine.name, {disc.name: _program(disc, machine) for disc in design.discs}
+    )  # fmt: skip
+
+
+def _program(disc: Product, machine: Machine) -> Program:
+    """The program of one disc at the scene's tolerance, judged."""
+    from camgeo.formats.gcode import FORMAT
     from camgeo.toolpath.machining_time import times_on
 
-    machine, tolerance = load(milled.options[FORMAT].machine), scene.output.tolerance
-    if machine.dynamics is None:
-        return None
+    output, milled = disc.scene.output, disc.milled
+    lacking = FORMAT.lacking(disc.values)
+    if lacking and FORMAT.name not in output.formats:
+        return Program((Finding(MILLING, "ok", f"no program: it {'; '.join(lacking)}"),))
     try:
-        toolpath = milled.toolpath(tolerance)
-    except (GeometryError, ToleranceError) as error:
-        return Machining(machine.name, (), str(error))
-    return Machining(machine.name, times_on(machine, toolpath, tolerance) or ())
+        toolpath = milled.toolpath(output.tolerance)
+        found = milled.findings(toolpath)
+        times = times_on(machine, toolpath, output.tolerance)
+    except SceneError as error:
+        where = f"{error.file}: " if error.file else ""
+        return Program(
+            tuple(Finding(MILLING, "invalid", f"{where}{fault}") for fault in error.faults),
+            faults=error.faults,
+        )
+    except (ToleranceError, FileError, UndercutError) as error:
+        return Program((Finding(MILLING, "invalid", str(error)),))
+    return Program(found, None if times is None else tuple(times))
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

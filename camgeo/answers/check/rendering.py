@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from camgeo.answers.answer import finding_lines
@@ -26,17 +27,29 @@ def text(answer: Check) -> str:
     for name, found in answer.effects.items():
         lines += ["", f"{name}:", *finding_lines(found)]
     if answer.machining is not None:
-        lines += ["", *_machining(answer.machining)]
+        lines += _machining(answer.machining)
     return "\n".join(lines)
 
 
 def _machining(found: Machining) -> list[str]:
-    """The time of each operation, with what the controller loses."""
-    if found.fault:
-        return [f"machining: {found.fault}"]
-    head = f"machining on {found.machine}: {clock(found.seconds)}, tool changes left out"
-    width = max((len(each.name) for each in found.operations), default=0)
-    return [head, *(f"  {each.name:{width}}  {_time(each)}" for each in found.operations)]
+    """What is found on each program; the time of each operation, with what the controller loses."""
+    lines: list[str] = []
+    several = len(found.programs) > 1
+    for name, program in found.programs.items():
+        lines += ["", f"milling of {name}:" if several else "milling:"]
+        lines += finding_lines(program.findings)
+    timed = {name: each for name, each in found.programs.items() if each.operations is not None}
+    if not timed:
+        return lines
+    total = clock(math.fsum(each.seconds or 0.0 for each in timed.values()))
+    lines += ["", f"machining on {found.machine}: {total}, tool changes left out"]
+    for name, program in timed.items():
+        times = program.operations or ()
+        lines += [f"  {name}: {clock(program.seconds or 0.0)}"] if several else []
+        width = max((len(each.name) for each in times), default=0)
+        lead = "    " if several else "  "
+        lines += [f"{lead}{each.name:{width}}  {_time(each)}" for each in times]
+    return lines
 
 
 def _time(found: OperationTime) -> str:

@@ -6,7 +6,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from camgeo.answers.answer import BROKEN, WRONG, Answer
-from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UndercutError
+from camgeo.errors import (
+    CamgeoError,
+    Fault,
+    GeometryError,
+    SceneError,
+    UndercutError,
+    UnsafeError,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +39,13 @@ class Refusal(Answer):
 
 
 def refusal(error: CamgeoError) -> Refusal:
-    """The answer for an error; exit code 1 for a cam that has no outline to write, else 2."""
+    """The answer for an error; exit code 1 for a cam without an outline and for a program that must
+    not be run, else 2.
+    """
     name, message = type(error).__name__, str(error)
     if isinstance(error, SceneError):
         return Refusal(name, message, error.file, error.faults)
-    if isinstance(error, UndercutError):
+    if isinstance(error, UndercutError | UnsafeError):
         message = f"{error.message}; nothing was written"
         return Refusal(name, message, "", (Fault("", "", message),), BROKEN)
     if isinstance(error, GeometryError):

@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 
 from camgeo.contour.contour import Contour, Effort
-from camgeo.errors import GeometryError, UndercutError
+from camgeo.errors import UndercutError
 from camgeo.toolpath.cut import COMPUTED, ContourCut, Cut
 from camgeo.toolpath.leads import Beside, begun, farthest_along_x, flattest, joined, started
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.tabs import lifted
 from camgeo.toolpath.strategies.walk import SAME, Walk, ramp_of
+from camgeo.toolpath.tool import ToolError
 
 MOST_ROUNDS = 1000
 """Of one descent along a path: more is a ramp far too flat for it."""
@@ -110,11 +111,13 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
     """
     rounds = math.ceil((top - bottom - SAME) / (length * math.tan(ramp_of(cut))))
     if rounds > MOST_ROUNDS:
-        raise GeometryError(
+        least = math.degrees(math.atan((top - bottom) / (MOST_ROUNDS * length)))
+        raise ToolError(
             f"the descent of {cut.name} takes more than {MOST_ROUNDS} rounds of {length:.3g} mm:"
-            " the ramp is too flat for it",
-            key="tool.ramp_angle",
-            value=f"{math.degrees(ramp_of(cut)):g}",
+            f" the ramp of {math.degrees(ramp_of(cut)):g} degrees is too flat for it; at least"
+            f" {least:.3g} are needed",
+            cut.tool,
+            "ramp_angle",
         )
     step = (bottom - top) / max(rounds, 1)
     return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
@@ -138,9 +141,9 @@ def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     try:
         contour = cut.centre.arcs(tolerance, effort).contour
     except UndercutError as error:
-        raise GeometryError(
+        raise ToolError(
             f"the cutter is too large for the {cut.name}: a concave part of it is more tightly"
             f" curved than the cutter ({error.message})",
-            key="tool",
+            cut.tool,
         ) from None
     return contour if cut.centre.hole == cut.climb else contour.reversed()

@@ -10,9 +10,13 @@ from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.walk import ramp_of
+from camgeo.toolpath.tool import ToolError
 
 RISE = math.radians(30.0)
 """Of the way up onto a tab, through the slot that the cutter has just made."""
+
+STEEPEST = math.radians(45.0)
+"""Of the way down from a tab of a tool that may plunge."""
 
 
 def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tuple[float, float]]:
@@ -26,8 +30,10 @@ def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tupl
 
     Raises
     ------
+    ToolError
+        With field "ramp_angle", if the ramps down from the tabs are too flat for the space between.
     GeometryError
-        With key "holding.width", if tabs and ramps do not fit one after the other.
+        With key "holding.count", if the tabs do not fit one after the other at all.
     """
     length = track.length
     tabs = cut.tabs
@@ -41,11 +47,24 @@ def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tupl
     space = length / tabs.count
     taken = up + wide + off
     if taken > space:
+        room = space - up - wide
+        least = math.atan2(drop, room)
+        if not cut.tool.plunges and least < STEEPEST:
+            raise ToolError(
+                f"ramps of {math.degrees(ramp_of(cut)):.3g} degrees down from {tabs.count} tabs do"
+                f" not fit between them on the {length:.4g} mm of {cut.name}: at least"
+                f" {math.degrees(least):.3g} degrees are needed, or fewer or lower tabs, or a tool"
+                " that plunges",
+                cut.tool,
+                "ramp_angle",
+            )
+        most = math.floor(length / (up + wide + drop))
         raise GeometryError(
-            f"{tabs.count} tabs with the ramps beside them take {tabs.count * taken:.4g} mm of the"
-            f" {length:.4g} mm of {cut.name}",
-            key="holding.width",
-            value=f"{tabs.width:g}",
+            f"{tabs.count} tabs, each wider than stated by the cutter's diameter, and the ways onto"
+            f" them and down again do not fit on the {length:.4g} mm of {cut.name}; there is room"
+            f" for {most}",
+            key="holding.count",
+            value=f"{tabs.count}",
         )
     middles = space * (np.arange(tabs.count) + 0.5)
     shape = np.array([-0.5 * wide - up, -0.5 * wide, 0.5 * wide, 0.5 * wide + off])

@@ -33,6 +33,7 @@ class GcodeWriter:
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
+        watched = product.milled.safe(toolpath)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)
@@ -60,7 +61,7 @@ class GcodeWriter:
             facts["machining_time_s"] = round(sum(each.seconds for each in times), 1)
             facts["machining_times"] = ", ".join(f"{t.name} {t.seconds:.1f} s" for t in times)
         ending = ENDINGS[machine.text.line_ending]
-        return Written("".join(line + ending for line in lines).encode("ascii"), facts)
+        return Written("".join(line + ending for line in lines).encode("ascii"), facts, watched)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in our own interpreter and measure the cutter path [mm]."""

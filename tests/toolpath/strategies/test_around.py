@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -15,6 +16,7 @@ from camgeo.toolpath.holding import Clamp, Tabs
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
 from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.strategies import STRATEGIES
+from camgeo.toolpath.tool import ToolError
 from tests.measuring import DensePath
 from tests.toolpath.cutting import levels
 from tests.toolpath.plane.tracks import dense
@@ -131,7 +133,7 @@ def test_steep_descents_take_more_rounds() -> None:
     require_sound(moves)
     steep = [drop / way for way, drop in descents(moves)[1:]]
     assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
-    with pytest.raises(GeometryError, match="ramp is too flat"):
+    with pytest.raises(GeometryError, match="is too flat for it; at least"):
         made(replace(small, tool=replace(TOOL, ramp_angle=1e-5)))
 
 
@@ -184,9 +186,27 @@ def test_a_finish_leaves_the_tabs_of_the_roughing() -> None:
 
 
 def test_tabs_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(GeometryError, match="40 tabs with the ramps beside them") as caught:
+    with pytest.raises(GeometryError, match="there is room for") as caught:
         made(replace(SLOT, tabs=replace(TABS, count=40)))
-    assert caught.value.key == "holding.width"
+    assert caught.value.key == "holding.count"
+
+
+def test_ramps_that_do_not_fit_between_tabs_are_those_of_the_tool() -> None:
+    """With the angle that the message asks for they fit; with a little less they do not."""
+
+    def ramping(angle: float) -> ContourCut:
+        tool = replace(SLOT.tool, plunges=False, ramp_angle=math.radians(angle))
+        return replace(SLOT, tool=tool, tabs=replace(TABS, count=6))
+
+    with pytest.raises(ToolError, match="do not fit between them") as caught:
+        made(ramping(2.0))
+    assert (caught.value.key, caught.value.number) == ("tool.ramp_angle", SLOT.tool.number)
+    found = re.search(r"at least ([0-9.]+) degrees", caught.value.message)
+    assert found is not None
+    least = float(found[1])
+    assert made(ramping(1.01 * least))
+    with pytest.raises(ToolError, match="do not fit between them"):
+        made(ramping(0.99 * least))
 
 
 def test_clamps_are_not_touched() -> None:
