@@ -142,7 +142,9 @@ class _Stated:
     def _rough(self, wall: Wall) -> Cut:
         boundary, bench, tool = wall.boundary, self.bench, self.tool
         self._require(bench.unfit(wall, top=self.top)(tool))
-        if bench.milling.stock.shape == ROUND and not boundary.hole:
+        # The inner flank of a groove bounds an island, which no blank surrounds.
+        outermost = not boundary.hole and not boundary.name.endswith("flank")
+        if bench.milling.stock.shape == ROUND and outermost:
             walls, name = (boundary,), f"rough {boundary.name}"
             bottom, allowance = bench.bottom(wall), self.spec.allowance
             return clear_area(bench, name, "rough", tool, self.top, bottom, walls, allowance)
@@ -187,7 +189,7 @@ class _Stated:
         if boundary.name == "bore":
             return 0.5 * (bore_of(wall).round_radius - tool.radius)
         if boundary.name.endswith("flank"):
-            return 0.5 * max(0.0, flank_curve(wall).distance - tool.radius)
+            return 0.5 * max(0.0, abs(flank_curve(wall).distance) - tool.radius)
         if self.bench.milling.stock.shape == ROUND and not boundary.hole:
             return tool.radius
         return self.bench.allowance(tool, wall)

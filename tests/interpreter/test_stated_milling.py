@@ -123,6 +123,18 @@ def test_from_a_halt_the_cutter_comes_back_above_its_first_point(tmp_path: Path)
     assert re.fullmatch(r"G0 Z3\.0+", after[2])
 
 
+@pytest.mark.parametrize("machine", ["linuxcnc", "haas", "sinumerik"])
+def test_the_operator_comes_before_anything_is_switched_on(machine: str, tmp_path: Path) -> None:
+    text = WRITER.write(product_of(tmp_path, "screws", machine), TOLERANCE).data.decode()
+    _, _, operation = text.lower().partition("operation rough outline")
+    before, halt, after = operation.partition("m0\n")
+    assert halt
+    assert "set the screw" in before
+    assert "m5" in before
+    assert not re.search(r"\bm(3|7|8)\b", before)
+    assert re.search(r"\bm3\b.*\bm8\b", after, re.DOTALL)
+
+
 def test_a_traverse_at_another_height_is_found(tmp_path: Path) -> None:
     product = product_of(tmp_path, "tabs", "linuxcnc")
     text = WRITER.write(product, TOLERANCE).data.decode()

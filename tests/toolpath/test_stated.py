@@ -126,3 +126,20 @@ def test_there_is_nothing_to_face_without_a_higher_blank() -> None:
 def test_tools_keep_what_an_operation_does_not_override() -> None:
     assert spec("face").run(MILL) == MILL
     assert isinstance(spec("face", feed=1.0).run(MILL), Tool)
+
+
+@pytest.mark.parametrize("stock", [Stock(), ROUND])
+def test_both_flanks_of_a_groove_are_roughed_and_finished_with_leads(stock: Stock) -> None:
+    """Whatever the blank: the inner flank bounds an island, around which nothing is cleared."""
+    walls = ("outer flank", "inner flank")
+    found = cuts(
+        *(spec("rough", wall, allowance=0.2) for wall in walls),
+        *(spec("finish", wall) for wall in walls),
+        contact=GROOVE, stock=stock,
+    )  # fmt: skip
+    for wall in walls:
+        rough, finish = found[f"rough {wall}"], found[wall]
+        assert isinstance(rough, ContourCut)
+        assert isinstance(finish, ContourCut)
+        assert finish.cleared
+        assert finish.room == pytest.approx(0.5 * (ROLLER - MILL.radius))

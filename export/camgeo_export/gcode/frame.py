@@ -86,9 +86,14 @@ class Program:
         first = self._tool is None
         comments = self._commented(about_operation(operation.cut, self.speller.grid))
         self.lines += () if first else comments
-        self._state(operation.cut.tool)
+        moves = operation.moves
+        before = moves[1] if not first and len(moves) > 1 else None
+        self._state(operation.cut.tool, halting=isinstance(before, Stop))
+        if isinstance(before, Stop):  # before anything is switched on for the operation
+            self._wait(before)
+            moves = moves[2:]
         self._start(operation.travel[0].end, comments if first else ())
-        for move in operation.moves:
+        for move in moves:
             if isinstance(move, Stop):
                 self._halt(move)
             else:
@@ -107,8 +112,11 @@ class Program:
         unit = machine.unit.of(self.setup.unit)
         self.lines += filled(machine.program.end, name=self.setup.title, unit=unit)
 
-    def _state(self, tool: Tool) -> None:
-        """Modal state and tool; the cutter is above the part, or its place is unknown."""
+    def _state(self, tool: Tool, *, halting: bool) -> None:
+        """Modal state and tool; the cutter is above the part, or its place is unknown.
+
+        `halting` says whether the operator comes next: then the spindle is off.
+        """
         machine, before = self.machine, self._tool
         self.speller.restart()
         self._dry()
@@ -120,7 +128,7 @@ class Program:
         if before is not None or machine.retract.first:
             self._retract()
         other = before is not None and before.number != tool.number
-        if before is not None and (other or machine.tool_change.repeat):
+        if before is not None and (other or halting or machine.tool_change.repeat):
             self.lines += machine.spindle.off
         if before is None or other or machine.tool_change.repeat:
             words = {"tool": str(tool.number), "speed": self._speed(tool)}
@@ -182,11 +190,15 @@ class Program:
         self._dry()
         self._retract()
         self.lines += self.machine.spindle.off
-        self.lines += (*self._commented([stop.note]), *self.machine.program.stop)
-        self.speller.restart()
+        self._wait(stop)
         if not self._moving_offset:
             self.lines += self._offset()
         self._start((at.real, at.imag, self.height))
+
+    def _wait(self, stop: Stop) -> None:
+        """For the operator, who may move the machine."""
+        self.lines += (*self._commented([stop.note]), *self.machine.program.stop)
+        self.speller.restart()
 
     def _retract(self) -> None:
         """Up to the machine's retract, or to the clearance height if it is not there."""
