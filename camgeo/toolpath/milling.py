@@ -152,7 +152,8 @@ def tool_of(table: Mapping[str, Any]) -> Tool:
     given = _with_counts(table)
     cutting, load = given.pop("cutting_speed", None), given.pop("chip_load", None)
     if cutting is not None:
-        given["spindle_speed"] = cutting / (math.pi * given["diameter"])
+        # As a controller shows it, and as the feed of each edge is reckoned from.
+        given["spindle_speed"] = max(1.0, float(round(cutting / (math.pi * given["diameter"]))))
     if load is not None:
         given["feed"] = load * given["flutes"] * given["spindle_speed"]
     if given.get("kind") == DRILL:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from camgeo.check.finding import Finding
 from camgeo.part.part import Part
@@ -13,6 +14,9 @@ from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.planned import planned_steps, told
 from camgeo.toolpath.stated import stated_cuts
+
+SEQUENCE: Final = "sequence"
+"""Name of the finding that lists a planned sequence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +51,7 @@ def sequence_of(part: Part, milling: MillingSpec, heights: Heights) -> Sequence:
         steps = list(planned_steps(bench))
         cuts = [step for step in steps if isinstance(step, Cut)]
         findings = [step for step in steps if isinstance(step, Finding)]
-        findings.insert(0, told("sequence", f"planned: {_listed(cuts)}"))
+        findings.insert(0, told(SEQUENCE, f"planned: {_listed(cuts)}"))
     cuts = guarded(bench, cuts, heights)
     findings += told_of_holding(bench, cuts)
     if milling.earlier:

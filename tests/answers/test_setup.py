@@ -72,6 +72,24 @@ def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
     assert document(wrong)["flaws"][0]["place"] == [1.0, 2.0, -3.0]
 
 
+def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
+    scene = FIXTURES / "milling" / "moved_clamps.toml"
+    found = setup_sheet(Design(load_scene(scene)))
+    lines = [line.strip() for line in text(found).splitlines()]
+    (second,) = (each for each in found.steps if each.stops)
+    assert f"stop before {second.name}: {second.stops[0]}" in lines
+    noted = [each for each in found.steps if each.note]
+    assert noted
+    assert all(f"{each.name}: {each.note}" in lines for each in noted)
+    assert any(f"{found.tools[0].name}, end mill" in each for each in lines)
+    told = ("a skin of 0.3 mm is left below the part, to be removed by hand",)
+    found = replace(found, told=told)
+    assert told[0] in text(found)
+    shown = html(found, "<svg></svg>")
+    assert all(each in shown for each in (second.stops[0], noted[0].note, *told))
+    assert setup_sheet(Design(load_scene(scene.parent / "onion_skin.toml"))).told == told
+
+
 def test_texts_of_the_page_are_escaped(sheet: SetupSheet) -> None:
     tools = (replace(sheet.tools[0], name="<b>mill</b> & co"),)
     page = html(replace(sheet, tools=tools, flaws=(FLAW,)), "<svg></svg>")

@@ -17,6 +17,7 @@ from camgeo.toolpath.judged import runs_of, setup_of
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Operation, Stop, Toolpath
+from camgeo.toolpath.sequence import SEQUENCE
 from camgeo.toolpath.simulation import simulate
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
@@ -66,6 +67,11 @@ class Step:
         """What the operator does at each halt."""
         return tuple(move.note for move in self.operation.moves if isinstance(move, Stop))
 
+    @property
+    def note(self) -> str:
+        """For the operator; may be empty."""
+        return self.operation.cut.note
+
 
 @dataclass(frozen=True, slots=True)
 class SetupSheet(Answer):
@@ -79,6 +85,7 @@ class SetupSheet(Answer):
     blank, holding, zero : in words; lengths in mm.
     tools : each once, in the order in which they are called.
     steps : the operations.
+    told : of the sequence, a sentence each: what is not milled, and what is left to be done.
     flaws : of the simulated program.
     """
 
@@ -92,6 +99,7 @@ class SetupSheet(Answer):
     zero: str
     tools: tuple[Tool, ...]
     steps: tuple[Step, ...]
+    told: tuple[str, ...]
     flaws: tuple[Flaw, ...]
 
     @property
@@ -131,6 +139,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         ZERO,
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
+        tuple(each.sentence for each in milled.sequence.findings if each.name != SEQUENCE),
         simulate(setup, runs).flaws,
     )
 
@@ -166,7 +175,7 @@ def _blank(stock: Stock, thickness: float) -> str:
 def _holding(holding: Holding | None) -> str:
     """The holding in words."""
     if holding is None:
-        return "not stated"
+        return "not stated; no cut goes through"
     tabs = holding.tabs
     words = {
         FIXTURE: "from below: vacuum, tape, soft jaws or a chuck",

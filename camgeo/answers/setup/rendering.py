@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Final
 
@@ -35,7 +35,7 @@ def text(answer: SetupSheet) -> str:
     lines += [f"{name:10}{value}" for name, value in _facts(answer)]
     lines += ["", *_columns(TOOLS, [_tool(tool) for tool in answer.tools])]
     lines += ["", *_columns(STEPS, [_step(k, step) for k, step in enumerate(answer.steps, 1)])]
-    lines += [f"   stop in {name}: {note}" for name, note in _stops(answer)]
+    lines += [f"   {each}" for each in _remarks(answer)]
     lines += ["", *(f"FLAW    {flaw.name:10}{flaw.sentence}" for flaw in answer.flaws)]
     return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
 
@@ -46,9 +46,8 @@ def html(answer: SetupSheet, picture: str) -> str:
     facts = "".join(
         f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
     )
-    stops = "".join(
-        f"<p>Stop in {escape(step)}: {escape(note)}</p>" for step, note in _stops(answer)
-    )
+    remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
+    listed = f"<ul>{remarks}</ul>" if remarks else ""
     flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
     verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
     steps = [_step(k, step) for k, step in enumerate(answer.steps, 1)]
@@ -67,7 +66,7 @@ def html(answer: SetupSheet, picture: str) -> str:
 {_table(TOOLS, [_tool(tool) for tool in answer.tools])}
 <h2>Operations</h2>
 {_table(STEPS, steps)}
-{stops}
+{listed}
 <p>Lengths in mm, feeds in mm/min, speeds in rev/min. Each operation can be started alone.</p>
 <h2>Simulation</h2>
 {verdict}
@@ -101,17 +100,23 @@ def _verdict(answer: SetupSheet) -> str:
     return f"Simulated: {steps}, no gouge, no rest, nothing comes loose."
 
 
-def _stops(answer: SetupSheet) -> Iterable[tuple[str, str]]:
-    return [(step.name, note) for step in answer.steps for note in step.stops]
+def _remarks(answer: SetupSheet) -> Iterator[str]:
+    """What the operator reads of each operation, and of the sequence."""
+    for step in answer.steps:
+        yield from (f"stop before {step.name}: {note}" for note in step.stops)
+        if step.note:
+            yield f"{step.name}: {step.note}"
+    yield from answer.told
 
 
 def _tool(tool: Tool) -> list[str]:
     def shown(value: float | None) -> str:
         return NONE if value is None else f"{value:g}"
 
+    kind = tool.kind.replace("-", " ")
     return [
         f"{tool.number}",
-        tool.name or tool.kind,
+        f"{tool.name}, {kind}" if tool.name else kind,
         f"{tool.diameter:g}",
         shown(tool.flutes),
         shown(tool.flute_length),
