@@ -18,7 +18,7 @@ from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
-from camgeo.toolpath.simulation import simulate
+from camgeo.toolpath.simulation import ALLOWED, simulate
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
@@ -140,7 +140,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
         tuple(each.sentence for each in milled.sequence.findings if each.name != SEQUENCE),
-        simulate(setup, runs).flaws,
+        simulate(setup, runs, allowed=ALLOWED + tolerance).flaws,
     )
 
 

@@ -1,0 +1,125 @@
+"""Scenes that state blank, holding and operations, from the command line and for every controller.
+
+Those of fixtures/milling: `camgeo build` writes and reads back all their files, `verify` and `lint`
+find nothing, the setup sheet simulates them without a flaw, and so for every machine profile that
+can change their tools; judges run the programs where they are installed.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+from collections.abc import Callable
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+import camgeo
+from camgeo.answers.setup import setup_sheet
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.formats.gcode import FORMAT
+from camgeo.toolpath import machine as machines
+from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import run, run_bytes
+from tests.judges import grbl, rs274
+from tests.judges.paths import difference
+
+FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "milling"
+
+SCENES: Final = sorted(FOLDER.glob("*.toml"))
+
+COARSE: Final = 0.05
+"""Tolerance [mm] of programs for other controllers than the scene's."""
+
+NEAR: Final = 1e-4
+"""How far another interpreter's path may be from ours [mm]."""
+
+
+@pytest.fixture(scope="module", params=SCENES, ids=lambda path: path.stem)
+def scene(request: pytest.FixtureRequest) -> Path:
+    path: Path = request.param
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scenes with the profiles beside them, where scenes may name them."""
+    found = tmp_path_factory.mktemp("shop")
+    shutil.copytree(FOLDER, found, dirs_exist_ok=True)
+    for name in machines.names():
+        source = Path(machines.__file__).parent / "machines" / f"{name}.toml"
+        shutil.copy(source, found / f"profile-{name}.toml")
+    return found
+
+
+def said(*words: str) -> Any:
+    """What a command that succeeds reports, as JSON."""
+    with redirect_stdout(io.StringIO()) as reported:
+        assert main([*words, "--json"]) == 0
+    return json.loads(reported.getvalue())
+
+
+def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    said("build", str(scene), "-o", str(out))
+    design = camgeo.load(scene)
+    wanted = {*design.scene.output.formats}
+    assert len(list(out.iterdir())) == len(wanted) + 1
+    said("verify", str(out), "--scene", str(scene))
+    options = design.disc.options[FORMAT]
+    machine = machines.load(options.machine)
+    blank = design.scene.milling
+    assert blank is not None
+    program = str(out / f"{design.name}{machine.extension}")
+    words = ["--stock-top", f"{blank.stock.top}", "--clearance", f"{options.heights.clearance}"]
+    said("lint", program, "--machine", options.machine, *words)
+    sheet = setup_sheet(design)
+    assert sheet.flaws == ()
+    assert [step.name for step in sheet.steps] == [cut.name for cut in design.disc.milled.cuts]
+
+
+def program_for(folder: Path, scene: Path, machine: str) -> tuple[Any, bytes] | None:
+    """The disc and its program for a machine; None if that cannot change its tools."""
+    given = camgeo.load(folder / scene.name).scene
+    edited = given.with_values({"output.gcode.machine": f"profile-{machine}.toml"})
+    (product,) = Design(edited).discs
+    tools = {cut.tool.number for cut in product.milled.cuts}
+    if len(tools) > 1 and not machines.load(machine).tool_change.change:
+        with pytest.raises(SceneError, match="cannot change tools"):
+            WRITER.write(product, COARSE)
+        return None
+    return product, WRITER.write(product, COARSE).data
+
+
+@pytest.mark.parametrize("machine", machines.names())
+def test_nothing_is_found_on_any_controller(scene: Path, machine: str, folder: Path) -> None:
+    if (made := program_for(folder, scene, machine)) is not None:
+        profile = machines.load(machine)
+        assert run_bytes(made[1], profile, bench_of(made[0], profile)).findings == ()
+
+
+Runs = Callable[[str], tuple[list[Any], Any]]
+
+JUDGES: Final[dict[str, tuple[str, Runs]]] = {
+    "linuxcnc": (rs274.absent(), rs274.run),
+    "grbl": (grbl.absent(), grbl.run),
+}
+"""Why a judge is absent, and what runs a program."""
+
+
+@pytest.mark.parametrize("machine", JUDGES)
+def test_others_run_the_same_path(scene: Path, machine: str, folder: Path) -> None:
+    absent, runs = JUDGES[machine]
+    if absent:
+        pytest.skip(absent)
+    if (made := program_for(folder, scene, machine)) is not None:
+        text = made[1].decode()
+        legs, complaints = runs(text)
+        assert not complaints
+        assert difference(run(text, machines.load(machine)), legs) <= NEAR
