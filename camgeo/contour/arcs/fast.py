@@ -167,6 +167,9 @@ TOGETHER = 16
 HALVINGS = 8
 """Rounds of halving at most."""
 
+MANY = 16
+"""Spans to be halved again, above which they must have become fewer."""
+
 MAX_ARCS = 200_000
 """Most arcs of a smooth piece; a tolerance that needs more is beyond double precision."""
 
@@ -267,9 +270,11 @@ def _sound_biarcs(
     with their joints.
 
     Near a cusp the curvature may grow so fast between two joints that the second arc has to turn
-    back, with less than the roller's radius: such spans are halved.
+    back, with less than the roller's radius: such spans are halved. Where that makes more of them,
+    the curve itself bends so much, and no halving helps.
     """
     found = _biarcs(curve, joints, ends)
+    before = [len(each) for each in joints]
     for _ in range(HALVINGS):
         again = []
         for k, biarcs in enumerate(found):
@@ -278,6 +283,9 @@ def _sound_biarcs(
             if not np.any(bad) and not crowded:
                 continue
             spans = np.flatnonzero(bad)
+            if len(spans) > max(before[k], MANY):
+                continue
+            before[k] = len(spans)
             halves = 0.5 * (joints[k][spans] + joints[k][spans + 1])
             apart = joints_apart(curve, np.insert(joints[k], spans + 1, halves))
             if not np.array_equal(apart, joints[k]):
