@@ -30,6 +30,7 @@ GAPS: Final = (0.2, 0.2)
 
 BLANK: Final = Fill("#f3efe6", "#8a7a55", 0.8, (4.0, 2.0))
 PART: Final = Fill("#d5dce4", LINE, 0.8)
+CLAMP: Final = Fill("#e3b7a0", "#8a4b2f", 0.8)
 
 STYLES: Final[dict[Kind, Style]] = {
     "cut": Style(LINE, 0.9),
@@ -84,6 +85,8 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     )
     kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in found)]
     entries = [Entry("blank", BLANK), Entry("part", PART)]
+    if any(each.operation.cut.obstacles for each in found):
+        entries.append(Entry("clamp or screw", CLAMP))
     entries += [Entry(NAMES[kind], STYLES[kind]) for kind in kinds]
     legend = Legend(tuple(entries), "lower center", (0.5, 0.01), columns=len(entries))
     return Figure(size, panels, legend=legend)
@@ -98,6 +101,9 @@ def _panel(
 ) -> Panel:
     """One operation, with as much around its course as the cutter reaches."""
     marks: list[Mark] = list(ground)
+    for obstacle in found.operation.cut.obstacles:
+        ring = obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE) * scale
+        marks.append(Area((plane(ring),), CLAMP, layer=1.0))
     drawn = []
     for kind in KINDS:
         for trace in found.traces:
