@@ -41,7 +41,9 @@ CERTIFICATE: Final = "certificate.json"
 def scenes() -> list[Path]:
     """All fixture scenes that can be built."""
     return sorted(
-        path for name in ("scenes", "effects") for path in (ROOT / "fixtures" / name).glob("*.toml")
+        path
+        for name in ("scenes", "effects", "milling")
+        for path in (ROOT / "fixtures" / name).glob("*.toml")
     )
 
 
