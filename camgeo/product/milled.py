@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
+    from camgeo.toolpath.stages import Flaw
 
 Planned = TypeVar("Planned")
 
@@ -108,21 +109,27 @@ class MilledDisc(Pickled):
             )
         )
 
-    def findings(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+    def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
+        """What the simulation of a program finds that lies within `tolerance` [mm]."""
+        from camgeo.toolpath.verdict import flaws_of
+
+        part, spec = self.drawn.part, self.spec
+        assert spec is not None  # for there is a program
+        return self.ledger.run("simulation", lambda: flaws_of(toolpath, part, spec, tolerance))
+
+    def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is told of the sequence, and what the simulation of its program finds: "broken" if
         it must not be run.
         """
         from camgeo.toolpath.verdict import verdict
 
-        part, spec = self.drawn.part, self.spec
-        assert spec is not None  # for there is a program
-        found = self.ledger.run("simulation", lambda: verdict(toolpath, part, spec))
+        found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
         return (*(each for each in self.sequence.findings if each.name not in names), *found)
 
-    def safe(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+    def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is to be watched in a program; raises UnsafeError if it must not be run."""
-        found = self.findings(toolpath)
+        found = self.findings(toolpath, tolerance)
         if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
             raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
         return tuple(each for each in found if each.severity != "ok")

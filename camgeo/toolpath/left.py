@@ -142,6 +142,6 @@ def _rests(
             )
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
-            found.append(flaw("rest", stage.operation, text, size, allowed, where, watched=True))
+            found.append(flaw("rest", stage.operation, text, size, allowed, where))
     if found:
         yield max(found, key=lambda each: each.value)

@@ -44,7 +44,7 @@ def stated_cuts(bench: Bench) -> list[Cut]:
     tools = {tool.number: tool for tool in bench.milling.tools}
     found: list[Cut] = []
     finished: set[str] = set()
-    roughed: dict[str, float] = {}
+    along: dict[str, ContourCut] = {}
     for k, spec in enumerate(bench.milling.operations):
         key = f"operation[{k + 1}]"
         tool = spec.run(tools[spec.tool])
@@ -52,7 +52,7 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         if tool.kind != needed:
             message = f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"'
             raise GeometryError(message, f"{key}.tool", f"{spec.tool}")
-        cut = _Stated(bench, spec, tool, key, roughed, finished).cut()
+        cut = _Stated(bench, spec, tool, key, along, finished).cut()
         name = spec.name or cut.name
         if name in (each.name for each in found):
             raise GeometryError("each operation needs its own name", f"{key}.name", name)
@@ -60,12 +60,9 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
         if spec.kind == FACE:
             finished.add(FACE)
-        roughed.setdefault(_wall_name(cut), cut.bottom)
+        if isinstance(cut, ContourCut):
+            along[cut.right] = cut
     return found
-
-
-def _wall_name(cut: Cut) -> str:
-    return cut.right if isinstance(cut, ContourCut) else ""
 
 
 class _Stated:
@@ -77,14 +74,15 @@ class _Stated:
         spec: OperationSpec,
         tool: Tool,
         key: str,
-        roughed: dict[str, float],
+        along: dict[str, ContourCut],
         finished: set[str],
     ) -> None:
         self.bench = bench
         self.spec = spec
         self.tool = tool
         self.key = key
-        self.roughed = roughed
+        # The latest cut along each wall.
+        self.along = along
         # Z of the upper face of the material.
         self.top = 0.0 if FACE in finished else bench.milling.stock.top
 
@@ -155,14 +153,17 @@ class _Stated:
         boundary, bench, tool = wall.boundary, self.bench, self.tool
         self._require(bench.unfit(wall, top=self.top)(tool))
         bottom = bench.bottom(wall)
-        cleared = self.roughed.get(boundary.name, self.top) <= bottom or self._is_laid_free(wall)
+        roughed = self.along.get(boundary.name)
+        cleared = self._is_laid_free(wall) or (roughed is not None and roughed.bottom <= bottom)
+        room = self._room(wall) if cleared else 0.0
+        cleared = cleared and room >= 0.0  # else it needs a slot wider than there is
         depths = (bottom,) if cleared else depths_of(tool, self.top, bottom)
         made = finish_along(
             bench,
             wall,
             tool,
             self.top,
-            self._room(wall) if cleared else 0.0,
+            max(0.0, room),
             depths=depths,
             cleared=cleared,
             springs=self.spec.springs,
@@ -184,7 +185,9 @@ class _Stated:
         )
 
     def _room(self, wall: Wall) -> float:
-        """For leads [mm]: what roughing has left beside the path."""
+        """For leads [mm]: what roughing has left beside the path, negative if the cutter is wider
+        than its slot.
+        """
         boundary, tool = wall.boundary, self.tool
         if boundary.name == "bore":
             return 0.5 * (bore_of(wall).round_radius - tool.radius)
@@ -192,7 +195,9 @@ class _Stated:
             return 0.5 * max(0.0, abs(flank_curve(wall).distance) - tool.radius)
         if self.bench.milling.stock.shape == ROUND and not boundary.hole:
             return tool.radius
-        return self.bench.allowance(tool, wall)
+        roughed = self.along[boundary.name]
+        wider = roughed.tool.diameter - tool.diameter
+        return roughed.allowance - self.spec.allowance + wider
 
     def _slot(self) -> Cut:
         inner, outer = self._wall("inner flank"), self._wall("outer flank")

@@ -268,7 +268,7 @@ class StubProduct(Product):
     def told(self) -> tuple[str, ...]:
         return ()
 
-    def safe(self, toolpath: Toolpath) -> tuple[Finding, ...]:
+    def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         return ()
 
     def toolpath(self, tolerance: float) -> Toolpath:

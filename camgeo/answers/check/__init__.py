@@ -191,7 +191,7 @@ def _program(disc: Product, machine: Machine) -> Program:
         return Program((Finding(MILLING, "ok", f"no program: it {'; '.join(lacking)}"),))
     try:
         toolpath = milled.toolpath(output.tolerance)
-        found = milled.findings(toolpath)
+        found = milled.findings(toolpath, output.tolerance)
         times = times_on(machine, toolpath, output.tolerance)
     except SceneError as error:
         where = f"{error.file}: " if error.file else ""

@@ -13,20 +13,15 @@ from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Holding
-from camgeo.toolpath.judged import runs_of, setup_of
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
-from camgeo.toolpath.simulation import ALLOWED, simulate
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
 
 ZERO: Final = "X 0, Y 0 on the cam axis, Z 0 on the upper face of the finished disc"
-
-FINENESS: Final = 1e-3
-"""Of the contours with which the part is compared [mm]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +81,7 @@ class SetupSheet(Answer):
     tools : each once, in the order in which they are called.
     steps : the operations.
     told : of the sequence, a sentence each: what is not milled, and what is left to be done.
-    flaws : of the simulated program.
+    flaws : of the simulated program, with what is to be watched.
     """
 
     command: ClassVar[str] = "setup"
@@ -110,8 +105,8 @@ class SetupSheet(Answer):
 
     @property
     def exit_code(self) -> int:
-        """1 if the simulation finds a flaw."""
-        return BROKEN if self.flaws else FINE
+        """1 if the program must not be run."""
+        return FINE if all(flaw.watched for flaw in self.flaws) else BROKEN
 
 
 def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
@@ -128,8 +123,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
-    part, runs = milled.drawn.part, runs_of(toolpath)
-    setup = setup_of(milled.cuts, runs, part, spec.stock, spec.holding, FINENESS)
+    part = milled.drawn.part
     return SetupSheet(
         design.scene,
         machine.name,
@@ -140,7 +134,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
         tuple(each.sentence for each in milled.sequence.findings if each.name != SEQUENCE),
-        simulate(setup, runs, allowed=ALLOWED + tolerance).flaws,
+        milled.flaws(toolpath, tolerance),
     )
 
 

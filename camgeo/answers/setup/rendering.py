@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Final
 
+from camgeo.answers.answer import MARKS
 from camgeo.answers.setup import SetupSheet, Step
 from camgeo.toolpath.tool import Tool
 from camgeo.wording import clock, counted
@@ -36,7 +37,9 @@ def text(answer: SetupSheet) -> str:
     lines += ["", *_columns(TOOLS, [_tool(tool) for tool in answer.tools])]
     lines += ["", *_columns(STEPS, [_step(k, step) for k, step in enumerate(answer.steps, 1)])]
     lines += [f"   {each}" for each in _remarks(answer)]
-    lines += ["", *(f"FLAW    {flaw.name:10}{flaw.sentence}" for flaw in answer.flaws)]
+    marks = {True: MARKS["warning"], False: "FLAW"}
+    flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
+    lines += ["", *flaws]
     return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
 
 

@@ -33,7 +33,7 @@ class GcodeWriter:
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
-        watched = product.milled.safe(toolpath)
+        watched = product.milled.safe(toolpath, tolerance)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)

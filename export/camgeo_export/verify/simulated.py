@@ -16,6 +16,7 @@ from camgeo.toolpath.judged import run_with, setup_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, simulate
 from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.verdict import settled
 from camgeo.verifying.verification import Check, failed, reported
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
@@ -44,10 +45,9 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     setup = setup_of(cuts, runs, product.drawn.part, spec.stock, spec.holding, FINENESS)
     level = program.step if math.isfinite(program.step) else 0.0
     found = simulate(setup, runs, allowed=ALLOWED + tolerance, level=level)
-    # What the plan itself says that the fixture must hold is no fault of the program.
-    told = {finding.name for finding in product.milled.sequence.findings}
-    known = [flaw for flaw in found.flaws if flaw.name == "loose" and "loose-core" in told]
-    if wrong := [flaw for flaw in found.flaws if flaw not in known]:
+    flaws = settled(found.flaws, spec, cuts, product.drawn.part)
+    known = [flaw for flaw in flaws if flaw.watched]
+    if wrong := [flaw for flaw in flaws if not flaw.watched]:
         return [failed(NAME, flaw.sentence, flaw.operation) for flaw in wrong]
     checks = [Check(NAME, "", counted(len(runs), "operation"), ok=True)]
     return checks + [Check(NAME, flaw.operation, ok=None, note=flaw.sentence) for flaw in known]

@@ -1,0 +1,55 @@
+"""The verdict on programs: what must not be run, and what is to be watched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import camgeo
+from camgeo.check.finding import Finding
+
+SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
+
+ROUGH = '\n[[operation]]\nkind = "rough"\nboundary = "outline"\ntool = 1\nallowance = 0.4\n'
+FINISH = '\n[[operation]]\nkind = "finish"\nboundary = "outline"\ntool = 1\n'
+BORE = """
+[[operation]]
+kind = "rough"
+boundary = "bore"
+tool = 1
+[[operation]]
+kind = "finish"
+boundary = "bore"
+tool = 1
+"""
+
+
+def findings(text: str) -> tuple[Finding, ...]:
+    design = camgeo.loads(text)
+    milled = design.disc.milled
+    return milled.findings(milled.toolpath(0.01), 0.01)
+
+
+def setzhub(operations: str) -> str:
+    return (SCENES / "setzhub.toml").read_text() + operations
+
+
+def test_a_rest_that_operations_mean_to_leave_is_to_be_watched() -> None:
+    (rest,) = findings(setzhub(BORE + ROUGH))
+    assert (rest.name, rest.severity) == ("rest", "warning")
+    assert rest.value is not None
+    assert rest.value > 0.39
+
+
+def test_operations_that_finish_all_walls_leave_nothing() -> None:
+    assert findings(setzhub(BORE + ROUGH + FINISH)) == ()
+
+
+def test_a_planned_program_must_leave_no_rest() -> None:
+    """The blank is higher than the sequence, made without it, takes down."""
+    design = camgeo.loads(setzhub(""))
+    milled, spec = design.disc.milled, design.scene.milling
+    toolpath = milled.toolpath(0.01)
+    assert spec is not None
+    thick = camgeo.loads(setzhub("").replace("[holding]", "[stock]\ntop = 1\n[holding]"))
+    (rest,) = (each for each in thick.disc.milled.flaws(toolpath, 0.01) if each.name == "rest")
+    assert not rest.watched
