@@ -21,7 +21,7 @@ from camgeo.part.boundaries import CurveBoundary
 from camgeo.product.product import Product
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import contour_time
-from camgeo.writing.writer import find_writer
+from camgeo.writing.writer import find_writer, pieces_of
 
 Progress = Callable[[str], None]
 
@@ -169,16 +169,26 @@ def timed(work: Callable[[], Result]) -> tuple[Result, float]:
 
 
 def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # noqa: A002 - its name
-    """The file of one format, written and read back.
+    """The file of one format, or all of its files, written and read back; facts of the first.
 
     Raises ToleranceError if its tolerance cannot be reached.
     """
     writer = find_writer(format)
-    written, write = timed(lambda: writer.write(without_fits(product, tolerance), tolerance))
-    deviation, read = timed(lambda: writer.measure(without_fits(product, tolerance), written.data))
+    pieces = pieces_of(writer, product)
+    written, write = timed(
+        lambda: [writer.write(without_fits(each, tolerance), tolerance) for each in pieces]
+    )
+    found, read = timed(
+        lambda: [
+            writer.measure(without_fits(each, tolerance), file.data)
+            for each, file in zip(pieces, written, strict=True)
+        ]
+    )
+    deviation = max((each for each in found if each is not None), default=None)
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
-    return FileCost(len(written.data), deviation, write, read, written.facts)
+    size = sum(len(each.data) for each in written)
+    return FileCost(size, deviation, write, read, written[0].facts)
 
 
 def without_fits(product: Product, tolerance: float) -> Product:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
+from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, lazy
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
-    from camgeo.check.finding import Finding
     from camgeo.formats.format import Options
     from camgeo.product.drawn import DrawnDisc
     from camgeo.scene.scene import Scene
@@ -36,11 +37,16 @@ class MilledDisc(Pickled):
     drawn : the disc to be milled.
     scene : with tools, blank, holding and operations; what milling needs may be missing.
     ledger : records what was computed.
+    whole : of which this is one program, if the machine cannot change the tools that the disc
+        needs; None if it is all.
+    program : number of this one from 0.
     """
 
     drawn: DrawnDisc
     scene: Scene
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    whole: MilledDisc | None = None
+    program: int = 0
 
     @property
     def options(self) -> Options:
@@ -54,10 +60,10 @@ class MilledDisc(Pickled):
 
     @lazy
     def sequence(self) -> Sequence:
-        """The exact cuts, and what is told of them; raises SceneError if the scene lacks what
-        milling needs, or its tools cannot do it.
+        """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
+        lacks what milling needs, or its tools cannot do it.
         """
-        return self._planned(self._sequence)
+        return self._planned(self._sequence) if self.whole is None else self.whole.sequence
 
     def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
@@ -82,7 +88,26 @@ class MilledDisc(Pickled):
     @property
     def cuts(self) -> tuple[Cut, ...]:
         """The exact cuts, in their order."""
-        return self.sequence.cuts
+        cuts = self.sequence.cuts
+        return cuts if self.whole is None else self.groups[self.program]
+
+    @property
+    def groups(self) -> tuple[tuple[Cut, ...], ...]:
+        """The cuts of each program: all in one, unless the machine cannot change tools."""
+        from camgeo.toolpath.machine import load
+
+        cuts = self.sequence.cuts
+        if load(self.options[FORMAT].machine).tool_change.change or not cuts:
+            return (cuts,)
+        return tuple(tuple(own) for _, own in groupby(cuts, key=lambda cut: cut.tool.number))
+
+    @property
+    def programs(self) -> tuple[MilledDisc, ...]:
+        """One for each program, in the order in which they are run."""
+        count = len(self.groups)
+        if count == 1 or self.whole is not None:
+            return (self,)
+        return tuple(replace(self, whole=self, program=number) for number in range(count))
 
     @property
     def contour_cuts(self) -> tuple[ContourCut, ...]:
@@ -93,8 +118,18 @@ class MilledDisc(Pickled):
 
     @property
     def told(self) -> tuple[str, ...]:
-        """What is told of the sequence, a sentence each; raises like `sequence`."""
-        return tuple(finding.sentence for finding in self.sequence.findings)
+        """What is told of the sequence and of this program, a sentence each; raises like
+        `sequence`.
+        """
+        told = tuple(finding.sentence for finding in self.sequence.findings)
+        if self.whole is None:
+            return told
+        tool, count = self.cuts[0].tool.number, len(self.groups)
+        own = (
+            f"program {self.program + 1} of {count}, run in this order: tool {tool} is in the"
+            " spindle, and Z 0 set with it, at the start"
+        )
+        return (own, *told)
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
@@ -118,14 +153,21 @@ class MilledDisc(Pickled):
         return self.ledger.run("simulation", lambda: flaws_of(toolpath, part, spec, tolerance))
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
-        """What is told of the sequence, and what the simulation of its program finds: "broken" if
-        it must not be run.
+        """What is told of the sequence and its programs, and what their simulation finds: "broken"
+        if they must not be run.
         """
         from camgeo.toolpath.verdict import verdict
 
         found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
-        return (*(each for each in self.sequence.findings if each.name not in names), *found)
+        told = [each for each in self.sequence.findings if each.name not in names]
+        if len(self.groups) > 1:
+            tools = ", ".join(str(own[0].tool.number) for own in self.groups)
+            sentence = (
+                f"the machine cannot change tools: {len(self.groups)} programs, tools {tools}"
+            )
+            told.append(Finding("programs", "warning", sentence))
+        return (*told, *found)
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is to be watched in a program; raises UnsafeError if it must not be run."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final
 
 from camgeo._version import __version__
 from camgeo.check.judge import RETURN, Judgement
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
 
+ONE_PROGRAM: Final = re.compile(r"-\d+-t\d+$", re.ASCII | re.IGNORECASE)
+"""End of the name of one of several programs."""
+
 
 @dataclass(frozen=True)
 class Product(Pickled):
@@ -39,6 +43,8 @@ class Product(Pickled):
     others : the discs that turn with it: for a conjugate pair's main disc, the return disc.
     columns : gives the effects over the cam angle; effects without an answer are left out.
     ledger : records what was computed, and how long it took.
+    program : number from 0 of one of the milling programs of a machine that cannot change tools,
+        for whose file this is; None for all of them.
     """
 
     scene: Scene
@@ -47,11 +53,17 @@ class Product(Pickled):
     others: tuple[Product, ...]
     columns: Callable[[], tuple[Column, ...]]
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    program: int | None = None
 
     @property
     def name(self) -> str:
-        """Name of the disc, the stem of its files."""
-        return f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
+        """Name of the disc, the stem of its files; of one of several programs with its number,
+        counted from 1, and its tool.
+        """
+        name = f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
+        if self.program is None:
+            return name
+        return f"{name}-{self.program + 1}-t{self.milled.cuts[0].tool.number}"
 
     @property
     def position(self) -> int:
@@ -111,7 +123,21 @@ class Product(Pickled):
         """The disc as milling programs cut it."""
         from camgeo.product.milled import MilledDisc
 
-        return MilledDisc(self.drawn, self.scene, self.ledger)
+        whole = MilledDisc(self.drawn, self.scene, self.ledger)
+        return whole if self.program is None else whole.programs[self.program]
+
+    @property
+    def programs(self) -> tuple[Product, ...]:
+        """The disc once for each milling program: more than one if the machine cannot change the
+        tools that it needs.
+        """
+        milled = self.milled.programs
+        if len(milled) == 1:
+            return (self,)
+        made = tuple(replace(self, program=number) for number in range(len(milled)))
+        for each, own in zip(made, milled, strict=True):
+            each.__dict__.update(drawn=self.drawn, milled=own)
+        return made
 
     @built
     def tabulated(self) -> TabulatedCam:
@@ -135,5 +161,6 @@ def disc_of(discs: Sequence[Product], stem: str) -> Product:
     A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
     """
     main, *others = discs
+    stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)

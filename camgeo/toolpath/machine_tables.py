@@ -192,8 +192,8 @@ class ToolChange:
 
     Attributes
     ----------
-    change : blocks, with {tool} and {speed}; none if a program cannot change tools: then it has one
-        tool, which is in the spindle with its length set.
+    change : blocks, with {tool} and {speed}; none if a program cannot change tools: then each
+        has one tool, which is in the spindle with its length set.
     length_offset : blocks that put the tool's length into force, with {tool} and {z}, the clearance
         height; with {z} they move there.
     repeat : whether the tool is called at each operation, also if it is in the spindle.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -17,7 +17,14 @@ from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.reading import VERIFIED, read_within
 from camgeo.writing.transaction import Progress, silent, write_set
-from camgeo.writing.writer import Writer, Written, find_writers, with_companions, writer_names
+from camgeo.writing.writer import (
+    Writer,
+    Written,
+    find_writers,
+    pieces_of,
+    with_companions,
+    writer_names,
+)
 
 CERTIFICATE: Final = "certificate.json"
 
@@ -125,19 +132,28 @@ def make_files(
     if forbidden := forbidding(product.findings):
         raise UndercutError("; ".join(each.sentence for each in forbidden))
     writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
-    for disc in discs:
-        for name, writer in writers:
-            label = name if disc is product else f"{name} of {disc.name}"
-            written, deviation = _make(disc, label, writer, tolerance, progress)
-            file = f"{disc.name}{writer.format.ending(disc.options)}"
-            if file in contents:
-                message = f"would be {file}, as another file of the same set"
-                raise SceneError([Fault("format", name, message)])
-            contents[file] = written.data
-            size, facts, told = len(written.data), written.facts, written.findings
-            reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
+    for disc, name, writer in _pieces(discs, writers):
+        label = name if disc is product else f"{name} of {disc.name}"
+        written, deviation = _make(disc, label, writer, tolerance, progress)
+        file = f"{disc.name}{writer.format.ending(disc.options)}"
+        if file in contents:
+            message = f"would be {file}, as another file of the same set"
+            raise SceneError([Fault("format", name, message)])
+        contents[file] = written.data
+        size, facts, told = len(written.data), written.facts, written.findings
+        reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
     contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
     return contents, tuple(reports)
+
+
+def _pieces(
+    discs: Sequence[Product], writers: Sequence[tuple[str, Writer]]
+) -> Iterator[tuple[Product, str, Writer]]:
+    """What each file is made of, with the name of its format and its writer."""
+    for disc in discs:
+        for name, writer in writers:
+            for piece in pieces_of(writer, disc):
+                yield piece, name, writer
 
 
 def _make(

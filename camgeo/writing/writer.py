@@ -6,7 +6,7 @@ format's name on the command line and in the scene, and it loads an object that 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -42,7 +42,8 @@ class Writer(Protocol):
     format : its declaration; the name is that of the entry point.
 
     A writer may also have `companions`, a tuple of writers of the format's further files, each
-    with its own suffix.
+    with its own suffix, and `pieces`, which gives the products of which it makes a file each where
+    one file cannot hold all.
     """
 
     @property
@@ -67,6 +68,12 @@ def with_companions(writer: Writer) -> tuple[Writer, ...]:
     """The writers of all files of a format, `writer` first; their suffixes differ."""
     further: tuple[Writer, ...] = getattr(writer, "companions", ())
     return (writer, *further)
+
+
+def pieces_of(writer: Writer, product: Product) -> tuple[Product, ...]:
+    """The products of which the writer makes a file each, mostly `product` alone."""
+    pieces: Callable[[Product], tuple[Product, ...]] | None = getattr(writer, "pieces", None)
+    return (product,) if pieces is None else pieces(product)
 
 
 def find_writer(name: str) -> Writer:

@@ -21,7 +21,6 @@ import camgeo
 from camgeo.answers.setup import setup_sheet
 from camgeo.cli.main import main
 from camgeo.design import Design
-from camgeo.errors import SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.toolpath import machine as machines
 from camgeo_export.gcode.measure import bench_of
@@ -84,24 +83,19 @@ def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path
     assert [step.name for step in sheet.steps] == [cut.name for cut in design.disc.milled.cuts]
 
 
-def program_for(folder: Path, scene: Path, machine: str) -> tuple[Any, bytes] | None:
-    """The disc and its program for a machine; None if that cannot change its tools."""
+def programs_for(folder: Path, scene: Path, machine: str) -> list[tuple[Any, bytes]]:
+    """The disc and its program for a machine; several where that cannot change its tools."""
     given = camgeo.load(folder / scene.name).scene
     edited = given.with_values({"output.gcode.machine": f"profile-{machine}.toml"})
     (product,) = Design(edited).discs
-    tools = {cut.tool.number for cut in product.milled.cuts}
-    if len(tools) > 1 and not machines.load(machine).tool_change.change:
-        with pytest.raises(SceneError, match="cannot change tools"):
-            WRITER.write(product, COARSE)
-        return None
-    return product, WRITER.write(product, COARSE).data
+    return [(each, WRITER.write(each, COARSE).data) for each in WRITER.pieces(product)]
 
 
 @pytest.mark.parametrize("machine", machines.names())
 def test_nothing_is_found_on_any_controller(scene: Path, machine: str, folder: Path) -> None:
-    if (made := program_for(folder, scene, machine)) is not None:
-        profile = machines.load(machine)
-        assert run_bytes(made[1], profile, bench_of(made[0], profile)).findings == ()
+    profile = machines.load(machine)
+    for product, data in programs_for(folder, scene, machine):
+        assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
 
 
 Runs = Callable[[str], tuple[list[Any], Any]]
@@ -118,8 +112,8 @@ def test_others_run_the_same_path(scene: Path, machine: str, folder: Path) -> No
     absent, runs = JUDGES[machine]
     if absent:
         pytest.skip(absent)
-    if (made := program_for(folder, scene, machine)) is not None:
-        text = made[1].decode()
+    for _, data in programs_for(folder, scene, machine):
+        text = data.decode()
         legs, complaints = runs(text)
         assert not complaints
         assert difference(run(text, machines.load(machine)), legs) <= NEAR

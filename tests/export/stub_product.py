@@ -41,6 +41,7 @@ from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid
 from camgeo.toolpath.plan import divided
 from camgeo.toolpath.sequence import Sequence
 from camgeo.toolpath.spec import GcodeSpec
+from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER, LengthUnit
@@ -266,6 +267,21 @@ class StubProduct(Product):
 
     @property
     def told(self) -> tuple[str, ...]:
+        return ()
+
+    @property
+    def whole(self) -> None:
+        return None
+
+    @property
+    def programs(self) -> tuple[Product, ...]:
+        return (cast("Product", self),)
+
+    @property
+    def groups(self) -> tuple[tuple[ContourCut, ...], ...]:
+        return (self.cuts,)
+
+    def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
         return ()
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Holding
-from camgeo.toolpath.machine import load
+from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
@@ -124,6 +124,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
     part = milled.drawn.part
+    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
@@ -133,7 +134,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         ZERO,
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
-        tuple(each.sentence for each in milled.sequence.findings if each.name != SEQUENCE),
+        (*told, *_programs(design, machine)),
         milled.flaws(toolpath, tolerance),
     )
 
@@ -141,6 +142,15 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
 def _steps(toolpath: Toolpath, times: Sequence[OperationTime] | None) -> tuple[Step, ...]:
     seconds = [None] * len(toolpath.operations) if times is None else [t.seconds for t in times]
     return tuple(map(Step, toolpath.operations, seconds))
+
+
+def _programs(design: Design, machine: Machine) -> Iterator[str]:
+    """Which operations are in which file, where a machine needs a program for each tool."""
+    products = design.disc.programs
+    for each in products if len(products) > 1 else ():
+        names = ", ".join(cut.name for cut in each.milled.cuts)
+        tool = each.milled.cuts[0].tool.number
+        yield f"{each.name}{machine.extension}: {names}, with tool {tool} in the spindle"
 
 
 def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:

@@ -20,6 +20,8 @@ NUMBER = r"([-+.\de]+)"
 
 TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
 
+ONE_OF = re.compile(r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII | re.IGNORECASE)
+
 TOOL = re.compile(
     rf"\btool (\d+): (?:end mill|drill|chamfer mill), diameter (?:{NUMBER} inch, )?{NUMBER} mm",
     re.IGNORECASE,
@@ -110,12 +112,14 @@ class Stated:
     scene : hash of the scene; empty if there is none.
     tolerance : [mm], or None.
     tools : number and diameter [mm] of each.
+    program : number from 1 where the machine needs one for each tool; 0 where it holds all.
     """
 
     version: str
     scene: str
     tolerance: float | None
     tools: tuple[tuple[int, float], ...]
+    program: int = 0
 
 
 def stated(notes: Iterable[str]) -> Stated:
@@ -130,6 +134,7 @@ def stated(notes: Iterable[str]) -> Stated:
         scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
         length_of(tolerance.group(2).lower()) if tolerance else None,
         tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
+        int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from camgeo.check.finding import Finding
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.numeric.checked import one_of
@@ -11,6 +12,7 @@ from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import KEY, Machine, load
 from camgeo.toolpath.machining_time import toolpath_times
+from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import budget
@@ -33,7 +35,7 @@ class GcodeWriter:
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
-        watched = product.milled.safe(toolpath, tolerance)
+        watched = _safe(product, shares.fit, tolerance, toolpath)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)
@@ -63,9 +65,23 @@ class GcodeWriter:
         ending = ENDINGS[machine.text.line_ending]
         return Written("".join(line + ending for line in lines).encode("ascii"), facts, watched)
 
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """The disc, or one for each program where the machine cannot change tools."""
+        return product.programs
+
     def measure(self, product: Product, data: bytes) -> float:
         """Run the program in our own interpreter and measure the cutter path [mm]."""
         return measure(product, data)
+
+
+def _safe(
+    product: Product, fit: float, tolerance: float, toolpath: Toolpath
+) -> tuple[Finding, ...]:
+    """What is to be watched in all programs, told with the first; raises UnsafeError like it."""
+    whole = product.milled.whole
+    if whole is None:
+        return product.milled.safe(toolpath, tolerance)
+    return () if product.program else whole.safe(whole.toolpath(fit), tolerance)
 
 
 def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
@@ -85,7 +101,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
         raise SceneError(faults)
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
-    number = spec.program_number + product.position
+    number = spec.program_number + product.position + 2 * (product.program or 0)
     return Setup(product.name, product.unit, words, spec.coolant, spin_up, number)
 
 
@@ -99,7 +115,7 @@ def _check_tools(cuts: list[Cut], machine: Machine) -> None:
     if len(tools) > 1 and not machine.tool_change.change:
         named = " and ".join(map(str, tools))
         message = f"a program cannot change tools there, but tools {named} are needed"
-        allowed = "write one for each of them, or use a profile with tool_change.change"
+        allowed = "write `programs`, one for each of them"
         raise SceneError([Fault(KEY, repr(machine.name), f"{message}: {allowed}")])
 
 

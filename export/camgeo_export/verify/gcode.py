@@ -63,6 +63,12 @@ class GcodeVerifier:
             return (failed("operations", note),)
         spec = product.options[FORMAT]
         machine = load(spec.machine)
+        if len(programs := product.programs) > 1:
+            number = stated(notes_of(data.decode("ascii", "replace"))).program
+            if not 1 <= number <= len(programs):
+                note = f"it does not say which one of {len(programs)} programs it is"
+                return (failed("program", note),)
+            product = programs[number - 1]
         limits = machine.arcs
         bench = bench_of(product, machine) if reading.ours else Bench()
         try:

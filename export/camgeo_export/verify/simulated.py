@@ -12,7 +12,7 @@ from camgeo.contour.spline import Arc
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.course import HALF_TURN
-from camgeo.toolpath.judged import run_with, setup_of
+from camgeo.toolpath.judged import run_with, runs_of, setup_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, simulate
 from camgeo.toolpath.tool import Tool
@@ -34,14 +34,16 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
 
     One check, or one for each flaw. The path may lie within `tolerance` [mm] of the exact one.
     """
-    spec, cuts = product.milled.spec, product.milled.cuts
+    spec = product.milled.spec
     assert spec is not None  # for the scene has a tool
     if program.compensated is not None:
         return [reported(NAME, "none", note="the control computes the path of the cutter")]
     try:
-        runs = runs_in(product, program)
+        runs = _among_others(product, runs_in(product, program), tolerance)
     except FileError as error:
         return [failed(NAME, str(error))]
+    whole = product.milled if product.milled.whole is None else product.milled.whole
+    cuts = whole.cuts
     setup = setup_of(cuts, runs, product.drawn.part, spec.stock, spec.holding, FINENESS)
     level = program.step if math.isfinite(program.step) else 0.0
     found = simulate(setup, runs, allowed=ALLOWED + tolerance, level=level)
@@ -51,6 +53,18 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
         return [failed(NAME, flaw.sentence, flaw.operation) for flaw in wrong]
     checks = [Check(NAME, "", counted(len(runs), "operation"), ok=True)]
     return checks + [Check(NAME, flaw.operation, ok=None, note=flaw.sentence) for flaw in known]
+
+
+def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> tuple[Run, ...]:
+    """The runs of one of several programs, among those that the others should have."""
+    whole = product.milled.whole
+    if whole is None:
+        return runs
+    own = {cut.name for cut in product.milled.cuts}
+    planned = runs_of(whole.toolpath(tolerance))
+    first = next(k for k, each in enumerate(planned) if each.name in own)
+    others = [each for each in planned if each.name not in own]
+    return (*others[:first], *runs, *others[first:])
 
 
 def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
