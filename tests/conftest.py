@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,11 @@ from tests.quick import BUILDS, BUILT, QUICK, TESTS
 # Read when numpy is imported, so before any test module is. Its matrices are small here: a second
 # thread hardly shortens a product and spins while it waits for the next one.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Compiled modules are kept, whatever a shell says: of the many processes that tests start, each
+# would compile all of camgeo anew, and each run all tests.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.register_profile("random", derandomize=False, deadline=None, print_blob=True)
