@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from collections import Counter
@@ -65,16 +66,15 @@ def known_failures() -> set[str]:
 def fuzz(
     seed: int,
     *,
-    seconds: float,
+    seconds: float = math.inf,
     kind: str | None = None,
     first: int = 0,
     count: int | None = None,
     minimise: float = 60.0,
     keep: Path | None = None,
-    by_cpu: bool = False,
     say: Callable[[str], object] = str,
 ) -> Report:
-    """Run cases until `seconds` are over (of the cases' CPU, if `by_cpu`) or `count` are done.
+    """Run cases until `seconds` are over or `count` are done.
 
     The smallest case of each new failure goes into the folder `keep`, found within `minimise`
     seconds. What is told of it is passed to `say` at once.
@@ -82,7 +82,7 @@ def fuzz(
     report, worker, known = Report(seed, kind), Worker(), known_failures()
     began, number = time.monotonic(), first
     try:
-        while (report.cpu if by_cpu else time.monotonic() - began) < seconds:
+        while time.monotonic() - began < seconds:
             if count is not None and number >= first + count:
                 break
             chosen, case, outcome = worker.draw(seed, number, kind)
