@@ -11,7 +11,7 @@ from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
 from camgeo.numeric.checked import decimal, hold
 
-SMALLEST_STEP: Final = Decimal("0.0001")
+SMALLEST_STEP: Final = Decimal("0.001")
 LARGEST_STEP: Final = Decimal(90)
 """Of the cam angle [degrees]."""
 

@@ -79,7 +79,7 @@ class Table:
         stream = io.StringIO()
         rows = csv.writer(stream, lineterminator="\n")
         rows.writerow(self.names)
-        shortest = ([repr(value) for value in row] for row in (self.values + 0.0).tolist())
+        shortest = ([repr(value) for value in (row + 0.0).tolist()] for row in self.values)
         rows.writerows(self.cells or shortest)
         return stream.getvalue()
 

@@ -158,7 +158,7 @@ LAW = ["--law", "modified-sine"]
         ([*LAW, "--step", "0"], "must be a step of z from 0.000001 to 0.5"),
         ([*LAW, "--step", "0.6"], "must be a step of z from 0.000001 to 0.5"),
         ([SETZHUB, "--step", "nan"], "argument --step: 'nan' is not a finite number"),
-        ([SETZHUB, "--step", "91"], "argument --step: 91 degrees; from 0.0001 to 90 are allowed"),
+        ([SETZHUB, "--step", "91"], "argument --step: 91 degrees; from 0.001 to 90 are allowed"),
         ([*LAW, "--inflection", "x"], "argument --inflection: 'x' is not a finite number"),
         ([*LAW, "--v0", "inf"], "argument --v0: 'inf' is not a finite number"),
         ([*LAW, "--inflection", "1.5"], "inflection = 1.5: "),

@@ -175,9 +175,9 @@ FAULTS: list[tuple[str, list[Change], str]] = [
         [('"dxf"', '"pdf"')],
         r'"pdf": must be .*"dxf".*\(PDFs are drawn by: camgeo plot',
     ),
-    (PLATE, [("step = 0.5", "step = 1e-9")], "csv.step = 1e-9: must be a number from 0.0001 to 90"),
-    (PLATE, [("step = 0.5", "step = 1e9")], "csv.step = 1e9: must be a number from 0.0001 to 90"),
-    (PLATE, [("step = 0.5", "step = 0")], "csv.step = 0: must be a number from 0.0001 to 90"),
+    (PLATE, [("step = 0.5", "step = 1e-9")], "csv.step = 1e-9: must be a number from 0.001 to 90"),
+    (PLATE, [("step = 0.5", "step = 1e9")], "csv.step = 1e9: must be a number from 0.001 to 90"),
+    (PLATE, [("step = 0.5", "step = 0")], "csv.step = 0: must be a number from 0.001 to 90"),
 ]
 
 

@@ -90,7 +90,7 @@ class AscWriter:
         """
         columns = point_columns(product)
         values = np.column_stack([columns[name] for name in self.columns]) + 0.0
-        lines = [",".join(repr(x).removesuffix(".0") for x in row) for row in values.tolist()]
+        lines = [",".join(repr(x).removesuffix(".0") for x in row.tolist()) for row in values]
         facts: dict[str, int | float | str] = {"rows": len(lines), "columns": len(self.columns)}
         return Written(("\n".join(lines) + "\n").encode("ascii"), facts)
 
@@ -101,7 +101,7 @@ class AscWriter:
         """
         columns = point_columns(product)
         expected = np.column_stack([columns[name] for name in self.columns])
-        rows = [line.split(",") for line in data.decode("ascii", "replace").splitlines()]
+        rows = (line.split(",") for line in data.decode("ascii", "replace").splitlines())
         lengths = np.array([name in LENGTHS for name in self.columns])
         return difference(rows, expected, lengths, "the file")
 

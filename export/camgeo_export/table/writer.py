@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import islice
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from camgeo.product.product import Product
 from camgeo.units import MM_PER
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
+
+BATCH: Final = 4096
+"""Rows that are compared at once: as text they take many times the memory of their numbers."""
 
 
 class CsvWriter:
@@ -36,23 +41,36 @@ class CsvWriter:
         Raises FileError if anything else differs.
         """
         table = product.tabulated.table()
-        rows = list(csv.reader(io.StringIO(data.decode("utf-8", "replace"), newline="")))
-        header = tuple(rows.pop(0)) if rows else ()
-        if header != table.names:
+        text = io.TextIOWrapper(io.BytesIO(data), "utf-8", "replace", newline="")
+        rows = csv.reader(text)
+        if tuple(next(rows, ())) != table.names:
             raise FileError("the table does not have this scene's columns and rows")
         lengths = np.array([f"[{product.unit}]" in name for name in table.names])
         return difference(rows, table.values, lengths, "the table") * MM_PER[product.unit]
 
 
 def difference(
-    rows: Sequence[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
+    rows: Iterable[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
 ) -> float:
     """Largest difference from `expected` (n, k) in the columns that are `lengths` (k,).
 
     Raises FileError, naming the file as `what`, if it has other rows or differs in other columns.
     """
-    if len(rows) != len(expected) or {len(row) for row in rows} != {len(lengths)}:
+    remaining, compared, most = iter(rows), 0, 0.0
+    while batch := list(islice(remaining, BATCH)):
+        part = expected[compared : compared + len(batch)]
+        if len(part) < len(batch) or {len(row) for row in batch} != {len(lengths)}:
+            raise FileError(f"{what} does not have this scene's columns and rows")
+        most = max(most, _difference(batch, part, lengths, what))
+        compared += len(batch)
+    if compared < len(expected):
         raise FileError(f"{what} does not have this scene's columns and rows")
+    return most
+
+
+def _difference(
+    rows: Sequence[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
+) -> float:
     try:
         found = np.array(rows, dtype=np.float64)
     except ValueError as error:
