@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.answers.lint import lint
-from camgeo.cli.command import CallError, add_json, number, show
+from camgeo.cli.command import CallError, add_json, number, opened, show
 from camgeo.verifying.linting import Bench
 
 SUMMARY: Final = "run milling programs as a controller would, and show what is wrong with them"
@@ -15,7 +15,8 @@ SUMMARY: Final = "run milling programs as a controller would, and show what is w
 EXAMPLE: Final = (
     "camgeo lint part.nc --machine fanuc\n"
     "  camgeo lint *.ngc --machine linuxcnc --stock-top 0 --clearance 5\n"
-    "  camgeo lint part.tap --machine my-mill.toml --json"
+    "  camgeo lint part.tap --machine my-mill.toml --json\n"
+    "  camgeo lint part.ngc --machine linuxcnc --scene part.toml"
 )
 
 
@@ -38,6 +39,10 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--radius", metavar="D=MM", action="append", default=[], type=_radius,
         help="radius of the cutter with offset D, where the control compensates for it",
     )  # fmt: skip
+    parser.add_argument(
+        "--scene", metavar="SCENE",
+        help="scene whose tools, blank, holding and part the programs are run with",
+    )  # fmt: skip
     add_json(parser)
 
 
@@ -47,7 +52,9 @@ def run(arguments: argparse.Namespace) -> int:
     if clearance is not None and clearance < arguments.stock_top:
         raise CallError("argument --clearance: is below the top of the stock")
     bench = Bench(arguments.stock_top, clearance, tuple(arguments.radius))
-    return show(lint([Path(name) for name in arguments.files], arguments.machine, bench), arguments)
+    paths = [Path(name) for name in arguments.files]
+    design = opened(arguments) if arguments.scene is not None else None
+    return show(lint(paths, arguments.machine, bench, design), arguments)
 
 
 def _radius(text: str) -> tuple[int, float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
@@ -287,14 +287,16 @@ class _Bench:
 
     def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
         """Obstacles touched, and depths that are too large."""
-        for body in run.obstacles:
+        cylinders = [("cutter", run.radius, 0.0)]
+        cylinders += [("shank", *run.shank)] if run.shank is not None else []
+        for body, (what, radius, above) in product(run.obstacles, cylinders):
             outline = polygon(body.contours, self.fineness)
-            low = below(course, body.z1 - self.level)
-            touched = shapely.intersection(swept(low, run.radius, self.fineness), outline)
+            low = below(course, body.z1 - above - self.level)
+            touched = shapely.intersection(swept(low, radius, self.fineness), outline)
             if parts(touched):
                 away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
-                within = max(0.0, run.radius - self.allowed - float(away))
-                text = f"the cutter goes {within:.3g} mm into the {body.name}"
+                within = max(0.0, radius - self.allowed - float(away))
+                text = f"the {what} goes {within:.3g} mm into the {body.name}"
                 tip = float(np.min(low.lowest))
                 place = _point(place_in(touched), tip)
                 yield flaw("obstacle", run.name, text, within, 0.0, place)

@@ -11,9 +11,12 @@ from importlib.metadata import entry_points
 from typing import Final, Protocol
 
 from camgeo.errors import FileError
+from camgeo.product.product import Product
 from camgeo.toolpath.machine import Machine
 
 GROUP: Final = "camgeo.linters"
+
+VERIFIERS: Final = "camgeo.verifiers"
 
 NAME: Final = "gcode"
 
@@ -29,7 +32,8 @@ class LineFinding:
     ----------
     line : counted from 1; 0 for the program as a whole.
     rule : the name of what is broken, e.g. "arc-radius".
-    concerns : "words", "path", "form", "safety", "frame" or "limits".
+    concerns : "words", "path", "form", "safety", "frame" or "limits"; "work" if it is about the
+        blank and the part of a scene.
     what : is wrong, a sentence without its full stop.
     value : that was found, as text; empty if there is none.
     allowed : what would be right; empty if `what` says so.
@@ -95,6 +99,22 @@ class Linter(Protocol):
 
     def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
+
+
+class WorkJudge(Protocol):
+    """Says what programs do to the blank and the part of a scene."""
+
+    def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
+        """Findings on the work, by line."""
+
+
+def work_judge() -> WorkJudge:
+    """The verifier of programs; FileError if it is not installed."""
+    found = entry_points(group=VERIFIERS, name=NAME)
+    if not found:
+        raise FileError("the verifier of programs is not installed: install camgeo again")
+    loaded: WorkJudge = next(iter(found)).load()
+    return loaded
 
 
 def linter() -> Linter:

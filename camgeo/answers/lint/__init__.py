@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
 from camgeo.answers.answer import BROKEN, FINE, WRONG, Answer
-from camgeo.errors import FileError, unreadable
+from camgeo.design import Design
+from camgeo.errors import Fault, FileError, SceneError, unreadable
+from camgeo.product.product import disc_of
 from camgeo.reading import PROGRAM, read_within
 from camgeo.toolpath.machine import Machine, load
-from camgeo.verifying.linting import Bench, LineFinding, Linted, Linter, linter
+from camgeo.verifying.linting import (
+    Bench,
+    LineFinding,
+    Linted,
+    Linter,
+    linter,
+    work_judge,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +99,7 @@ class Lint(Answer):
     machine : profile that they were read with.
     bench : what was taken of the work.
     programs : one per file.
+    scene : name of the scene with tools, blank and holding; None without one.
     """
 
     command: ClassVar[str] = "lint"
@@ -96,6 +107,7 @@ class Lint(Answer):
     machine: Machine
     bench: Bench
     programs: tuple[Program, ...]
+    scene: str | None = None
 
     @property
     def clean(self) -> bool:
@@ -110,7 +122,12 @@ class Lint(Answer):
         return FINE if self.clean else BROKEN
 
 
-def lint(paths: Sequence[Path], machine: str, bench: Bench | None = None) -> Lint:
+def lint(
+    paths: Sequence[Path],
+    machine: str,
+    bench: Bench | None = None,
+    design: Design | None = None,
+) -> Lint:
     """Run programs, and find what is wrong with them.
 
     Parameters
@@ -118,20 +135,40 @@ def lint(paths: Sequence[Path], machine: str, bench: Bench | None = None) -> Lin
     paths : of the files.
     machine : name of a machine profile, or the path of one.
     bench : what the programs do not say of the work; by default Z 0 is the top of the stock.
+    design : whose tools, blank and holding they are run with; None if that is not to be judged.
 
     Raises
     ------
     SceneError
-        If there is no such profile, or it is wrong.
+        If there is no such profile, or it is wrong; if the scene's own program cannot be planned.
     """
     profile, work, runs = load(machine, "machine"), bench or Bench(), linter()
-    return Lint(profile, work, tuple(_program(path, profile, work, runs) for path in paths))
+    if design is not None and design.scene.milling is None:
+        fault = Fault("tool", "", "is not stated: nothing is known of the work")
+        raise SceneError([fault], design.scene.source.file)
+    found = tuple(_program(path, profile, work, runs, design) for path in paths)
+    return Lint(profile, work, found, None if design is None else design.name)
 
 
-def _program(path: Path, machine: Machine, bench: Bench, runs: Linter) -> Program:
+def _program(
+    path: Path, machine: Machine, bench: Bench, runs: Linter, design: Design | None
+) -> Program:
     try:
-        return Program(path, found=runs.lint(read_within(path, PROGRAM), machine, bench))
+        data = read_within(path, PROGRAM)
+        found = runs.lint(data, machine, bench)
+        if design is not None:
+            product = disc_of(design.discs, path.stem)
+            found = _with(found, work_judge().worked(product, data, machine), data)
+        return Program(path, found=found)
     except FileError as error:
         return Program(path, str(error))
     except (OSError, ValueError) as error:  # the latter for a path that no file can have
         return Program(path, f"cannot be read: {unreadable(error)}")
+
+
+def _with(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
+    """The same with further findings, and the texts of their lines."""
+    lines = data.decode("utf-8", "replace").splitlines()
+    texts = {each.line: lines[each.line - 1] for each in further if 0 < each.line <= len(lines)}
+    both = sorted((*found.findings, *further), key=lambda each: each.line or math.inf)
+    return replace(found, findings=tuple(both), texts={**texts, **found.texts})

@@ -10,8 +10,8 @@ from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.reading import PROGRAM, check_text
 from camgeo.toolpath.cut import AreaCut, ContourCut
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import Bench
+from camgeo.toolpath.machine import Machine, load
+from camgeo.verifying.linting import Bench, LineFinding
 from camgeo.verifying.verification import (
     Check,
     Origin,
@@ -29,6 +29,7 @@ from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, notes_of, run_bytes
 from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
+from camgeo_export.verify.lines import work_findings
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
 from camgeo_export.verify.simulated import simulation_checks
@@ -98,6 +99,17 @@ class GcodeVerifier:
         if all(check.ok is not False for check in checks):  # else it is told where it goes wrong
             checks += simulation_checks(product, program, tolerance)
         return tuple(checks)
+
+    def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
+        """What a program of any origin does to the blank and the part of a scene, by line; nothing
+        of one whose path is not known.
+        """
+        program = run_bytes(data, machine, Bench())
+        if program.compensated is not None or any(
+            each.concerns in ("words", "path") for each in program.findings
+        ):
+            return ()
+        return work_findings(product, program)
 
 
 def _without(program: Run, name: str, *concerns: str) -> Check:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
 
@@ -12,7 +13,10 @@ from camgeo.contour.spline import Arc
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.course import HALF_TURN
+from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.holding import Obstacle
 from camgeo.toolpath.judged import run_with, runs_of, setup_of
+from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, simulate
 from camgeo.toolpath.tool import Tool
@@ -67,8 +71,30 @@ def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> 
     return (*others[:first], *runs, *others[first:])
 
 
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """What a tool of a program does in one operation.
+
+    Attributes
+    ----------
+    run : its moves.
+    tool : that runs them.
+    lines : of the program, one for each move.
+    """
+
+    run: Run
+    tool: Tool
+    lines: tuple[int, ...]
+
+
 def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
-    """What each tool of a program does, operation by operation.
+    """What each tool of a program does, operation by operation; raises like `traced`."""
+    return tuple(each.run for each in traced(product, program, product.milled.cuts))
+
+
+def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Traced, ...]:
+    """What each tool of a program does, operation by operation, with its lines; `cuts` are those
+    that it may name.
 
     Moves from and to places that the program has not stated are left out; the machine's reference
     is above all other heights.
@@ -80,7 +106,7 @@ def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
     """
     spec = product.milled.spec
     tools = {tool.number: tool for tool in spec.tools} if spec is not None else {}
-    named = {cut.name: cut for cut in product.milled.cuts}
+    named = {cut.name: cut for cut in cuts}
     above = max((abs(z) for z in _heights(program.moves)), default=0.0)
     above = max(above, product.options[FORMAT].heights.clearance)
     found = []
@@ -91,11 +117,18 @@ def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
         if known is None and all(move.kind == "rapid" for move in moves):
             continue  # above the blank, before the first tool
         tool = _required(known, number, moves)
-        obstacles = () if cut is None else cut.obstacles
+        obstacles = _always_there(spec) if cut is None else cut.obstacles
         title = name or f"tool {number}"
-        for start, chain in _chains(moves, above):
-            found.append(run_with(tool, title, chain, obstacles, start))
+        for start, chain, lines in _chains(moves, above):
+            run = run_with(tool, title, chain, obstacles, start)
+            found.append(Traced(run, tool, lines))
     return tuple(found)
+
+
+def _always_there(spec: MillingSpec | None) -> tuple[Obstacle, ...]:
+    """Clamps and screws that neither come nor go."""
+    clamps = () if spec is None or spec.holding is None else spec.holding.clamps
+    return tuple(each.obstacle for each in clamps if not (each.since or each.until))
 
 
 def _required(tool: Tool | None, number: int, moves: Sequence[CutterMove]) -> Tool:
@@ -111,22 +144,26 @@ def _heights(moves: Sequence[CutterMove]) -> Iterator[float]:
     return (z for move in moves for z in (move.z_start, move.z_end) if math.isfinite(z))
 
 
-def _chains(moves: Sequence[CutterMove], above: float) -> Iterator[tuple[Point, tuple[Move, ...]]]:
-    """Moves that join, with their starts."""
+def _chains(
+    moves: Sequence[CutterMove], above: float
+) -> Iterator[tuple[Point, tuple[Move, ...], tuple[int, ...]]]:
+    """Moves that join, with their starts and their lines."""
     start: Point | None = None
     chain: list[Move] = []
+    lines: list[int] = []
     for move in moves:
         begin = _point(move.start, move.z_start, above)
         end = _point(move.end, move.z_end, above)
         if begin is None or end is None:
             if start is not None and chain:
-                yield start, tuple(chain)
-            start, chain = None, []
+                yield start, tuple(chain), tuple(lines)
+            start, chain, lines = None, [], []
             continue
         start = start or begin
         chain += _moves(move, begin, end)
+        lines += [move.line] * (len(chain) - len(lines))
     if start is not None and chain:
-        yield start, tuple(chain)
+        yield start, tuple(chain), tuple(lines)
 
 
 def _point(place: complex, z: float, above: float) -> Point | None:

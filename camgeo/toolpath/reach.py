@@ -1,0 +1,126 @@
+"""How much material stands before and beside a cutter: against its stepdown and its edges.
+
+Every feed move is judged at its end and in its middle, in front of the cutter and on both sides:
+there the material reaches from the tip up to what moves before it have left, exactly. In front of a
+cutter it stands as deep as the cutter digs a slot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined
+from camgeo.toolpath.course import Course, boundary_of, course_of, distances, inside
+from camgeo.toolpath.moves import Point
+from camgeo.toolpath.simulation import Run, Setup
+
+SHARES: Final = (0.5, 1.0)
+"""Of each piece, where the cutter is judged."""
+
+SIDES: Final = np.exp(1j * np.radians([0.0, -85.0, 85.0]))
+"""Directions in which material is looked for, the first straight ahead."""
+
+RIM: Final = 1e-3
+"""Share of the radius by which the places looked at lie within the cutter; twice that within those
+that came by before count as cleared."""
+
+BATCH: Final = 64
+"""Places that are compared with the courses at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Depth:
+    """The deepest material at a cutter in one run.
+
+    Attributes
+    ----------
+    run, move : numbers of the run, and of the move in it.
+    ahead : depth of the slot that the cutter digs [mm].
+    beside : depth of the material ahead or on a side [mm].
+    place : of the tip.
+    """
+
+    run: int
+    move: int
+    ahead: float
+    beside: float
+    place: Point
+
+
+def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
+    """What stands at the cutter in each feed move that is not straight up or down."""
+    courses = [course_of(run.moves, run.start) for run in runs]
+    if not any(len(each) for each in courses):
+        return
+    whole = joined(courses)
+    owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
+    radii = np.array([run.radius for run in runs])[owners]
+    blank = boundary_of(setup.blank)
+    moving = np.flatnonzero(whole.lengths > 0.0)
+    for first in range(0, len(moving), BATCH):
+        yield from _of_pieces(
+            moving[first : first + BATCH], whole, owners, radii, blank, setup.top
+        )  # fmt: skip
+
+
+def _of_pieces(
+    pieces: np.ndarray[tuple[int], np.dtype[np.intp]],
+    whole: Course,
+    owners: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+    blank: Course,
+    top: float,
+) -> Iterator[Depth]:
+    """Of some pieces of the course, in their order."""
+    places, tips, around, numbers = [], [], [], []
+    for piece in pieces.tolist():
+        for share in SHARES:
+            place, along = whole.at(piece, share)
+            low, high = float(whole.to_z[piece]), float(whole.from_z[piece])
+            places.append(place)
+            tips.append(high + share * (low - high))
+            around.append(place + (1.0 - RIM) * radii[piece] * along * SIDES)
+            numbers.append(piece)
+    looked = np.concatenate(around)
+    order = np.repeat(np.array(numbers), len(SIDES))
+    tops = np.where(inside(blank, looked), top, -np.inf)
+    near = _near(whole, looked, radii)
+    cleared = _cleared(whole, near, looked, order, radii)
+    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - np.array(tips)[:, None]
+    for k, piece in enumerate(numbers):
+        at = (float(places[k].real), float(places[k].imag), tips[k])
+        ahead, beside = max(0.0, float(found[k, 0])), max(0.0, float(np.max(found[k])))
+        yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, beside, at)
+
+
+def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
+    """(n,) which pieces may come within their radius of one of `places`."""
+    middle = 0.5 * (whole.starts + whole.ends)
+    half = 0.5 * np.abs(whole.ends - whole.starts)
+    centre = complex(np.mean(places))
+    wide = float(np.max(np.abs(places - centre)))
+    found: BoolArray = np.abs(middle - centre) <= half + radii + wide
+    return found
+
+
+def _cleared(
+    whole: Course,
+    near: BoolArray,
+    places: ComplexArray,
+    order: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+) -> FloatArray:
+    """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
+    picked = np.flatnonzero(near)
+    some = Course(
+        whole.starts[picked], whole.ends[picked], whole.sweeps[picked], whole.centres[picked],
+        whole.from_z[picked], whole.to_z[picked], whole.moves[picked],
+    )  # fmt: skip
+    over = distances(some, places) < (1.0 - 2.0 * RIM) * radii[picked]
+    over &= picked[None, :] < order[:, None]
+    found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
+    return found
