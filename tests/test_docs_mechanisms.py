@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from camgeo.scene.new import KINDS
+from camgeo.scene.new import MECHANISMS
 from tests.pages import page_maker
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -20,7 +20,7 @@ def test_the_page_is_made_from_its_texts_scenes_and_code() -> None:
 
 
 def test_every_mechanism_of_camgeo_new_has_its_section_and_picture() -> None:
-    assert sorted(MAKER.MECHANISMS) == sorted(KINDS)
+    assert sorted(MAKER.MECHANISMS) == sorted(MECHANISMS)
     heads = re.findall(r"^## (.+)$", PAGE, flags=re.MULTILINE)
     assert [head for head in heads if head in MAKER.MECHANISMS] == list(MAKER.MECHANISMS)
     shown = re.findall(r"\(images/(mechanism-[a-z-]+\.png)\)", PAGE)

@@ -10,7 +10,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 
 TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
 
-KINDS: Final = (
+MECHANISMS: Final = (
     *FOLLOWERS,
     "knife-edge",
     "groove",
@@ -19,6 +19,9 @@ KINDS: Final = (
     "constant-breadth",
     *(name for kind in LINKAGES.values() for name in kind.templates),
 )
+"""Kinds with a mechanism of their own."""
+
+KINDS: Final = (*MECHANISMS, "milled")
 """Kinds for which `template` has a scene; the first is the default of the command line."""
 
 

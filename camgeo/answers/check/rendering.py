@@ -36,8 +36,9 @@ def _machining(found: Machining) -> list[str]:
     lines: list[str] = []
     several = len(found.programs) > 1
     for name, program in found.programs.items():
-        lines += ["", f"milling of {name}:" if several else "milling:"]
-        lines += finding_lines(program.findings)
+        head = f"milling of {name}:" if several else "milling:"
+        told = finding_lines(program.findings)
+        lines += ["", head, *told] if told else ["", f"{head} simulated, nothing found"]
     timed = {name: each for name, each in found.programs.items() if each.operations is not None}
     if not timed:
         return lines
