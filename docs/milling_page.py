@@ -64,7 +64,7 @@ REFUSED: Final = (
     ("plywood_cam", "flute_length = 22", "flute_length = 10", "cutting edges that are too short"),
     ("plywood_cam", "bore = 10", "bore = 5.8", "a bore into which the cutter does not fit"),
     ("plywood_cam", '"grbl"', '"grbl"\ncoolant = "mist"', "coolant that the machine lacks"),
-    ("steel_plate_cam", '"linuxcnc"', '"grbl"', "four tools on a machine that changes none"),
+    ("steel_plate_cam", 'kind = "drill"\ntool = 4', 'kind = "drill"\ntool = 1', "the wrong tool"),
     ("steel_plate_cam", "retract_height = 3", "retract_height = 0.5", "traverses into the blank"),
     ("moved_clamps", 'until = "rough outline"\n', "", "a clamp that stays where something is cut"),
     ("moved_clamps", "height = 10", "height = 20", "a clamp as high as the traverses"),

@@ -28,6 +28,7 @@ from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run, run_bytes
 from tests.judges import grbl, rs274
 from tests.judges.paths import difference
+from tests.long_form import LONG
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "milling"
 
@@ -96,6 +97,8 @@ def test_nothing_is_found_on_any_controller(scene: Path, machine: str, folder: P
     profile = machines.load(machine)
     for product, data in programs_for(folder, scene, machine):
         assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
+        if LONG or not profile.tool_change.change:  # then of several programs, each by itself
+            assert WRITER.measure(product, data) <= COARSE
 
 
 Runs = Callable[[str], tuple[list[Any], Any]]

@@ -42,10 +42,11 @@ def measure(product: Product, data: bytes) -> float:
         of_area = [move for move in program.moves if move.operation == name]
         if (short := too_near(area, of_area)) > program.step:
             raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
-    path = max(
+    deviations = (
         loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
         for loop in loops
     )
+    path = max(deviations, default=0.0)  # there may be a face or a drilled hole alone
     arcs = any(move.kind == "arc" for move in program.moves)
     own = machine.arcs.interpolation if arcs else 0.0
     return path + program.blending + program.naive_cam + own
