@@ -1,21 +1,37 @@
 """Programs of the fixture scenes for every profile: nothing is found in them, and they verify.
 
-Six scenes, of which one is verified; all of them in the long form.
+Six scenes, of which one is verified; in the long form all of them, verified, at the tolerance of
+the scene and at finer ones as well.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
 import pytest
 
+from camgeo.errors import ToleranceError
+from camgeo.product.product import Product
 from camgeo.toolpath.machine import load, names
 from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run_bytes
 from camgeo_export.verify.gcode import VERIFIER
-from tests.judges.programs import SIX, milled_scenes, programs, workshop
+from tests.judges.programs import (
+    FIXTURES,
+    JOBS,
+    SIX,
+    TOLERANCE,
+    milled_scenes,
+    products,
+    workshop,
+)
 from tests.long_form import LONG
+
+TOLERANCES: Final = (TOLERANCE, None, 1e-4, 1e-5) if LONG else (TOLERANCE,)
+"""[mm]; None is that of the scene."""
 
 
 @pytest.fixture(scope="module")
@@ -23,16 +39,35 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return workshop(tmp_path_factory.mktemp("workshop"))
 
 
+def written(product: Product, asked: float) -> tuple[bytes, float]:
+    """A program and its tolerance [mm]: the one asked for, or what the machine's decimals allow."""
+    try:
+        return WRITER.write(product, asked).data, asked
+    except ToleranceError as error:
+        if "decimals" not in error.reason:
+            raise
+        reached = error.reached
+    assert reached > asked
+    return WRITER.write(product, reached).data, reached
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("machine", names())
 @pytest.mark.parametrize("scene", milled_scenes() if LONG else SIX)
-def test_programs_are_clean_and_verify(scene: str, machine: str, folder: Path) -> None:
+def test_programs_are_clean_and_verify(
+    scene: str, machine: str, tolerance: float | None, folder: Path
+) -> None:
     profile = load(machine)
-    for product, data in programs(folder, scene, machine):
-        found = run_bytes(data, profile, bench_of(product, profile))
-        assert found.findings == ()
+    for product in products(folder, scene, machine):
+        data, kept = written(product, tolerance or product.scene.output.tolerance)
+        assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
         if not (LONG or scene == SIX[0]):  # to measure the path takes half a second
             continue
-        origin = VERIFIER.origin(data)
-        assert origin.tolerance is not None
-        checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), origin.tolerance)
+        checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), kept)
         assert [check for check in checks if check.ok is False] == []
+
+
+def test_the_long_form_has_every_fixture_scene() -> None:
+    """All of them state tools, and so have a program."""
+    paths = [*FIXTURES.glob("*.toml"), *JOBS.glob("*.toml")]
+    assert sorted(milled_scenes()) == sorted(path.stem for path in paths)

@@ -18,6 +18,9 @@ from camgeo_export.gcode.writer import WRITER
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 
+JOBS: Final = FIXTURES.with_name("milling")
+"""Scenes that state blank, holding and operations."""
+
 SIX: Final = ("setzhub", "groove", "inch", "conjugate_lever", "straight_moves", "trimmed_ring")
 """Scenes of the small form: mm and inch, several tools' worth of operations, lines, corners."""
 
@@ -26,7 +29,8 @@ TOLERANCE: Final = 0.05
 
 def workshop(folder: Path) -> Path:
     """A copy of the fixture scenes with the profiles beside them, where scenes may name them."""
-    shutil.copytree(FIXTURES, folder, dirs_exist_ok=True)
+    for source in (FIXTURES, JOBS):
+        shutil.copytree(source, folder, dirs_exist_ok=True)
     for name in machines.names():
         source = Path(machines.__file__).parent / "machines" / f"{name}.toml"
         shutil.copy(source, folder / f"{name}.toml")
@@ -35,14 +39,25 @@ def workshop(folder: Path) -> Path:
 
 def milled_scenes() -> list[str]:
     """Names of the fixture scenes that have a milling program."""
-    return [path.stem for path in sorted(FIXTURES.glob("*.toml")) if "[[tool]]" in path.read_text()]
+    paths = sorted([*FIXTURES.glob("*.toml"), *JOBS.glob("*.toml")])
+    return [path.stem for path in paths if camgeo.load(path).scene.milling is not None]
+
+
+def products(folder: Path, scene: str, machine: str) -> list[Product]:
+    """The discs of a scene in a `workshop`, for a machine; none if that cannot change its tools."""
+    design = camgeo.load(folder / f"{scene}.toml")
+    edited = design.scene.with_values({"output.gcode.machine": f"{machine}.toml"})
+    changes = machines.load(machine).tool_change.change
+    found = []
+    for product in Design(edited).discs:
+        if changes or len({cut.tool.number for cut in product.milled.cuts}) == 1:
+            found.append(product)
+    return found
 
 
 def programs(folder: Path, scene: str, machine: str) -> Iterator[tuple[Product, bytes]]:
     """Each disc of a scene in a `workshop`, and its program for a machine."""
-    design = camgeo.load(folder / f"{scene}.toml")
-    edited = design.scene.with_values({"output.gcode.machine": f"{machine}.toml"})
-    for product in Design(edited).discs:
+    for product in products(folder, scene, machine):
         yield product, WRITER.write(product, TOLERANCE).data
 
 
