@@ -94,6 +94,11 @@ class Cut:
         """Z of the last pass [mm]."""
         return self.depths[-1]
 
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the cutter where it meets a wall [mm]."""
+        return self.tool.radius
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContourCut(Cut):
@@ -110,6 +115,8 @@ class ContourCut(Cut):
     cleared : whether the material beside the path, as far as leads go, is gone down to the last
         depth: then the cutter may go straight down there.
     springs : rounds at the last depth after the first one there, which remove what deflection left.
+    contact : radius at which the cutter meets the wall [mm], where its feed is held; 0 for that of
+        the tool, less for a cone.
     tabs : bridges to leave, or None.
     compensation : "computed"; "wear", the computed path with the wear of the tool's table on
         top; "control", the boundary itself, offset by the controller.
@@ -126,12 +133,18 @@ class ContourCut(Cut):
     room: Annotated[Size, "toolpath"] = 0.0
     cleared: Annotated[Truth, "toolpath"] = False
     springs: Annotated[Rounds, "toolpath"] = 0
+    contact: Annotated[Size, "toolpath"] = 0.0
     tabs: Tabs | None = None
     compensation: Annotated[str, partial(one_of, choices=COMPENSATIONS), "toolpath"] = COMPUTED
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)
         require_boundary(self.centre)
+
+    @property
+    def contact_radius(self) -> float:
+        """As of `Cut`."""
+        return self.contact or self.tool.radius
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from camgeo.errors import GeometryError
-from camgeo.part.part import Wall
+from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
-from camgeo.toolpath.cut import ContourCut, Cut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.making import (
     clear_area,
     depths_of,
@@ -26,8 +26,18 @@ from camgeo.toolpath.milling import (
     SLOT,
     OperationSpec,
 )
+from camgeo.toolpath.plane.nearness import least_distance
+from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.stock import ROUND
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, END_MILL, Tool
+
+BELOW = 0.1
+"""How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
+
+COARSE = 0.01
+"""Tolerance [mm] of the contours between which distances are taken; it counts against them."""
+
+FLANKS = ("inner flank", "outer flank")
 
 KIND_OF_TOOL = {DRILLING: DRILL, CHAMFER: CHAMFER_MILL}
 """What kinds of operations need; the others need an end mill."""
@@ -43,8 +53,7 @@ def stated_cuts(bench: Bench) -> list[Cut]:
     """
     tools = {tool.number: tool for tool in bench.milling.tools}
     found: list[Cut] = []
-    finished: set[str] = set()
-    along: dict[str, ContourCut] = {}
+    faced = False
     for k, spec in enumerate(bench.milling.operations):
         key = f"operation[{k + 1}]"
         tool = spec.run(tools[spec.tool])
@@ -52,17 +61,18 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         if tool.kind != needed:
             message = f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"'
             raise GeometryError(message, f"{key}.tool", f"{spec.tool}")
-        cut = _Stated(bench, spec, tool, key, along, finished).cut()
+        cut = _Stated(bench, spec, tool, key, tuple(found), faced=faced).cut()
         name = spec.name or cut.name
         if name in (each.name for each in found):
             raise GeometryError("each operation needs its own name", f"{key}.name", name)
         note = "; ".join(text for text in (spec.note, cut.note) if text)
         found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
-        if spec.kind == FACE:
-            finished.add(FACE)
-        if isinstance(cut, ContourCut):
-            along[cut.right] = cut
+        faced = faced or spec.kind == FACE
     return found
+
+
+def _names(walls: tuple[Boundary, ...]) -> list[str]:
+    return [wall.name for wall in walls]
 
 
 class _Stated:
@@ -74,17 +84,17 @@ class _Stated:
         spec: OperationSpec,
         tool: Tool,
         key: str,
-        along: dict[str, ContourCut],
-        finished: set[str],
+        before: tuple[Cut, ...],
+        *,
+        faced: bool,
     ) -> None:
         self.bench = bench
         self.spec = spec
         self.tool = tool
         self.key = key
-        # The latest cut along each wall.
-        self.along = along
+        self.before = before
         # Z of the upper face of the material.
-        self.top = 0.0 if FACE in finished else bench.milling.stock.top
+        self.top = 0.0 if faced else bench.milling.stock.top
 
     def cut(self) -> Cut:
         """The cut; GeometryError with the operation's key if the tool cannot make it."""
@@ -153,17 +163,15 @@ class _Stated:
         boundary, bench, tool = wall.boundary, self.bench, self.tool
         self._require(bench.unfit(wall, top=self.top)(tool))
         bottom = bench.bottom(wall)
-        roughed = self.along.get(boundary.name)
-        cleared = self._is_laid_free(wall) or (roughed is not None and roughed.bottom <= bottom)
-        room = self._room(wall) if cleared else 0.0
-        cleared = cleared and room >= 0.0  # else it needs a slot wider than there is
+        room = self._room(wall, bottom)
+        cleared = room is not None
         depths = (bottom,) if cleared else depths_of(tool, self.top, bottom)
         made = finish_along(
             bench,
             wall,
             tool,
             self.top,
-            max(0.0, room),
+            room or 0.0,
             depths=depths,
             cleared=cleared,
             springs=self.spec.springs,
@@ -175,29 +183,26 @@ class _Stated:
         centre = boundary.offset(tool.radius + self.spec.allowance)
         return replace(made, centre=centre, allowance=self.spec.allowance)
 
-    def _is_laid_free(self, wall: Wall) -> bool:
-        """Whether an operation before it has cleared the area next to the wall."""
-        kinds = (BORE, ROUGH) if wall.boundary.hole else (ROUGH,)
-        before = self.bench.milling.operations[: int(self.key[10:-1]) - 1]
-        return any(
-            each.kind in kinds and (each.boundary or "bore") == wall.boundary.name
-            for each in before
-        )
-
-    def _room(self, wall: Wall) -> float:
-        """For leads [mm]: what roughing has left beside the path, negative if the cutter is wider
-        than its slot.
+    def _room(self, wall: Wall, bottom: float) -> float | None:
+        """For leads [mm]: how far beside the path earlier operations have cleared all down to
+        `bottom`; None if they have not.
         """
-        boundary, tool = wall.boundary, self.tool
-        if boundary.name == "bore":
-            return 0.5 * (bore_of(wall).round_radius - tool.radius)
-        if boundary.name.endswith("flank"):
-            return 0.5 * max(0.0, abs(flank_curve(wall).distance) - tool.radius)
-        if self.bench.milling.stock.shape == ROUND and not boundary.hole:
-            return tool.radius
-        roughed = self.along[boundary.name]
-        wider = roughed.tool.diameter - tool.diameter
-        return roughed.allowance - self.spec.allowance + wider
+        name, tool = wall.boundary.name, self.tool
+        deep = [cut for cut in self.before if cut.bottom <= bottom]
+        if any(isinstance(cut, AreaCut) and name in _names(cut.walls) for cut in deep):
+            inside = name == "bore"
+            return 0.5 * (bore_of(wall).round_radius - tool.radius) if inside else tool.radius
+        slots = {cut.right: cut for cut in deep if isinstance(cut, ContourCut)}
+        if name not in slots:
+            return None
+        if name in FLANKS:
+            half = abs(flank_curve(wall).distance)
+            if all(each in slots and slots[each].tool.diameter >= half for each in FLANKS):
+                return 0.5 * max(0.0, half - tool.radius)
+        # The slot is as wide as its cutter, and begins at its allowance.
+        wider = 2.0 * (slots[name].tool.radius - tool.radius)
+        spare = slots[name].allowance - self.spec.allowance
+        return max(0.0, spare + wider) if wider >= 0.0 else None
 
     def _slot(self) -> Cut:
         inner, outer = self._wall("inner flank"), self._wall("outer flank")
@@ -215,18 +220,37 @@ class _Stated:
         assert tool.tip_angle is not None
         if wall.z1 != 0.0:
             raise GeometryError("its upper edge is not on the upper face", f"{self.key}.boundary")
+        if self.top:
+            message = "the upper face is not there yet: it is to be faced before"
+            raise GeometryError(message, f"{self.key}.kind", '"chamfer"')
         # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
-        depth = size * 1.1 * tool.tip_length / tool.radius
-        beside = 0.1 * size
-        if size + beside > tool.radius:
+        reach = (1.0 + BELOW) * size
+        depth, beside = reach * tool.tip_length / tool.radius, BELOW * size
+        if reach > tool.radius:
             self._require(f"its radius, {tool.radius:g} mm, does not cover {size:g} mm")
+        if wall.z0 >= -depth:
+            self._require(f"its point, {depth:.4g} mm deep, reaches the floor at Z {wall.z0:g}")
+        self._require(self.bench.too_short(tool, -depth))
+        centre = wall.boundary.offset(beside)
+        for name, other in self.bench.walls.items():
+            if other.z1 == 0.0 and name != wall.boundary.name:
+                self._keeps_off(centre, other.boundary, reach)
         return ContourCut(
             name=f"chamfer {wall.boundary.name}",
-            strategy="profile",
+            strategy="slot",
             tool=tool,
             top=0.0,
             depths=(-depth,),
-            centre=wall.boundary.offset(beside),
-            room=beside,
-            cleared=False,
+            centre=centre,
+            contact=reach,
+            springs=self.spec.springs,
+            note=f"{size:g} mm wide on the face",
         )
+
+    def _keeps_off(self, centre: Boundary, other: Boundary, reach: float) -> None:
+        """GeometryError with key "size", if the cone comes to the edge of another wall."""
+        tracks = [Track.around(each.arcs(COARSE, "fast").contour) for each in (centre, other)]
+        apart = least_distance(*tracks)
+        if apart < reach + 2.0 * COARSE:
+            message = f"the chamfer comes to the {other.name}, {apart:.3g} mm from the point"
+            raise GeometryError(message, f"{self.key}.size", f"{self.spec.size:g}")

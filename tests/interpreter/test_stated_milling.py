@@ -143,3 +143,60 @@ def test_a_traverse_at_another_height_is_found(tmp_path: Path) -> None:
     reading = Reading("a.ngc", ours=True)
     checks = VERIFIER.checks(product, changed.encode(), reading, TOLERANCE)
     assert [check.name for check in checks if check.ok is False] == ["traverses"]
+
+
+POINTED: Final = """[[tool]]
+number = 5
+kind = "chamfer-mill"
+diameter = 8
+tip_angle = 90
+spindle_speed = 6000
+feed = 800
+plunge_feed = 150
+[holding]
+kind = "fixture"
+through = 0.5
+"""
+
+EDGED: Final = {
+    "plate": (CAM, ("bore", "outline"), 0.5),
+    "groove": (
+        CAM.replace("roller_radius = 8", 'roller_radius = 8\ncontact = "groove"').replace(
+            "thickness = 6", "thickness = 10\nrim = 110\ngroove_depth = 5"
+        ),
+        ("bore", "outer flank", "inner flank"),
+        0.3,
+    ),
+}
+"""Scenes, the walls whose edges are chamfered, and the size of the chamfers."""
+
+
+def chamfered(name: str) -> str:
+    """Each wall roughed and finished, and its edge chamfered."""
+    text, walls, size = EDGED[name]
+    operations = [
+        f'kind = "{kind}"\ntool = 4\nboundary = "{wall}"\nallowance = {left}'
+        for kind, left in (("rough", 0.2), ("finish", 0))
+        for wall in walls
+    ]
+    operations += [
+        f'kind = "chamfer"\ntool = 5\nsize = {size}\nboundary = "{wall}"' for wall in walls
+    ]
+    tables = "".join(f"[[operation]]\n{each}\n" for each in operations)
+    return text.replace("[output]", f"{POINTED}{tables}[output]", 1)
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "heidenhain"])
+@pytest.mark.parametrize("name", EDGED)
+def test_chamfers_are_clean_and_verify(name: str, machine: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(f'{chamfered(name)}machine = "{machine}"\n', "utf-8")
+    product, profile = Design(camgeo.load(path).scene).discs[0], load(machine)
+    data = WRITER.write(product, TOLERANCE).data
+    found = run_bytes(data, profile, bench_of(product, profile))
+    assert found.findings == ()
+    checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+    measured = [check.of for check in checks if check.name == "deviation"]
+    for wall in EDGED[name][1]:
+        assert any(of.startswith(f"chamfer {wall}") for of in measured)

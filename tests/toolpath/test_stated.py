@@ -3,17 +3,35 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
 from camgeo.errors import GeometryError
+from camgeo.part.spec import Keyway
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.toolpath.milling import OperationSpec
+from camgeo.toolpath.moves import ArcFeed
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.strategies import STRATEGIES
 from camgeo.toolpath.tool import Tool
-from tests.toolpath.milled import BORE, FIXTURE, ROLLER, THICKNESS, named, sequence, tool
+from tests.toolpath.milled import (
+    BORE,
+    FIXTURE,
+    HEIGHTS,
+    ROLLER,
+    SPEC,
+    THICKNESS,
+    named,
+    part,
+    sequence,
+    tool,
+)
 
 INNER, GROOVE = Contact.INNER, Contact.GROOVE
 
@@ -21,8 +39,10 @@ MILL = tool(12.0)
 DRILL = tool(20.0, 2, kind="drill", tip_angle=2.0, stepdown=5.0)
 POINTED = tool(10.0, 3, kind="chamfer-mill", tip_angle=0.5 * math.pi)
 SLOTTER = tool(2.0 * ROLLER, 4)
+SHARP = tool(4.0, 5, kind="chamfer-mill", tip_angle=0.52)
+BLUNT = tool(40.0, 6, kind="chamfer-mill", tip_angle=2.9)
 
-TOOLS = (MILL, DRILL, POINTED, SLOTTER)
+TOOLS = (MILL, DRILL, POINTED, SLOTTER, SHARP, BLUNT)
 
 ROUND = Stock(shape="round", diameter=170.0, top=1.0)
 
@@ -83,15 +103,47 @@ def test_an_operation_overrides_its_tool() -> None:
     assert (cut.climb, cut.stop, cut.note) == (False, "turn", "slowly")
 
 
-def test_the_chamfer_is_as_wide_as_stated() -> None:
-    """The cutter's cone meets the upper face at the size from the wall, and the wall below it."""
-    size = 0.5
-    cut = cuts(spec("chamfer", "outline", 3, size=size))["chamfer outline"]
+@pytest.mark.parametrize(
+    ("boundary", "contact"),
+    [
+        ("outline", INNER), ("bore", INNER), ("bore", GROOVE), ("rim", GROOVE),
+        ("inner flank", GROOVE), ("outer flank", GROOVE),
+    ],
+)  # fmt: skip
+def test_the_chamfer_is_as_wide_as_stated(boundary: str, contact: Contact) -> None:
+    """The cone meets the upper face at the size from the wall, and the wall as far below it; its
+    feed is held there.
+    """
+    size, own = 0.5, POINTED.feed
+    cut = cuts(spec("chamfer", boundary, 3, size=size), contact=contact, stock=Stock())[
+        f"chamfer {boundary}"
+    ]
     assert isinstance(cut, ContourCut)
     reach = -cut.bottom * math.tan(0.5 * 0.5 * math.pi)  # radius of the cone at the upper face
     beside = reach - size  # from the wall to the cutter's centre
-    assert cut.room == pytest.approx(beside)
     assert beside > 0.0
+    assert cut.contact == pytest.approx(reach)
+    (wall,) = (each for each in part(contact).boundaries if each.name == boundary)
+    path = cut.centre.arcs(1e-4, "fast").contour
+    ring = wall.arcs(1e-4, "fast").contour
+    apart = distances(path.vertices, Track.around(ring))
+    assert apart == pytest.approx(np.full(len(path), beside), abs=2.1e-4)
+    moves = STRATEGIES[cut.strategy](cut, HEIGHTS, 0.001, "fast")
+    arcs = [
+        (abs(complex(*each.end[:2]) - complex(*each.centre)), each.feed)
+        for each in moves
+        if isinstance(each, ArcFeed)
+    ]
+    assert min(feed for _, feed in arcs) >= own * min(r / (r + reach) for r, _ in arcs) * 0.999
+    assert cut.note == "0.5 mm wide on the face"
+
+
+def test_the_edge_of_a_bore_with_a_keyway_is_round() -> None:
+    keyed = replace(SPEC, keyway=Keyway(8.0, 3.3))
+    operation = spec("chamfer", "bore", 3, size=0.5)
+    (cut,) = sequence(GROOVE, *TOOLS, operations=(operation,), spec=keyed).cuts
+    assert isinstance(cut, ContourCut)
+    assert cut.centre.arcs(0.01).contour.radii == pytest.approx(0.5 * BORE - 0.05)
 
 
 @pytest.mark.parametrize(
@@ -102,14 +154,47 @@ def test_the_chamfer_is_as_wide_as_stated() -> None:
         (spec("rough", "outline", 2), INNER, 'needs a tool of kind "end-mill"', "tool"),
         (spec("slot"), GROOVE, "not as wide as the groove, 16 mm", "tool"),
         (spec("chamfer", "outline", 3, size=4.9), INNER, "does not cover 4.9 mm", "tool"),
+        (
+            spec("chamfer", "outer flank", 5, size=1.5),
+            GROOVE,
+            r"point, 6.203 mm deep, reaches the floor at Z -6",
+            "tool",
+        ),
+        (spec("chamfer", "inner flank", 6, size=14.0), GROOVE, "comes to the outer flank", "size"),
     ],
 )
 def test_what_a_tool_cannot_do(
     operation: OperationSpec, contact: Contact, message: str, key: str
 ) -> None:
     with pytest.raises(GeometryError, match=message) as caught:
-        cuts(operation, contact=contact)
+        cuts(operation, contact=contact, stock=Stock() if "chamfer" in operation.kind else ROUND)
     assert caught.value.key == f"operation[1].{key}"
+
+
+def test_a_chamfer_waits_for_the_upper_face() -> None:
+    with pytest.raises(GeometryError, match="to be faced before") as caught:
+        cuts(spec("chamfer", "bore", 3, size=0.5))
+    assert caught.value.key == "operation[1].kind"
+    assert cuts(spec("face"), spec("chamfer", "bore", 3, size=0.5))
+
+
+@pytest.mark.parametrize(
+    ("finish", "cleared", "room"),
+    [(MILL.number, True, 0.3), (7, True, 2.3), (SLOTTER.number, False, 0.0)],
+)
+def test_leads_stay_in_the_slot_that_roughing_has_made(
+    finish: int, cleared: bool, room: float
+) -> None:
+    """It begins at its own allowance and is as wide as its cutter; a wider one enters along it."""
+    small = tool(10.0, 7)
+    made = sequence(
+        INNER, *TOOLS, small,
+        operations=(spec("rough", "outline", allowance=0.3), spec("finish", "outline", finish)),
+    )  # fmt: skip
+    cut = named(made)["outline"]
+    assert isinstance(cut, ContourCut)
+    assert cut.cleared == cleared
+    assert cut.room == pytest.approx(room)
 
 
 def test_there_is_nothing_to_face_without_a_higher_blank() -> None:

@@ -120,7 +120,9 @@ class Walk:
             rate = base
             if sweep:
                 inside = both or (sweep > 0.0) == (self.free > 0)
-                rate = centre_feed(base, length / abs(sweep), self.cut.tool.radius, inside=inside)
+                rate = centre_feed(
+                    base, length / abs(sweep), self.cut.contact_radius, inside=inside
+                )
             drop = self.z - height
             if drop > SAME:
                 rate = min(rate, self.cut.tool.plunge_feed * math.hypot(length, drop) / drop)

@@ -13,7 +13,6 @@ from camgeo.toolpath.cut import ContourCut, Cut, PointCut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import Heights
-from camgeo.toolpath.tool import Tool
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
@@ -86,7 +85,7 @@ def _of_cut(
             "plunge feed", cut.name, ((each.feed, each.line) for each in straight), sinking,
             "mm/min", rounding,
         ),
-        _feeds(tool, others, cut.name, rounding, tolerance),
+        _feeds(cut, others, rounding, tolerance),
     ]  # fmt: skip
     for move in moves:
         if not _at_a_height(cut, move, program.step):
@@ -123,13 +122,12 @@ def _drops(move: CutterMove) -> bool:
     return move.z_end < move.z_start
 
 
-def _feeds(
-    tool: Tool, moves: Sequence[CutterMove], of: str, rounding: float, tolerance: float
-) -> Check:
+def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: float) -> Check:
     """That each move runs at the tool's feed, or slowed as on inner arcs and on the way down."""
+    tool = cut.tool
     worst, line, value, wanted = 0.0, 0, tool.feed, tool.feed
     for move in moves:
-        least, most = _allowed(tool, move, tolerance)
+        least, most = _allowed(cut, move, tolerance)
         off = min(abs(move.feed - each) for each in (least, most))
         if not move.sweep and least <= move.feed <= most:
             off = 0.0
@@ -138,18 +136,18 @@ def _feeds(
             worst, line, value, wanted = off, move.line, move.feed, most
     ok = worst <= rounding
     note = "" if ok else f"line {line}"
-    return Check("feed", of, float(value), float(wanted), rounding, "mm/min", ok, note)
+    return Check("feed", cut.name, float(value), float(wanted), rounding, "mm/min", ok, note)
 
 
-def _allowed(tool: Tool, move: CutterMove, tolerance: float) -> tuple[float, float]:
+def _allowed(cut: Cut, move: CutterMove, tolerance: float) -> tuple[float, float]:
     """The feeds [mm/min] that a move may have: slowed, as the wall may lie around it, and not.
 
     A line may stand for a piece of an arc that is flat within `tolerance` [mm]; then its feed is
     slowed for any radius from the least one that is as flat.
     """
-    length = move.course.length
+    tool, length = cut.tool, move.course.length
     radius = move.course.radius if move.sweep else length * length / (8.0 * tolerance)
-    feeds = (centre_feed(tool.feed, radius, tool.radius, inside=True), tool.feed)
+    feeds = (centre_feed(tool.feed, radius, cut.contact_radius, inside=True), tool.feed)
     if not _drops(move):
         return feeds
     drop = move.z_start - move.z_end
