@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
@@ -9,6 +11,9 @@ from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import Bench, flank_curve
 from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut, passes
+from camgeo.toolpath.stock import ROUND
+from camgeo.toolpath.strategies.area import COARSEST
+from camgeo.toolpath.strategies.outside import spirals
 from camgeo.toolpath.tool import Tool, ToolError
 
 
@@ -25,6 +30,22 @@ def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: fl
         centre=boundary.offset(tool.radius + allowance),
         right=boundary.name,
     )
+
+
+def rough_outside(
+    bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
+) -> AreaCut | ContourCut:
+    """Around a wall that cuts the part free: from a round blank all beside it is cleared, from a
+    plate, and where no spiral leads there, a slot is cut.
+    """
+    if bench.milling.stock.shape != ROUND or wall.boundary.hole:
+        return rough_around(bench, wall, tool, top, allowance)
+    name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
+    made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
+    if spirals(made, wall.boundary, COARSEST):
+        return made
+    note = "no spiral clears its hollows: a slot leaves the waste in one piece"
+    return replace(rough_around(bench, wall, tool, top, allowance), note=note)
 
 
 def finish_along(

@@ -13,10 +13,16 @@ from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Wall
 from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
-from camgeo.toolpath.cut import Cut
+from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.fitting import core
-from camgeo.toolpath.making import clear_area, drill_at, finish_along, rough_around, slot_between
-from camgeo.toolpath.stock import ROUND
+from camgeo.toolpath.making import (
+    clear_area,
+    drill_at,
+    finish_along,
+    rough_around,
+    rough_outside,
+    slot_between,
+)
 from camgeo.toolpath.tool import DRILL, Tool
 
 Step = Cut | Finding
@@ -146,17 +152,13 @@ def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:
 
 def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
     """A wall that cuts the part free: roughed from the blank, then finished."""
-    boundary, stock = wall.boundary, bench.milling.stock
-    tool = bench.choose(boundary.name, bench.unfit(wall))
+    tool = bench.choose(wall.boundary.name, bench.unfit(wall))
     allowance = bench.allowance(tool, wall)
-    if stock.shape == ROUND and not boundary.hole:
-        name, bottom = f"rough {boundary.name}", bench.bottom(wall)
-        yield clear_area(bench, name, "rough", tool, 0.0, bottom, (boundary,), allowance)
-        yield finish_along(bench, wall, tool, 0.0, tool.radius)
-        return
-    yield rough_around(bench, wall, tool, 0.0, allowance)
-    # The roughed slot is wider than the cutter by the allowance: leads have no more room.
-    yield finish_along(bench, wall, tool, 0.0, allowance)
+    rough = rough_outside(bench, wall, tool, 0.0, allowance)
+    yield rough
+    # A slot is wider than the cutter by the allowance: leads have no more room.
+    room = tool.radius if isinstance(rough, AreaCut) else allowance
+    yield finish_along(bench, wall, tool, 0.0, room)
 
 
 def told(name: str, sentence: str) -> Finding:

@@ -14,6 +14,7 @@ from camgeo.toolpath.making import (
     drill_at,
     finish_along,
     rough_around,
+    rough_outside,
     slot_between,
 )
 from camgeo.toolpath.milling import (
@@ -28,7 +29,6 @@ from camgeo.toolpath.milling import (
 )
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
-from camgeo.toolpath.stock import ROUND
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, END_MILL, Tool
 
 BELOW = 0.1
@@ -152,11 +152,8 @@ class _Stated:
         self._require(bench.unfit(wall, top=self.top)(tool))
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
-        if bench.milling.stock.shape == ROUND and outermost:
-            walls, name = (boundary,), f"rough {boundary.name}"
-            bottom, allowance = bench.bottom(wall), self.spec.allowance
-            return clear_area(bench, name, "rough", tool, self.top, bottom, walls, allowance)
-        return rough_around(bench, wall, tool, self.top, self.spec.allowance)
+        make = rough_outside if outermost else rough_around
+        return make(bench, wall, tool, self.top, self.spec.allowance)
 
     def _finish(self, wall: Wall) -> Cut:
         """At full depth if the wall is roughed that deep, else in passes that enter on the path."""

@@ -39,8 +39,17 @@ HEIGHTS = Heights(20.0, 12.0)
 FIXTURE = Holding(kind="fixture", through=0.5)
 
 
-def part(contact: Contact, spec: PartSpec = SPEC) -> Part:
-    inner, outer = (whole(WorkingCurve(PITCH, distance)) for distance in (-ROLLER, ROLLER))
+HOOKED = PitchCurve(
+    MotionPlan((dwell(60), move(40, 100.0), dwell(20), move(30, 0.0), dwell(210))),
+    TranslatingRoller(35.0, 5.0, -20.0),
+    -1,
+)
+"""Its flanks are so steep that rays from the cam axis meet them more than once."""
+
+
+def part(contact: Contact, spec: PartSpec = SPEC, pitch: PitchCurve = PITCH) -> Part:
+    roller = pitch.follower.roller_radius
+    inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-roller, roller))
     return build_part(contact, inner, outer, spec, 0.01)
 
 
@@ -60,11 +69,12 @@ def sequence(
     operations: tuple[OperationSpec, ...] = (),
     spec: PartSpec = SPEC,
     heights: Heights = HEIGHTS,
+    pitch: PitchCurve = PITCH,
 ) -> Sequence:
     milling = MillingSpec(
         tools=tools or (tool(12.0),), stock=stock or Stock(), holding=holding, operations=operations
     )
-    return sequence_of(part(contact, spec), milling, heights)
+    return sequence_of(part(contact, spec, pitch), milling, heights)
 
 
 def named(found: Sequence) -> dict[str, Cut]:

@@ -12,9 +12,21 @@ from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import Keyway
 from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut
+from camgeo.toolpath.milling import OperationSpec
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.strategies import STRATEGIES
-from tests.toolpath.milled import BORE, FIXTURE, RIM, ROLLER, SPEC, THICKNESS, named, sequence, tool
+from tests.toolpath.milled import (
+    BORE,
+    FIXTURE,
+    HOOKED,
+    RIM,
+    ROLLER,
+    SPEC,
+    THICKNESS,
+    named,
+    sequence,
+    tool,
+)
 
 INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE
 
@@ -64,6 +76,28 @@ def test_a_round_blank_is_cleared_and_faced() -> None:
     assert [wall.name for wall in rough.walls] == ["outline"]
     assert isinstance(finish, ContourCut)
     assert finish.room == 6.0
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_hook_is_cut_out_of_a_round_blank_by_a_slot(stated: bool) -> None:
+    """No spiral leads there; leads stay in the slot, and the operator is told."""
+    stock, mill = Stock(shape="round", diameter=290.0), tool(4.0)
+    operations = (
+        OperationSpec(kind="rough", tool=1, boundary="outline", allowance=0.2),
+        OperationSpec(kind="finish", tool=1, boundary="outline"),
+    )
+    found = named(
+        sequence(INNER, mill, stock=stock, pitch=HOOKED, operations=operations if stated else ())
+    )
+    rough, finish = found["rough outline"], found["outline"]
+    assert isinstance(rough, ContourCut)
+    assert rough.strategy == "slot"
+    assert "no spiral clears its hollows" in rough.note
+    assert isinstance(finish, ContourCut)
+    assert finish.room == pytest.approx(0.2)
+    wide = replace(stock, diameter=200.0)
+    spiral = sequence(INNER, mill, stock=wide, operations=operations if stated else ())
+    assert isinstance(named(spiral)["rough outline"], AreaCut)
 
 
 @pytest.mark.parametrize("diameter", [6.0, 8.0, 11.9])

@@ -16,6 +16,7 @@ from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.parallel import grown
 from camgeo.toolpath.plane.spiral import Morph, engagements, fitted
+from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track, chained
 from camgeo.toolpath.strategies.area import (
     along,
@@ -73,6 +74,21 @@ def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) ->
         walk.follow(track)
     walk.up()
     return walk.moves
+
+
+def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
+    """Whether rays from the cam axis meet both the wall's path and the edge of the blank once, so
+    that a spiral leads from one to the other.
+
+    Raises
+    ------
+    GeometryError
+        If the cutter is too large for the wall, or the blank is not convex.
+    """
+    assert cut.stock is not None  # the caller has a blank
+    fine = coarse(cut, tolerance)
+    edge = grown(cut.stock.arcs(fine, "fast").contour, cut.tool.radius)
+    return Star.of(edge) is not None and Star.of(along(wall, cut, fine)) is not None
 
 
 def _level(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:
