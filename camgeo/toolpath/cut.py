@@ -163,6 +163,7 @@ class AreaCut(Cut):
     stock : outline of the blank; None if walls enclose the area.
     cleared : holes that are there already, down to the last depth.
     stepover : largest distance between neighbouring paths [mm].
+    slot : width of the slot along the first wall that the area is [mm]; 0 of any other area.
 
     Raises
     ------
@@ -175,6 +176,7 @@ class AreaCut(Cut):
     stock: Boundary | None = None
     cleared: tuple[Boundary, ...] = ()
     stepover: Annotated[float, positive, "toolpath"]
+    slot: Annotated[Size, "toolpath"] = 0.0
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)

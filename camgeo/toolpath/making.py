@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.envelope import Envelope
@@ -15,6 +16,12 @@ from camgeo.toolpath.stock import ROUND
 from camgeo.toolpath.strategies.area import COARSEST
 from camgeo.toolpath.strategies.outside import spirals
 from camgeo.toolpath.tool import Tool, ToolError
+
+LOOPS: Final = 0.5
+LARGEST_LOOPS: Final = 0.9
+"""Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
+usually, and at most, so that no core is left in them.
+"""
 
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
@@ -46,6 +53,34 @@ def rough_outside(
         return made
     note = "no spiral clears its hollows: a slot leaves the waste in one piece"
     return replace(rough_around(bench, wall, tool, top, allowance), note=note)
+
+
+def loops_along(
+    bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
+) -> AreaCut:
+    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
+
+    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
+    loops make it at once.
+    """
+    boundary, bottom = wall.boundary, bench.bottom(wall)
+    flat = tool.radius - tool.corner_radius
+    slot, walls = 2.0 * (tool.radius + LOOPS * flat), [boundary]
+    if other is not None:
+        groove = 2.0 * (abs(flank_curve(wall).distance) - allowance)
+        if groove <= 2.0 * (tool.radius + LARGEST_LOOPS * flat):
+            slot, walls = groove, [boundary, other.boundary]
+    return AreaCut(
+        name=f"rough {boundary.name}",
+        strategy="trochoid",
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bottom),
+        allowance=allowance,
+        walls=tuple(walls),
+        stepover=stepover_of(tool),
+        slot=slot,
+    )
 
 
 def finish_along(

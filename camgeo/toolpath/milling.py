@@ -45,6 +45,9 @@ CHAMFER: Final = "chamfer"
 
 OPERATIONS: Final = (FACE, DRILLING, BORE, ROUGH, FINISH, SLOT, CHAMFER)
 
+RAMP: Final = "ramp"
+TROCHOIDAL: Final = "trochoidal"
+
 ALONG_A_WALL: Final = (ROUGH, FINISH, CHAMFER)
 """Kinds of operations that name their boundary."""
 
@@ -60,6 +63,7 @@ class OperationSpec:
     boundary : name of the wall that is cut; empty where the kind says it.
     name : in the program; empty for kind and boundary.
     allowance : left on the wall [mm].
+    strategy : of a slot, "ramp" or "trochoidal"; empty for what suits the blank.
     size : of a chamfer along the face [mm].
     stepdown, stepover : [mm].
     springs : rounds at full depth behind the one that finishes.
@@ -81,6 +85,7 @@ class OperationSpec:
     boundary: Text = ""
     name: Text = ""
     allowance: Radius = 0.0
+    strategy: Annotated[str, partial(one_of, choices=("", RAMP, TROCHOIDAL))] = ""
     size: Length | None = None
     stepdown: Length | None = None
     stepover: Length | None = None
@@ -275,6 +280,8 @@ def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "boundary", f'is missing: which wall is to be cut by "{kind}"'
     if kind not in ALONG_A_WALL and "boundary" in table:
         yield "boundary", f'belongs to {", ".join(ALONG_A_WALL)}; "{kind}" knows what it cuts'
+    if kind != ROUGH and "strategy" in table:
+        yield "strategy", f'belongs to kind "{ROUGH}"'
     if kind == CHAMFER and "size" not in table:
         yield "size", "is missing: how wide the chamfer is"
     if kind != CHAMFER and "size" in table:

@@ -13,6 +13,7 @@ from camgeo.toolpath.making import (
     depths_of,
     drill_at,
     finish_along,
+    loops_along,
     rough_around,
     rough_outside,
     slot_between,
@@ -23,12 +24,15 @@ from camgeo.toolpath.milling import (
     DRILLING,
     FACE,
     FINISH,
+    RAMP,
     ROUGH,
     SLOT,
+    TROCHOIDAL,
     OperationSpec,
 )
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
+from camgeo.toolpath.strategies.trochoid import NARROWEST
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, END_MILL, Tool
 
 BELOW = 0.1
@@ -152,8 +156,21 @@ class _Stated:
         self._require(bench.unfit(wall, top=self.top)(tool))
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
-        make = rough_outside if outermost else rough_around
+        if self.spec.strategy == TROCHOIDAL:
+            return self._loops(wall)
+        ramp = self.spec.strategy == RAMP or not outermost
+        make = rough_around if ramp else rough_outside
         return make(bench, wall, tool, self.top, self.spec.allowance)
+
+    def _loops(self, wall: Wall) -> Cut:
+        bench, holding = self.bench, self.bench.milling.holding
+        if holding is not None and holding.tabs is not None and bench.is_through(wall):
+            message = f'leaves no tabs: state "{RAMP}", or another holding'
+            raise GeometryError(message, f"{self.key}.strategy", f'"{TROCHOIDAL}"')
+        other = None
+        if wall.boundary.name in FLANKS:
+            (other,) = (self._wall(name) for name in FLANKS if name != wall.boundary.name)
+        return loops_along(bench, wall, other, self.tool, self.top, self.spec.allowance)
 
     def _finish(self, wall: Wall) -> Cut:
         """At full depth if the wall is roughed that deep, else in passes that enter on the path."""
@@ -186,12 +203,13 @@ class _Stated:
         """
         name, tool = wall.boundary.name, self.tool
         deep = [cut for cut in self.before if cut.bottom <= bottom]
-        if any(isinstance(cut, AreaCut) and name in _names(cut.walls) for cut in deep):
+        areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in _names(cut.walls)]
+        if any(not cut.slot for cut in areas):
             inside = name == "bore"
             return 0.5 * (bore_of(wall).round_radius - tool.radius) if inside else tool.radius
         slots = {cut.right: cut for cut in deep if isinstance(cut, ContourCut)}
         if name not in slots:
-            return None
+            return max((self._beside_loops(cut) for cut in areas), default=None) or None
         if name in FLANKS:
             half = abs(flank_curve(wall).distance)
             if all(each in slots and slots[each].tool.diameter >= half for each in FLANKS):
@@ -200,6 +218,12 @@ class _Stated:
         wider = 2.0 * (slots[name].tool.radius - tool.radius)
         spare = slots[name].allowance - self.spec.allowance
         return max(0.0, spare + wider) if wider >= 0.0 else None
+
+    def _beside_loops(self, cut: AreaCut) -> float:
+        """As `_room`; the loops begin slightly beside the allowance."""
+        wider = 2.0 * (cut.tool.radius - self.tool.radius)
+        room = cut.allowance - self.spec.allowance + wider + NARROWEST * cut.tool.radius
+        return room if wider >= 0.0 else 0.0
 
     def _slot(self) -> Cut:
         inner, outer = self._wall("inner flank"), self._wall("outer flank")

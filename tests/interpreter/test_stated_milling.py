@@ -186,6 +186,25 @@ def chamfered(name: str) -> str:
     return text.replace("[output]", f"{POINTED}{tables}[output]", 1)
 
 
+@pytest.mark.parametrize("machine", ["linuxcnc", "heidenhain"])
+def test_a_trochoidal_slot_is_clean_and_verifies(machine: str, tmp_path: Path) -> None:
+    own = 'strategy = "trochoidal"\nstepdown = 7\nfeed = 1500'
+    operations = [
+        f'kind = "rough"\ntool = 4\nboundary = "outline"\nallowance = 0.2\n{own}',
+        'kind = "finish"\ntool = 4\nboundary = "outline"',
+    ]
+    tables = "".join(f"[[operation]]\n{each}\n" for each in operations)
+    path = tmp_path / "scene.toml"
+    bored = SKINNED.replace("width = 70", "width = 70\nbore = 18")
+    text = CAM.replace("[output]", f"{bored}{tables}[output]", 1)
+    path.write_text(f'{text}machine = "{machine}"\n', "utf-8")
+    product, profile = Design(camgeo.load(path).scene).discs[0], load(machine)
+    data = WRITER.write(product, TOLERANCE).data
+    assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
+    checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+
+
 @pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "heidenhain"])
 @pytest.mark.parametrize("name", EDGED)
 def test_chamfers_are_clean_and_verify(name: str, machine: str, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from camgeo.cam.contact import Contact
 from camgeo.errors import GeometryError
 from camgeo.part.spec import Keyway
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
+from camgeo.toolpath.holding import Holding, Tabs
 from camgeo.toolpath.milling import OperationSpec
 from camgeo.toolpath.moves import ArcFeed
 from camgeo.toolpath.plane.nearness import distances
@@ -195,6 +196,45 @@ def test_leads_stay_in_the_slot_that_roughing_has_made(
     assert isinstance(cut, ContourCut)
     assert cut.cleared == cleared
     assert cut.room == pytest.approx(room)
+
+
+def test_the_strategy_of_a_slot_may_be_stated() -> None:
+    """Loops need room beside the cutter; leads stay beside the allowance that they leave."""
+    found = cuts(
+        spec("rough", "outline", allowance=0.3, strategy="trochoidal", stepdown=20.0),
+        spec("finish", "outline"), stock=Stock(),
+    )  # fmt: skip
+    loops, finish = found["rough outline"], found["outline"]
+    assert isinstance(loops, AreaCut)
+    assert loops.strategy == "trochoid"
+    assert loops.slot == pytest.approx(1.5 * MILL.diameter)
+    assert len(loops.depths) == 1
+    assert isinstance(finish, ContourCut)
+    assert finish.cleared
+    assert 0.3 < finish.room < 0.3 + loops.slot - MILL.diameter
+    ramp = cuts(spec("face"), spec("rough", "outline", strategy="ramp"))["rough outline"]
+    assert isinstance(ramp, ContourCut)  # though the blank is round
+    assert ramp.strategy == "slot"
+
+
+def test_loops_clear_a_groove_at_once_where_they_are_small_enough() -> None:
+    def loops(diameter: float) -> AreaCut:
+        operation = spec("rough", "outer flank", allowance=0.2, strategy="trochoidal")
+        (cut,) = sequence(GROOVE, tool(diameter), stock=Stock(), operations=(operation,)).cuts
+        assert isinstance(cut, AreaCut)
+        return cut
+
+    assert [wall.name for wall in loops(10.0).walls] == ["outer flank", "inner flank"]
+    assert loops(10.0).slot == pytest.approx(2.0 * (ROLLER - 0.2))
+    assert [wall.name for wall in loops(6.0).walls] == ["outer flank"]
+
+
+def test_loops_leave_no_tabs() -> None:
+    tabbed = Holding(kind="tabs", through=0.3, tabs=Tabs(3, 5.0, 1.5))
+    operation = spec("rough", "outline", strategy="trochoidal")
+    with pytest.raises(GeometryError, match="leaves no tabs") as caught:
+        sequence(INNER, MILL, holding=tabbed, operations=(operation,))
+    assert caught.value.key == "operation[1].strategy"
 
 
 def test_there_is_nothing_to_face_without_a_higher_blank() -> None:

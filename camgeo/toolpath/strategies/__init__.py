@@ -15,6 +15,7 @@ from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.strategies.around import profile, slot
 from camgeo.toolpath.strategies.clear import clear
 from camgeo.toolpath.strategies.drill import drill
+from camgeo.toolpath.strategies.trochoid import trochoid
 
 Strategy = Callable[[Cut, Heights, float, Effort], list[Move]]
 """Gives the moves of a cut from it, the heights of traverses, the tolerance of its path [mm] and
@@ -28,5 +29,6 @@ STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType(
         "bore": clear,
         "rough": clear,
         "drill": drill,
+        "trochoid": trochoid,
     }
 )

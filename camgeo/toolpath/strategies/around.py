@@ -123,6 +123,15 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
     return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
 
 
+def descend(walk: Walk, round_: Track, top: float, bottom: float) -> None:
+    """Down along a closed track from `top` to `bottom` [mm], first from above."""
+    if not walk.moves:
+        walk.above(round_.start)
+        walk.down(top)
+    for z in descent(walk.cut, top, bottom, round_.length):
+        walk.follow(round_, z)
+
+
 def contour_cut(cut: Cut) -> ContourCut:
     """The cut, if it is one along a path; else TypeError."""
     if not isinstance(cut, ContourCut):

@@ -23,7 +23,7 @@ from camgeo.toolpath.strategies.area import (
     spiral,
     star_of,
 )
-from camgeo.toolpath.strategies.around import descent
+from camgeo.toolpath.strategies.around import descend
 from camgeo.toolpath.strategies.walk import SAME, Walk
 
 HELIX = 0.75
@@ -58,7 +58,7 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
         whole = Track.around(path if cut.climb else path.reversed())
         require_clear(whole, wall, cut, fine)
         for above, z in pairwise((cut.top, *cut.depths)):
-            _descend(walk, whole, above, z)
+            descend(walk, whole, above, z)
         walk.follow(whole)
         walk.follow(Track.line(whole.start, 0j))
         walk.up()
@@ -86,7 +86,7 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
         if number:
             walk.follow(Track.line(walk.place, helix.start))
         if hole is None:
-            _descend(walk, helix, above, z)
+            descend(walk, helix, above, z)
         else:
             if not number:
                 walk.above(helix.start)
@@ -96,15 +96,6 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
     walk.follow(Track.line(walk.place, 0.5 * walk.place))
     walk.up()
     return walk.moves
-
-
-def _descend(walk: Walk, round_: Track, top: float, bottom: float) -> None:
-    """Down along a closed track from `top` to `bottom` [mm], first from above."""
-    if not walk.moves:
-        walk.above(round_.start)
-        walk.down(top)
-    for z in descent(walk.cut, top, bottom, round_.length):
-        walk.follow(round_, z)
 
 
 def _circle(radius: float) -> Star:

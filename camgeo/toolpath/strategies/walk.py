@@ -86,13 +86,19 @@ class Walk:
         self._to(Rapid, self.place, self.heights.clearance)
 
     def follow(
-        self, track: Track, z: float | None = None, *, both: bool = False, feed: float | None = None
+        self,
+        track: Track,
+        z: float | None = None,
+        *,
+        both: bool = False,
+        air: bool = False,
+        feed: float | None = None,
     ) -> None:
         """Along `track`, descending or rising evenly to `z` [mm] if that is given.
 
         The feed is that at the contact with a wall on the side of the material, or on both sides:
         the centre is slowed on arcs around whose outside the wall lies. The plunge feed limits
-        that along Z.
+        that along Z. In `air` there is no contact, and the centre runs at the tool's feed.
 
         Raises
         ------
@@ -118,7 +124,7 @@ class Walk:
             done += length
             height = end if done >= whole - SAME else start + (end - start) * done / whole
             rate = base
-            if sweep:
+            if sweep and not air:
                 inside = both or (sweep > 0.0) == (self.free > 0)
                 rate = centre_feed(
                     base, length / abs(sweep), self.cut.contact_radius, inside=inside

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, Effort
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Heights, Move, Rapid
+from camgeo.toolpath.strategies import STRATEGIES
 from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dwell, move, translating
 
@@ -21,6 +26,9 @@ TOOL = Tool(
 )  # fmt: skip
 
 TOLERANCE = 0.001
+
+LIMIT = math.radians(50.0)
+"""Of the engagement of a cutter in the tests."""
 
 DISC = CurveBoundary(
     "outline",
@@ -36,6 +44,21 @@ def round_blank(radius: float) -> ExactBoundary:
 
 def round_hole(radius: float) -> ExactBoundary:
     return ExactBoundary("bore", hole=True, exact=Contour.circle(radius))
+
+
+def cleared(strategy: str, *walls: Boundary, **own: Any) -> AreaCut:
+    """A cut of an area, with `TOOL` and `LIMIT` unless `own` says otherwise."""
+    given = {
+        "name": "roughing", "tool": replace(TOOL, engagement=LIMIT), "top": 0.0,
+        "depths": (-4.0, -8.0), "allowance": 0.2, "stepover": 2.0, **own,
+    }  # fmt: skip
+    return AreaCut(strategy=strategy, walls=walls, **given)
+
+
+def made(cut: Cut) -> list[Move]:
+    """Its moves; a path that is followed closely has the fewest arcs."""
+    effort: Effort = "fewest" if isinstance(cut, ContourCut) else "fast"
+    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, effort)
 
 
 def require_sound(moves: list[Move], tool: Tool = TOOL) -> None:

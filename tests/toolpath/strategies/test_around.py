@@ -13,9 +13,8 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.holding import Clamp, Tabs
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
 from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.strategies import STRATEGIES
 from camgeo.toolpath.tool import ToolError
 from tests.measuring import DensePath
 from tests.toolpath.cutting import levels
@@ -26,6 +25,7 @@ from tests.toolpath.strategies.sound import (
     TOLERANCE,
     TOOL,
     descents,
+    made,
     require_sound,
     round_hole,
 )
@@ -49,10 +49,6 @@ FINISH = ContourCut(
 SLOT = replace(FINISH, name="rough", strategy="slot", depths=(-3.0, -6.0, -8.0), springs=0)
 
 TABS = Tabs(count=3, width=4.0, height=1.5)
-
-
-def made(cut: ContourCut) -> list[Move]:
-    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fewest")
 
 
 @pytest.mark.parametrize("climb", [True, False])

@@ -14,20 +14,20 @@ from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.cut import AreaCut
 from camgeo.toolpath.feeds import centre_feed
-from camgeo.toolpath.moves import ArcFeed, Move, Rapid
+from camgeo.toolpath.moves import ArcFeed, Rapid
 from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.strategies import STRATEGIES
 from camgeo.toolpath.strategies.inside import HELIX
 from tests.contour.cams import dwell, move, translating
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense
 from tests.toolpath.strategies.sound import (
     HEIGHTS,
-    TOLERANCE,
+    LIMIT,
     TOOL,
+    cleared,
     descents,
+    made,
     require_sound,
     round_hole,
 )
@@ -40,22 +40,7 @@ RING = CurveBoundary(
     ),
 )
 
-LIMIT = math.radians(50.0)
-
-CUT = AreaCut(
-    name="rough bore",
-    strategy="bore",
-    tool=replace(TOOL, engagement=LIMIT),
-    top=0.5,
-    depths=(-4.0, -8.0),
-    allowance=0.1,
-    walls=(round_hole(20.0),),
-    stepover=2.0,
-)
-
-
-def bored(cut: AreaCut) -> list[Move]:
-    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fast")
+CUT = cleared("bore", round_hole(20.0), name="rough bore", top=0.5, allowance=0.1)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +49,7 @@ def bored(cut: AreaCut) -> list[Move]:
 def test_a_hole_is_cleared(wall: Boundary) -> None:
     """No core, whatever the width; never nearer to the wall than the allowance."""
     cut = replace(CUT, walls=(wall,))
-    moves = bored(cut)
+    moves = made(cut)
     require_sound(moves)
     assert sum(isinstance(move, Rapid) for move in moves) == 3
     last = levels(moves, cut.top)[cut.bottom]
@@ -80,7 +65,7 @@ def test_a_hole_is_cleared(wall: Boundary) -> None:
 
 def test_the_way_down_is_a_helix() -> None:
     """No steeper than the tool may run, of a radius that leaves nothing in the middle."""
-    moves = bored(CUT)
+    moves = made(CUT)
     steep = [drop / way for way, drop in descents(moves) if way > 0.0]
     assert max(steep) == pytest.approx(min(steep), rel=0.5)
     assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
@@ -95,7 +80,7 @@ def test_the_way_down_is_a_helix() -> None:
 
 
 def test_engagement() -> None:
-    moves = bored(CUT)
+    moves = made(CUT)
     track = levels(moves, CUT.top)[CUT.bottom]
     # What the helix has opened before it is there already.
     turned = 2.0 * math.pi * HELIX * TOOL.radius
@@ -106,19 +91,19 @@ def test_engagement() -> None:
 
 def test_a_hole_that_is_there_saves_the_helix() -> None:
     cut = replace(CUT, cleared=(round_hole(9.0),))
-    moves = bored(cut)
+    moves = made(cut)
     require_sound(moves)
     assert all(way == 0.0 for way, _ in descents(moves))
-    assert levels(moves, cut.top)[cut.bottom].length < levels(bored(CUT), 0.5)[cut.bottom].length
+    assert levels(moves, cut.top)[cut.bottom].length < levels(made(CUT), 0.5)[cut.bottom].length
     assert min(abs(complex(*each.end[:2])) for each in moves) >= 3.5
 
 
 def test_a_hole_too_small_for_the_cutter_is_ignored() -> None:
-    assert bored(replace(CUT, cleared=(round_hole(5.2),))) == bored(CUT)
+    assert made(replace(CUT, cleared=(round_hole(5.2),))) == made(CUT)
 
 
 def test_feed_is_that_at_the_wall() -> None:
-    moves = bored(CUT)
+    moves = made(CUT)
     rounds = [move for move in moves if isinstance(move, ArcFeed) and move.end[2] == CUT.bottom]
     slowest = centre_feed(TOOL.feed, HELIX * TOOL.radius, TOOL.radius, inside=True)
     assert min(each.feed for each in rounds) >= 0.5 * slowest
@@ -130,4 +115,4 @@ def test_feed_is_that_at_the_wall() -> None:
 
 def test_a_cutter_too_large_is_refused() -> None:
     with pytest.raises(GeometryError):
-        bored(replace(CUT, walls=(round_hole(5.0),)))
+        made(replace(CUT, walls=(round_hole(5.0),)))

@@ -15,9 +15,8 @@ from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut, PointCut
-from camgeo.toolpath.moves import Feed, Move, Rapid
+from camgeo.toolpath.moves import Feed, Rapid
 from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.strategies import STRATEGIES
 from tests.contour.cams import dwell, move, translating
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense
@@ -25,6 +24,8 @@ from tests.toolpath.strategies.sound import (
     HEIGHTS,
     TOLERANCE,
     TOOL,
+    cleared,
+    made,
     require_sound,
     round_blank,
     round_hole,
@@ -47,14 +48,7 @@ FLANKS = (
 )
 """Of a groove 16 mm wide."""
 
-GROOVE = AreaCut(
-    name="rough groove", strategy="rough", tool=TOOL, top=0.0, depths=(-3.0, -6.0), allowance=0.2,
-    walls=FLANKS, stepover=2.0,
-)  # fmt: skip
-
-
-def made(cut: AreaCut | PointCut) -> list[Move]:
-    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fast")
+GROOVE = cleared("rough", *FLANKS, name="rough groove", tool=TOOL, depths=(-3.0, -6.0))
 
 
 @pytest.mark.parametrize("blank", [PLATE, round_blank(45.0)])

@@ -16,46 +16,30 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.toolpath.cut import AreaCut
-from camgeo.toolpath.moves import ArcFeed, Move, Rapid
+from camgeo.toolpath.moves import ArcFeed, Rapid
 from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.strategies import STRATEGIES
 from tests.contour.cams import curves
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense
 from tests.toolpath.strategies.sound import (
     DISC,
-    HEIGHTS,
+    LIMIT,
     TOLERANCE,
     TOOL,
+    cleared,
     descents,
+    made,
     require_sound,
     round_blank,
 )
 
-LIMIT = math.radians(50.0)
-
-CUT = AreaCut(
-    name="roughing",
-    strategy="rough",
-    tool=replace(TOOL, engagement=LIMIT),
-    top=0.0,
-    depths=(-4.0, -8.0),
-    allowance=0.2,
-    walls=(DISC,),
-    stock=round_blank(54.0),
-    stepover=2.0,
-)
-
-
-def rough(cut: AreaCut) -> list[Move]:
-    return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, "fast")
+CUT = cleared("rough", DISC, stock=round_blank(54.0))
 
 
 @pytest.mark.parametrize("climb", [True, False])
 def test_engagement_and_air(climb: bool) -> None:
     cut = replace(CUT, climb=climb)
-    moves = rough(cut)
+    moves = made(cut)
     require_sound(moves)
     found = levels(moves, 0.0)
     assert tuple(found) == cut.depths
@@ -71,7 +55,7 @@ def test_engagement_and_air(climb: bool) -> None:
 
 
 def test_one_entry_and_no_retract() -> None:
-    moves = rough(CUT)
+    moves = made(CUT)
     assert sum(isinstance(move, Rapid) for move in moves) == 3  # over the place, down, and up
     down = descents(moves)
     # Straight down beside the blank: from the retract height, and from depth to depth.
@@ -81,7 +65,7 @@ def test_one_entry_and_no_retract() -> None:
 
 
 def test_it_ends_with_a_full_round_at_the_allowance() -> None:
-    moves = rough(CUT)
+    moves = made(CUT)
     ring = DISC.polyline(1e-4).contour.vertices
     for track in levels(moves, 0.0).values():
         points = dense(track, 12)
@@ -93,7 +77,7 @@ def test_it_ends_with_a_full_round_at_the_allowance() -> None:
 
 def test_all_of_the_blank_is_swept() -> None:
     """What is left, by shapely, is the disc and its allowance, to the chords of both."""
-    moves = rough(CUT)
+    moves = made(CUT)
     ring = DISC.polyline(1e-3).contour.vertices
     disc = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
     blank = shapely.Point(0.0, 0.0).buffer(54.0, quad_segs=200)
@@ -108,7 +92,7 @@ def test_all_of_the_blank_is_swept() -> None:
 
 
 def test_few_arcs() -> None:
-    moves = rough(CUT)
+    moves = made(CUT)
     arcs = sum(isinstance(move, ArcFeed) for move in moves)
     length = sum(track.length for track in levels(moves, 0.0).values())
     assert length / arcs > 8.0  # mm
@@ -118,7 +102,7 @@ def test_a_plate_is_roughed_from_its_corners() -> None:
     corners = np.array([-56 - 60j, 56 - 60j, 56 + 60j, -56 + 60j])
     plate = ExactBoundary("stock", hole=False, exact=Contour.polygon(corners))
     cut = replace(CUT, stock=plate, depths=(-4.0,))
-    moves = rough(cut)
+    moves = made(cut)
     require_sound(moves)
     (track,) = levels(moves, 0.0).values()
     places = np.linspace(0.05, track.length - 0.05, 40)
@@ -131,7 +115,7 @@ def test_a_plate_is_roughed_from_its_corners() -> None:
 def test_without_a_limit_the_stepover_is_one() -> None:
     """Then the engagement is at most that on a straight wall at the stepover."""
     cut = replace(CUT, tool=TOOL, depths=(-4.0,))
-    (track,) = levels(rough(cut), 0.0).values()
+    (track,) = levels(made(cut), 0.0).values()
     assert cut.stock is not None
     blank = cut.stock.arcs(TOLERANCE).contour
     places = np.linspace(0.05, track.length - 0.05, 60)
@@ -141,16 +125,16 @@ def test_without_a_limit_the_stepover_is_one() -> None:
 
 def test_a_blank_without_room_is_refused() -> None:
     with pytest.raises(GeometryError, match="blank is too small: ") as caught:
-        rough(replace(CUT, stock=round_blank(48.0)))
+        made(replace(CUT, stock=round_blank(48.0)))
     assert caught.value.key == "stock"
     with pytest.raises(GeometryError, match="needs the outline of the blank"):
-        rough(replace(CUT, stock=None))
+        made(replace(CUT, stock=None))
 
 
 def test_a_blank_as_large_as_the_part() -> None:
     """Where the blank has no allowance the cutter runs in air there, and nowhere into the part."""
     cut = replace(CUT, stock=round_blank(52.0), depths=(-4.0,))
-    moves = rough(cut)
+    moves = made(cut)
     require_sound(moves)
     (track,) = levels(moves, 0.0).values()
     places = np.linspace(0.05, track.length - 0.05, 40)
@@ -171,7 +155,7 @@ def test_any_disc(curve: WorkingCurve, diameter: float, step: float) -> None:
             CUT, tool=tool, walls=(wall,), depths=(-2.0,), stock=round_blank(size + 1.0),
             stepover=step * 0.5 * diameter,
         )  # fmt: skip
-        moves = rough(cut)
+        moves = made(cut)
     except GeometryError:
         return  # no disc, or none for such a cutter
     require_sound(moves, tool)

@@ -1,0 +1,138 @@
+"""Trochoidal slots: engagement, width, walls, entries, and the bound by which loops are spaced."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.contour import Contour
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.outline.path import whole
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import Boundary
+from camgeo.toolpath.cut import AreaCut
+from camgeo.toolpath.moves import ArcFeed, Rapid
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.track import Track, chained
+from camgeo.toolpath.strategies.trochoid import NARROWEST, ahead, engaged
+from tests.contour.cams import curves
+from tests.toolpath.cutting import engagement, levels
+from tests.toolpath.strategies.sound import (
+    DISC,
+    LIMIT,
+    TOOL,
+    cleared,
+    descents,
+    made,
+    require_sound,
+)
+from tests.toolpath.strategies.test_inside import RING
+
+FULL = Contour.circle(300.0)
+"""A blank without an edge near the slot."""
+
+CUT = cleared("trochoid", DISC, slot=16.0)
+
+
+def engagements(track: Track, size: float, count: int) -> list[float]:
+    """[rad] at places behind the first round of the helix."""
+    places = np.linspace(2.0 * math.pi * size + 0.1, track.length - 0.05, count)
+    return [engagement(track, FULL, TOOL.radius, each) for each in places]
+
+
+@pytest.mark.parametrize(("wall", "climb"), [(DISC, True), (RING, False)])
+def test_engagement_keeps_its_limit(wall: Boundary, climb: bool) -> None:
+    """By crossings of the cutter with all that it has swept, independent of the spacing."""
+    moves = made(replace(CUT, walls=(wall,), climb=climb))
+    require_sound(moves)
+    track = levels(moves, 0.0)[-8.0]
+    found = engagements(track, 3.0, 31)
+    assert 0.5 * LIMIT < max(found) <= LIMIT
+
+
+def test_one_entry_by_a_helix_and_no_retract() -> None:
+    moves = made(CUT)
+    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    down = descents(moves)[1:]
+    assert sum(drop for _, drop in down) == pytest.approx(8.0)
+    assert max(drop / way for way, drop in down) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+
+
+def test_the_slot_is_swept_up_to_the_allowance() -> None:
+    """No core, no cusps along the wall, and no wider than it says."""
+    (track,) = levels(made(replace(CUT, depths=(-4.0,))), 0.0).values()
+    ring = DISC.polyline(1e-3, "fast").contour.vertices
+    apart = distances(ring, track)
+    assert np.min(apart) >= TOOL.radius + CUT.allowance - 2e-3
+    assert np.max(apart) <= TOOL.radius + CUT.allowance + 0.05
+    for off in np.linspace(CUT.allowance + 0.1, CUT.allowance + CUT.slot - 0.6, 9):
+        beside = DISC.offset(float(off)).arcs(0.01, "fast").contour.points(0.05)
+        assert np.max(distances(beside, track)) <= TOOL.radius
+    wall = Track.around(DISC.arcs(1e-3, "fast").contour)
+    widest = np.max(distances(track.vertices, wall))
+    assert widest <= CUT.allowance + CUT.slot - TOOL.radius + 1e-3
+
+
+def test_the_contact_runs_at_the_feed_and_the_way_back_faster() -> None:
+    moves = made(CUT)
+    inner = {
+        round(move.feed * (radius + TOOL.radius) / radius, 6)
+        for move in moves
+        if isinstance(move, ArcFeed) and move.ccw and move.end[2] == CUT.bottom
+        for radius in [abs(complex(*move.end[:2]) - complex(*move.centre))]
+        if radius < 3.0
+    }
+    assert min(inner) == pytest.approx(TOOL.feed)
+    assert all(each == pytest.approx(TOOL.feed) or each > 2.0 * TOOL.feed for each in inner)
+
+
+@given(size=st.floats(0.6, 4.5), limit=st.floats(0.3, 1.5), turn=st.floats(0.05, 0.95))
+@settings(max_examples=25, deadline=None)
+def test_the_bound_holds_on_a_straight_wall(size: float, limit: float, turn: float) -> None:
+    """Two loops, the second ahead by what the bound allows, at any place of it."""
+    apart = ahead(size, 5.0, limit)
+    assert engaged(size, 5.0, apart) == pytest.approx(limit, abs=2e-4)
+    first = Track.arc(0j, 1j * size, 2.0 * math.pi)
+    second = Track.arc(complex(apart), apart + 1j * size, 2.0 * math.pi)
+    way = chained((first, Track.line(0j, complex(apart)), second))
+    at = first.length + apart + turn * second.length
+    assert engagement(way, FULL, 5.0, at) <= limit + 1e-6
+
+
+@settings(max_examples=4, deadline=None)
+@given(curve=curves(), diameter=st.floats(7.0, 14.0), share=st.floats(0.15, 0.5))
+def test_any_disc(curve: WorkingCurve, diameter: float, share: float) -> None:
+    wall = CurveBoundary("outline", hole=False, path=whole(curve))
+    tool = replace(TOOL, diameter=diameter, engagement=math.radians(70.0))
+    slot = diameter * (1.0 + share)
+    cut = cleared("trochoid", wall, tool=tool, slot=slot, depths=(-2.0,), stepover=0.3 * diameter)
+    try:
+        moves = made(cut)
+    except GeometryError:
+        assume(False)  # no disc, or none for such a cutter
+    require_sound(moves, tool)
+    (track,) = levels(moves, 0.0).values()
+    ring = wall.polyline(1e-3, "fast").contour.vertices
+    apart = distances(ring, track)
+    assert np.min(apart) >= tool.radius + cut.allowance - 2e-3
+    assert np.max(apart) <= tool.radius + cut.allowance + 0.06
+    first = 2.0 * math.pi * 0.5 * (slot - diameter)
+    for place in np.linspace(first + 0.1, track.length - 0.05, 5):
+        assert engagement(track, FULL, tool.radius, place) <= math.radians(70.0)
+
+
+def test_what_leaves_no_room_is_refused() -> None:
+    def refused(cut: AreaCut) -> str | None:
+        with pytest.raises(GeometryError) as caught:
+            made(cut)
+        return caught.value.key
+
+    assert refused(replace(CUT, slot=TOOL.diameter * (1.0 + 0.5 * NARROWEST))) == "tool"
+    assert refused(replace(CUT, tool=replace(TOOL, engagement=0.01))) == "tool.engagement"
+    assert refused(replace(CUT, tool=replace(TOOL, diameter=40.0))) == "tool"
