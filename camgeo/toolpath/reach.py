@@ -21,12 +21,12 @@ from camgeo.toolpath.simulation import Run, Setup
 SHARES: Final = (0.5, 1.0)
 """Of each piece, where the cutter is judged."""
 
-SIDES: Final = np.exp(1j * np.radians([0.0, -85.0, 85.0]))
-"""Directions in which material is looked for, the first straight ahead."""
-
 RIM: Final = 1e-3
-"""Share of the radius by which the places looked at lie within the cutter; twice that within those
-that came by before count as cleared."""
+"""Share of the radius by which the places looked at lie inside the cutter ahead, and outside on its
+sides; what lies twice that inside those that came by before counts as cleared."""
+
+SIDES: Final = np.array([1.0 - RIM, -1j * (1.0 + RIM), 1j * (1.0 + RIM)])
+"""Places that are looked at, in radii, seen in the direction of the cutter."""
 
 BATCH: Final = 64
 """Places that are compared with the courses at once."""
@@ -40,7 +40,7 @@ class Depth:
     ----------
     run, move : numbers of the run, and of the move in it.
     ahead : depth of the slot that the cutter digs [mm].
-    beside : depth of the material ahead or on a side [mm].
+    beside : height of the material above the tip, ahead or on a side [mm].
     place : of the tip.
     """
 
@@ -83,7 +83,7 @@ def _of_pieces(
             low, high = float(whole.to_z[piece]), float(whole.from_z[piece])
             places.append(place)
             tips.append(high + share * (low - high))
-            around.append(place + (1.0 - RIM) * radii[piece] * along * SIDES)
+            around.append(place + radii[piece] * along * SIDES)
             numbers.append(piece)
     looked = np.concatenate(around)
     order = np.repeat(np.array(numbers), len(SIDES))
