@@ -161,6 +161,8 @@ class MilledDisc(Pickled):
         found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
         told = [each for each in self.sequence.findings if each.name not in names]
+        if low := self._low_change():
+            told.append(Finding("tool-change-height", "warning", low))
         if len(self.groups) > 1:
             tools = ", ".join(str(own[0].tool.number) for own in self.groups)
             sentence = (
@@ -168,6 +170,20 @@ class MilledDisc(Pickled):
             )
             told.append(Finding("programs", "warning", sentence))
         return (*told, *found)
+
+    def _low_change(self) -> str:
+        """That tools are changed close above the part, by nobody's wish; empty if not."""
+        from camgeo.toolpath.machine import load
+
+        spec = self.options[FORMAT]
+        machine = load(spec.machine)
+        several = any(len({cut.tool.number for cut in own}) > 1 for own in self.groups)
+        if not (several and machine.retract.is_a_height and spec.tool_change_height is None):
+            return ""
+        return (
+            f"tools are changed at the clearance height, Z {spec.clearance_height:g} mm, unless the"
+            " machine moves away by itself; output.gcode.tool_change_height states another"
+        )
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is to be watched in a program; raises UnsafeError if it must not be run."""

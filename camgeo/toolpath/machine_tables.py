@@ -192,10 +192,9 @@ class ToolChange:
 
     Attributes
     ----------
-    change : blocks, with {tool} and {speed}; none if a program cannot change tools: then each
-        has one tool, which is in the spindle with its length set.
-    length_offset : blocks that put the tool's length into force, with {tool} and {z}, the clearance
-        height; with {z} they move there.
+    change : blocks, with {tool} and {speed}; none if each tool gets a program, at the start of
+        which it is in the spindle with its length set.
+    length_offset : blocks that put its length into force; with {z} they move to that height.
     repeat : whether the tool is called at each operation, also if it is in the spindle.
     approach : "z-first": to the clearance height, then across; "xy-first": across where the retract
         has left the tool, then down to the clearance height.
@@ -216,7 +215,7 @@ class Retract:
 
     Attributes
     ----------
-    blocks : up along Z alone; with {z}, the clearance height.
+    blocks : up along Z alone; with {z}, the height of clearance or of tool changes.
     first : whether it also stands before the first tool change.
     """
 
@@ -225,17 +224,21 @@ class Retract:
 
     def __post_init__(self) -> None:
         check_fields(self, "retract.")
-        if self.first and any("{z}" in block for block in self.blocks):
+        if self.first and self.is_a_height:
             message = "must be false for a retract to {z}: before a tool change no length holds"
             raise GeometryError(message, "retract.first", "true")
+
+    @property
+    def is_a_height(self) -> bool:
+        """Whether it goes to a height over the part, not to the machine's reference."""
+        return any("{z}" in block for block in self.blocks)
 
 
 @dataclass(frozen=True, slots=True)
 class Spindle:
     """`[spindle]`: blocks that start it clockwise, with {speed}, and stop it.
 
-    `spin_up` is the dwell [s] after starting it, unless the scene states another; `whole_speed`
-    whether {speed} is rounded to a whole number.
+    `spin_up` is the dwell [s] after starting it; `whole_speed` whether {speed} is rounded to one.
     """
 
     clockwise: Annotated[tuple[str, ...], blocks_with("speed")]

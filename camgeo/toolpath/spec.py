@@ -51,6 +51,8 @@ class GcodeSpec:
     tools : name of the file with tools that the scene names; empty for none.
     clearance_height : Z of traverses between operations, above the upper face.
     retract_height : Z of traverses within an operation; None for the clearance height.
+    tool_change_height : Z at which tools are changed, the operator works and programs end, where
+        the machine's retract is a height; None for the clearance height.
     coolant : "off" or another kind that the machine has, for tools that do not state theirs.
     work_offset : its name in the machine's profile; empty for the first there.
     spin_up : dwell behind the start of the spindle [s]; None for the machine's own.
@@ -68,6 +70,7 @@ class GcodeSpec:
     tools: Text = ""
     clearance_height: Length = CLEARANCE
     retract_height: Length | None = None
+    tool_change_height: Length | None = None
     coolant: CoolantWord = "off"
     work_offset: Text = ""
     spin_up: SpinUp | None = None
@@ -84,6 +87,9 @@ class GcodeSpec:
         if self.retract_height is not None:
             key = "output.gcode.retract_height"
             number(key, self.retract_height, most=self.clearance_height, unit="mm")
+        if self.tool_change_height is not None:
+            key = "output.gcode.tool_change_height"
+            number(key, self.tool_change_height, least=self.clearance_height, unit="mm")
 
     @property
     def heights(self) -> Heights:

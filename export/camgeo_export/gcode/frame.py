@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Final
 
 from camgeo.toolpath.machine import Machine
@@ -37,6 +38,8 @@ class Setup:
     coolant : one of the machine's kinds, with tools that do not state theirs.
     spin_up : dwell behind the start of the spindle [s].
     number : of the program, on controllers that number them.
+    away : Z at which tools are changed and the operator works [mm], where the machine's retract is
+        a height; None for the clearance height.
     """
 
     name: str
@@ -45,6 +48,7 @@ class Setup:
     coolant: str
     spin_up: float
     number: int = 1
+    away: float | None = None
 
     @property
     def title(self) -> str:
@@ -81,8 +85,8 @@ class Program:
         )
         self.lines += self._commented(about)
 
-    def operation(self, operation: Operation) -> None:
-        """One operation, from its comments to its last move."""
+    def operation(self, operation: Operation, following: Operation | None) -> None:
+        """One operation, from its comments to its last move, and away if the operator comes."""
         first = self._tool is None
         comments = self._commented(about_operation(operation.cut, self.speller.grid))
         self.lines += () if first else comments
@@ -100,13 +104,15 @@ class Program:
                 self.speller.move(move)
         self.lines += self.speller.take()
         if self._plain_retract:  # while the tool's length is in force
-            self._retract()
+            other = following is None or following.tool.number != operation.tool.number
+            leaves = other or (following is not None and bool(following.cut.stop))
+            self._retract(self._away if leaves else self.height)
 
     def end(self) -> None:
         """Away from the part, everything off."""
         machine = self.machine
         self._dry()
-        self._retract()
+        self._retract(self._away)
         self.lines += machine.spindle.off
         self.lines += machine.smoothing.end if machine.smoothing else ()
         unit = machine.unit.of(self.setup.unit)
@@ -125,8 +131,8 @@ class Program:
         blocks = filled(machine.program.safe_start, unit=unit, work_offset=offset)
         self.lines += [block for block in blocks if block]
         self.lines += self._smoothing()
-        if before is not None or machine.retract.first:
-            self._retract()
+        if (before is not None and not self._plain_retract) or machine.retract.first:
+            self._retract(self.height)
         other = before is not None and before.number != tool.number
         if before is not None and (other or halting or machine.tool_change.repeat):
             self.lines += machine.spindle.off
@@ -188,7 +194,7 @@ class Program:
         at = self.speller.place
         self.lines += self.speller.take()
         self._dry()
-        self._retract()
+        self._retract(self._away)
         self.lines += self.machine.spindle.off
         self._wait(stop)
         if not self._moving_offset:
@@ -200,14 +206,13 @@ class Program:
         self.lines += (*self._commented([stop.note]), *self.machine.program.stop)
         self.speller.restart()
 
-    def _retract(self) -> None:
-        """Up to the machine's retract, or to the clearance height if it is not there."""
-        if self._plain_retract and self.speller.at_height(self.height):
+    def _retract(self, z: float) -> None:
+        """Up to the machine's retract, or to the height `z` [mm] if it is not there."""
+        if self._plain_retract and self.speller.at_height(z):
             return
-        height = self.speller.height(self.height)
-        self.lines += filled(self.machine.retract.blocks, z=height)
+        self.lines += filled(self.machine.retract.blocks, z=self.speller.height(z))
         if self._plain_retract:
-            self.speller.reached(self.height)
+            self.speller.reached(z)
         else:
             self.speller.forget()
 
@@ -217,9 +222,14 @@ class Program:
         self._wet = False
 
     @property
+    def _away(self) -> float:
+        """Z [mm] at which tools are changed and the operator works."""
+        return self.height if self.setup.away is None else self.setup.away
+
+    @property
     def _plain_retract(self) -> bool:
-        """Whether the machine's retract is the clearance height."""
-        return any("{z}" in block for block in self.machine.retract.blocks)
+        """Whether the machine's retract is a height above the part."""
+        return self.machine.retract.is_a_height
 
     @property
     def _moving_offset(self) -> bool:
@@ -254,8 +264,9 @@ def written(
     """The program of a toolpath; `about` are the comments on the whole of it."""
     program = Program(machine, shares, setup, toolpath.safe_height)
     program.start(about)
-    for operation in toolpath.operations:
-        program.operation(operation)
+    operations = toolpath.operations
+    for operation, following in zip_longest(operations, operations[1:]):
+        program.operation(operation, following)
     program.end()
     return program
 

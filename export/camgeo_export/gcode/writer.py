@@ -102,7 +102,8 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
     number = spec.program_number + product.position + 2 * (product.program or 0)
-    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number)
+    away = spec.tool_change_height
+    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number, away)
 
 
 def _short(length: float) -> float:
@@ -115,7 +116,7 @@ def _check_tools(cuts: list[Cut], machine: Machine) -> None:
     if len(tools) > 1 and not machine.tool_change.change:
         named = " and ".join(map(str, tools))
         message = f"a program cannot change tools there, but tools {named} are needed"
-        allowed = "write `programs`, one for each of them"
+        allowed = "write one for each of them, or use a profile with tool_change.change"
         raise SceneError([Fault(KEY, repr(machine.name), f"{message}: {allowed}")])
 
 

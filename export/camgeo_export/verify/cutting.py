@@ -38,7 +38,8 @@ def cutting_checks(
 ) -> list[Check]:
     """All checks of one of our programs that its closed paths do not show."""
     cuts = product.milled.cuts
-    checks = [_heights(program, heights), _comments(product, program, stated, machine)]
+    away = product.options[FORMAT].tool_change_height
+    checks = [_heights(program, heights, away), _comments(product, program, stated, machine)]
     checks += [_cutters(cuts, stated), _work_offset(product, program, machine)]
     for cut in cuts:
         own = [move for move in program.moves if move.operation == cut.name]
@@ -47,10 +48,13 @@ def cutting_checks(
     return checks
 
 
-def _heights(program: Run, heights: Heights) -> Check:
-    """All traverses are at the clearance or the retract height, or lead there."""
+def _heights(program: Run, heights: Heights, away: float | None) -> Check:
+    """All traverses are at the clearance or the retract height, or that of tool changes, or lead
+    there.
+    """
+    known = (heights.clearance, heights.retract, *(() if away is None else (away,)))
     for move in program.moves:
-        off = min(abs(move.z_end - each) for each in (heights.clearance, heights.retract))
+        off = min(abs(move.z_end - each) for each in known)
         high = off <= program.step or move.z_end == math.inf
         if move.kind == "rapid" and not high:
             note = (
