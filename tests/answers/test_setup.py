@@ -82,6 +82,9 @@ def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
     assert noted
     assert all(f"{each.name}: {each.note}" in lines for each in noted)
     assert any(f"{found.tools[0].name}, end mill" in each for each in lines)
+    assert "traverses at Z 20 between operations, at Z 12 within them" in lines
+    assert "clamp at 0, -40 mm, top at Z 10, until rough outline" in found.holding
+    assert "clamp at 0, 0 mm, top at Z 10, from rough outline on" in found.holding
     told = ("a skin of 0.3 mm is left below the part, to be removed by hand",)
     found = replace(found, told=told)
     assert told[0] in text(found)

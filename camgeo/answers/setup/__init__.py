@@ -12,10 +12,10 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
-from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Holding
+from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Clamp, Holding
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import OperationTime, times_on
-from camgeo.toolpath.moves import Operation, Stop, Toolpath
+from camgeo.toolpath.moves import Heights, Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
@@ -77,7 +77,7 @@ class SetupSheet(Answer):
     scene : whose main disc is milled.
     machine : the controller.
     work_offset : as the scene states it; empty for the machine's first.
-    blank, holding, zero : in words; lengths in mm.
+    blank, holding, zero, traverses : in words; lengths in mm.
     tools : each once, in the order in which they are called.
     steps : the operations.
     told : of the sequence, a sentence each: what is not milled, and what is left to be done.
@@ -92,6 +92,7 @@ class SetupSheet(Answer):
     blank: str
     holding: str
     zero: str
+    traverses: str
     tools: tuple[Tool, ...]
     steps: tuple[Step, ...]
     told: tuple[str, ...]
@@ -132,6 +133,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         _blank(spec.stock, part.layers[-1].z1 - part.layers[0].z0),
         _holding(spec.holding),
         ZERO,
+        _traverses(options.heights),
         _tools(toolpath),
         _steps(toolpath, times_on(machine, toolpath, tolerance)),
         (*told, *_programs(design, machine)),
@@ -188,7 +190,21 @@ def _holding(holding: Holding | None) -> str:
         CLAMPS: "clamps",
         SCREWS: "screws",
     }[holding.kind]
-    clamps = [each.obstacle for each in holding.clamps]
-    places = "; ".join(f"{each.name}, top at Z {each.top:g}" for each in clamps)
+    places = "; ".join(map(_clamp, holding.clamps))
     through = f"; cuts go {holding.through:g} mm below the part" if holding.through else ""
     return f"{words}{': ' if places else ''}{places}{through}"
+
+
+def _clamp(clamp: Clamp) -> str:
+    """Where it stands, and when."""
+    body = clamp.obstacle
+    since = f", from {clamp.since} on" if clamp.since else ""
+    until = f", until {clamp.until}" if clamp.until else ""
+    return f"{body.name}, top at Z {body.top:g}{since}{until}"
+
+
+def _traverses(heights: Heights) -> str:
+    """Their heights in words."""
+    if heights.retract == heights.clearance:
+        return f"at Z {heights.clearance:g}"
+    return f"at Z {heights.clearance:g} between operations, at Z {heights.retract:g} within them"

@@ -92,6 +92,7 @@ def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
         ("zero", answer.zero),
         ("offset", answer.work_offset),
         ("held", answer.holding),
+        ("traverses", answer.traverses),
     ]
     if answer.seconds is not None:
         found.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
