@@ -13,8 +13,8 @@ from typing import Final
 
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import bad, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
-from tests.judges.files import Given, files, scenes
+from tests.judges import bad, chromium, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges.files import Given, files, scenes, sheets
 from tests.judges.paths import Leg, difference
 from tests.judges.programs import SIX, milled_scenes, programs, random_program, workshop
 
@@ -84,6 +84,15 @@ def read(judge: Callable[[Given], float], kinds: dict[str, str], extent: Extent)
     return ", ".join(told)
 
 
+def shown(extent: Extent) -> str:
+    """What becomes of the setup sheets."""
+    with tempfile.TemporaryDirectory() as name:
+        pages = [*sheets(Path(name), extent.milled)]
+        for page in pages:
+            chromium.judge(page)
+    return f"{len(pages)} setup sheets shown"
+
+
 SIZE, VOLUME = " mm of their size", " of their volume"
 
 JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]] = (
@@ -102,6 +111,7 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
     ("LibreCAD", librecad.missing, partial(read, librecad.judge, {"dxf": SIZE})),
     ("PrusaSlicer", prusa.missing, partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME})),
     ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
+    ("Chromium", chromium.missing, shown),
 )
 """Name, why it is absent, and what it judges."""
 

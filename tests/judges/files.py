@@ -1,9 +1,10 @@
-"""Drawings and bodies of the fixture scenes, for judges that are programs of others."""
+"""Drawings, bodies and setup sheets of the fixture scenes, for programs of others to judge."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -12,11 +13,12 @@ from ezdxf import bbox
 from ezdxf.filemanagement import read
 
 import camgeo
+from camgeo.cli.main import main
 from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from tests.judges.programs import FIXTURES, TOLERANCE
+from tests.judges.programs import FIXTURES, JOBS, TOLERANCE
 
 WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF}
 
@@ -59,6 +61,18 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
                 yield Given(path, size=_size(written.data))
             else:
                 yield Given(path, volume=float(str(written.facts["volume_mm3"])))
+
+
+def sheets(into: Path, names: list[str]) -> Iterator[Path]:
+    """The pages of setup sheets of scenes."""
+    for name in names:
+        (scene,) = (
+            path for path in (FIXTURES / f"{name}.toml", JOBS / f"{name}.toml") if path.exists()
+        )
+        page = into / f"{name}.html"
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            main(["setup", str(scene), "-o", str(page)])
+        yield page
 
 
 def _size(data: bytes) -> tuple[float, float]:

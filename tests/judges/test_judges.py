@@ -14,9 +14,9 @@ import pytest
 
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import bad, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges import bad, chromium, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
 from tests.judges.__main__ import JUDGES, main
-from tests.judges.files import Given, files, scenes
+from tests.judges.files import Given, files, scenes, sheets
 from tests.judges.paths import difference
 from tests.judges.programs import (
     SIX,
@@ -35,6 +35,7 @@ NEAR = 1e-4
 linuxcnc = pytest.mark.skipif(bool(rs274.absent()), reason=rs274.absent() or "is there")
 grbl_parser = pytest.mark.skipif(bool(grbl.absent()), reason=grbl.absent() or "is there")
 slicer = pytest.mark.skipif(bool(prusa.missing()), reason=prusa.missing() or "is there")
+browser = pytest.mark.skipif(bool(chromium.missing()), reason=chromium.missing() or "is there")
 suite = pytest.mark.skipif(bool(bad.absent()), reason=bad.absent() or "is there")
 
 
@@ -154,6 +155,38 @@ def test_a_slicer_refuses_an_open_body(tmp_path: Path) -> None:
     given.path.write_bytes(data[:80] + count.to_bytes(4, "little") + data[84:-50])
     with pytest.raises(Refusal, match="is not one closed body"):
         prusa.judge(given)
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    (page,) = sheets(tmp_path_factory.mktemp("sheet"), [SIX[0]])
+    return page
+
+
+@browser
+def test_a_browser_shows_a_setup_sheet(sheet: Path) -> None:
+    chromium.judge(sheet)
+
+
+@browser
+def test_a_browser_refuses_a_sheet_that_is_wrong(sheet: Path, tmp_path: Path) -> None:
+    text = sheet.read_text("utf-8")
+    for good, changed in (
+        ("<!DOCTYPE html>", ""),
+        ("<h2>Tools", "<h2></h2><h2>Tools"),
+        ("<figure>", '<figure style="width: 90em">'),
+        ("</style>", "svg { width: 20px }</style>"),
+        ('viewBox="0 0', 'viewBox="100 0'),
+        ("</body>", "<img src='https://camgeo.invalid/a.png'></body>"),
+    ):
+        assert good in text
+        text = text.replace(good, changed, 1)
+    wrong = tmp_path / "wrong.html"
+    wrong.write_text(text, "utf-8")
+    with pytest.raises(Refusal) as refused:
+        chromium.judge(wrong)
+    for fault in (*chromium.FAULTS, "Content Security Policy"):
+        assert fault in str(refused.value)
 
 
 def test_the_size_of_what_is_stroked_is_read_from_a_page() -> None:

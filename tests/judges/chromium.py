@@ -1,0 +1,74 @@
+"""Chromium shows setup sheets: without a complaint, with all that is drawn on the page."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+from tests.judges.programs_of_others import Refusal, absent, found, run
+
+VARIABLE: Final = "CAMGEO_CHROMIUM"
+NAMES: Final = ("chromium", "chromium-browser", "google-chrome")
+
+WIDTH, HEIGHT = 1000, 1400
+"""Of its window [CSS px]: an upright sheet of paper."""
+
+PROBE: Final = """<script>
+const box = (e) => e.getBoundingClientRect();
+const picture = box(document.querySelector("svg"));
+document.body.dataset.camgeo = JSON.stringify({
+  mode: document.compatMode,
+  width: document.documentElement.scrollWidth,
+  picture: [picture.width, picture.height],
+  empty: [...document.querySelectorAll("h1, h2, dt, dd, li, p, th:not(:empty)")].filter(
+    (e) => !e.innerText.trim() || !box(e).width).length,
+  outside: [...document.querySelectorAll("svg text, svg g[id^=text]")].map(box).filter((b) =>
+    b.left < picture.left - 1 || b.right > picture.right + 1 ||
+    b.top < picture.top - 1 || b.bottom > picture.bottom + 1).length,
+});
+</script>"""
+"""Measures the page where it is shown; the page itself allows no script."""
+
+POLICY: Final = "default-src 'none'"
+
+
+FAULTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
+    "it is not shown by the standard": lambda shown: shown["mode"] != "CSS1Compat",
+    "it is wider than the window": lambda shown: shown["width"] > WIDTH,
+    "its picture is too small": lambda shown: min(shown["picture"]) < 0.2 * WIDTH,
+    "a heading, an entry or a paragraph is empty": lambda shown: shown["empty"] > 0,
+    "words of its picture are cut off": lambda shown: shown["outside"] > 0,
+}
+"""What may be wrong with what the probe has measured."""
+
+
+def missing() -> str:
+    """Why it cannot judge here; empty if it can."""
+    return absent(VARIABLE, *NAMES)
+
+
+def judge(page: Path) -> None:
+    """Refusal if it finds fault with a setup sheet."""
+    text = page.read_text("utf-8")
+    if POLICY not in text:
+        raise Refusal(f"{page.name} may load what it likes")
+    text = text.replace(POLICY, f"{POLICY}; script-src 'unsafe-inline'")
+    with TemporaryDirectory() as name:
+        copy = Path(name, "page.html")
+        copy.write_text(text.replace("</body>", f"{PROBE}</body>"), "utf-8")
+        call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
+        call += [f"--user-data-dir={name}/profile", "--enable-logging=stderr", "--dump-dom"]
+        said = run([*call, f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()], Path(name))
+    measured = re.search(r'data-camgeo="([^"]*)"', said)
+    if measured is None:
+        raise Refusal(f"{page.name} is not shown: {said[-300:].strip()}")
+    shown = json.loads(html.unescape(measured[1]))
+    faults = re.findall(r":CONSOLE[:(]\d+\)?\] (.*)", said)
+    faults += [fault for fault, is_there in FAULTS.items() if is_there(shown)]
+    if faults:
+        raise Refusal(f"{page.name}: {'; '.join(faults)}: {shown}")
