@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
+from camgeo.toolpath.fitting import tightest
 from camgeo.toolpath.making import (
     clear_area,
     depths_of,
@@ -124,6 +126,24 @@ class _Stated:
         if reason:
             raise GeometryError(reason, f"{self.key}.tool", f"{self.tool.number}")
 
+    def _require_reach(self, wall: Wall) -> None:
+        """GeometryError unless the tool reaches all of the wall, its allowance left on it."""
+        self._require(self.bench.unfit(wall, top=self.top)(self.tool))
+        allowance, radius = self.spec.allowance, self.tool.radius
+        if not allowance:
+            return
+        place = tightest(wall.boundary)
+        most, reason = math.inf, ""
+        if place is not None:
+            most, reason = place.radius - radius, place.sentence
+        if wall.boundary.name in FLANKS:
+            across = 2.0 * (abs(flank_curve(wall).distance) - radius)
+            if across < most:
+                most, reason = across, "more would cut into the flank across the groove"
+        if allowance >= most:
+            message = f"must be less than {most:.4g} mm with tool {self.tool.number}: {reason}"
+            raise GeometryError(message, f"{self.key}.allowance", f"{allowance:g}")
+
     def _face(self) -> Cut:
         if not self.top or self.bench.milling.stock.outline is None:
             message = "there is nothing to face: the blank is not higher than the part"
@@ -144,7 +164,7 @@ class _Stated:
 
     def _bore(self) -> Cut:
         wall = self._wall("bore")
-        self._require(self.bench.unfit(wall, top=self.top)(self.tool))
+        self._require_reach(wall)
         walls = (wall.boundary,)
         bottom, allowance = self.bench.bottom(wall), self.spec.allowance
         return clear_area(
@@ -153,7 +173,7 @@ class _Stated:
 
     def _rough(self, wall: Wall) -> Cut:
         boundary, bench, tool = wall.boundary, self.bench, self.tool
-        self._require(bench.unfit(wall, top=self.top)(tool))
+        self._require_reach(wall)
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
         if self.spec.strategy == TROCHOIDAL:
@@ -175,7 +195,7 @@ class _Stated:
     def _finish(self, wall: Wall) -> Cut:
         """At full depth if the wall is roughed that deep, else in passes that enter on the path."""
         boundary, bench, tool = wall.boundary, self.bench, self.tool
-        self._require(bench.unfit(wall, top=self.top)(tool))
+        self._require_reach(wall)
         bottom = bench.bottom(wall)
         room = self._room(wall, bottom)
         cleared = room is not None

@@ -156,6 +156,18 @@ def test_the_edge_of_a_bore_with_a_keyway_is_round() -> None:
         (spec("slot"), GROOVE, "not as wide as the groove, 16 mm", "tool"),
         (spec("chamfer", "outline", 3, size=4.9), INNER, "does not cover 4.9 mm", "tool"),
         (
+            spec("rough", "outer flank", allowance=4.0),
+            GROOVE,
+            r"less than 4 mm with tool 1: more would cut into the flank across the groove",
+            "allowance",
+        ),
+        (
+            spec("bore", allowance=7.0),
+            INNER,
+            r"less than 6\.5 mm with tool 1: its smallest concave radius is 12\.5 mm",
+            "allowance",
+        ),
+        (
             spec("chamfer", "outer flank", 5, size=1.5),
             GROOVE,
             r"point, 6.203 mm deep, reaches the floor at Z -6",

@@ -87,8 +87,9 @@ def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
     size = 0.5 * cut.slot - radius - SPENT * fine
     if size < NARROWEST * radius:
         raise GeometryError(
-            f"the cutter is too large for loops in a slot of {cut.slot:.4g} mm", "tool",
-            f"{cut.tool.diameter:g}",
+            f"the cutter is too large for loops in a slot of {cut.slot:.4g} mm; the largest that"
+            f" fits has {_hundredths((cut.slot - 2.0 * SPENT * fine) / (1.0 + NARROWEST)):g} mm",
+            "tool", f"{cut.tool.diameter:g}",
         )  # fmt: skip
     whole, hollow = size, path.radii[path.sweeps * free > 0.0]
     size = min(size, HOLLOW * float(np.min(hollow, initial=np.inf)))
@@ -98,6 +99,11 @@ def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
             f"{cut.tool.diameter:g}",
         )  # fmt: skip
     return size
+
+
+def _hundredths(diameter: float) -> float:
+    """The diameter [mm] in whole hundredths, no larger."""
+    return math.floor(100.0 * diameter) / 100.0
 
 
 def _circle(path: Track, place: float, free: int, size: float) -> Track:
