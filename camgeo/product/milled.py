@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from camgeo.product.drawn import DrawnDisc
     from camgeo.scene.scene import Scene
     from camgeo.toolpath.cut import ContourCut, Cut
+    from camgeo.toolpath.engaged import Engaged
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
@@ -151,6 +152,14 @@ class MilledDisc(Pickled):
         part, spec = self.drawn.part, self.spec
         assert spec is not None  # for there is a program
         return self.ledger.run("simulation", lambda: flaws_of(toolpath, part, spec, tolerance))
+
+    def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
+        """How the cutter is engaged in each roughing operation of a program."""
+        from camgeo.toolpath.engaged import engaged_of
+
+        part, spec = self.drawn.part, self.spec
+        assert spec is not None  # for there is a program
+        return self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is told of the sequence and its programs, and what their simulation finds: "broken"

@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.toolpath.course import Course, course_of
-from camgeo.toolpath.engagement import Cutting
+from camgeo.toolpath.engagement import Cutting, cleared_by
 from camgeo.toolpath.moves import Operation, Rapid, Stop, Toolpath
 
 Kind = Literal["cut", "air", "entry", "rapid"]
@@ -70,7 +70,7 @@ def plotted(
         cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
         traces = [*_feeds(cutting, fineness), *_rapids(operation)]
         found.append(Plotted(operation, tuple(traces)))
-        cleared.append((course, radius))
+        cleared.append(cleared_by(operation))
     return tuple(found)
 
 

@@ -71,6 +71,14 @@ class Course:
         return np.minimum(self.from_z, self.to_z)
 
     @property
+    def cleared(self) -> FloatArray:
+        """(n,) Z [mm] down to which all of a piece has been run: that of its higher end, and of a
+        move along Z that of its lower one.
+        """
+        upright = (self.starts == self.ends) & (self.sweeps == 0.0)
+        return np.where(upright, self.lowest, self.highest)
+
+    @property
     def radii(self) -> FloatArray:
         """(n,) [mm] of arcs; 0 for lines."""
         return radii_of(self.starts, self.sweeps, self.centres)

@@ -18,14 +18,24 @@ air are refined by bisection.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, taken
-from camgeo.toolpath.course import Course, boundary_of, crossings, distances, inside, near
+from camgeo.toolpath.course import (
+    Course,
+    boundary_of,
+    course_of,
+    crossings,
+    distances,
+    inside,
+    near,
+)
+from camgeo.toolpath.moves import Operation
+from camgeo.toolpath.tool import END_MILL
 
 ROUNDING: Final = 1e-10
 """Share of the radius by which a point must be within reach to be passed over: the edge of the
@@ -93,6 +103,17 @@ class Engagement:
         total = np.cumsum(self.weights[order])
         place = int(np.searchsorted(total, share * total[-1]))
         return float(self.angles[order][min(place, len(order) - 1)])
+
+
+def cleared_by(operation: Operation) -> tuple[Course, float]:
+    """What an operation sweeps at the full radius [mm] of its tool, for those that follow it: the
+    point of a drill or a chamfer mill is left out.
+    """
+    course, tool = course_of(operation.moves), operation.tool
+    if tool.kind != END_MILL:
+        point = tool.tip_length
+        course = replace(course, from_z=course.from_z + point, to_z=course.to_z + point)
+    return course, tool.radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +202,7 @@ class _Judge:
         place, way = course.at(piece, share)
         swept = [(self._before(piece, share, place, level), radius)]
         for other, size in cutting.cleared:
-            low = other.highest <= level + LEVEL
+            low = other.cleared <= level + LEVEL
             swept.append((taken(other, low & near(other, place, radius + size)), size))
         edges = [crossings(self.boundary, place, radius, 0.0)]
         edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
@@ -203,7 +224,7 @@ class _Judge:
         """What the cutter has run before, as low as here, and near enough to matter."""
         course = self.cutting.course
         earlier = slice(0, piece + 1)
-        low = course.highest[earlier] <= level + LEVEL
+        low = course.cleared[earlier] <= level + LEVEL
         low[-1] = True  # its own way down a ramp
         close = near(taken(course, earlier), place, 2.0 * self.cutting.radius)
         close[-1] = share > 0.0

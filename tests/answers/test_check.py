@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from camgeo.answers.check import Check, check
 from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
+from camgeo.toolpath.engaged import engagement_findings
 from camgeo.wording import clock
 from tests.answers.documents import FIXTURES, RING, SCENES, UNHELD, document, explained
 
@@ -190,6 +192,28 @@ def test_a_program_that_must_not_be_run_is_broken() -> None:
     assert "a core of" in line
     assert "nothing holds it" in line
     assert found.exit_code == 1
+
+
+def test_the_engagement_of_what_clears_a_bore() -> None:
+    """A bore of 24 mm is cleared by a cutter of 10; with a tighter limit the path is as it was."""
+    source = FIXTURES / "scenes" / "conjugate_lever.toml"
+    scene = load_scene(source).with_values({"stock.bore": 2.0, "tool[1].stepover": 2.0})
+    found = check(Design(scene))
+    assert found.machining is not None
+    for (name, program), reported in zip(
+        found.machining.programs.items(),
+        document(found)["machining"]["programs"].values(),
+        strict=True,
+    ):
+        (bore,) = program.roughing
+        assert bore.operation == "rough bore"
+        assert bore.largest <= bore.limit
+        assert reported["roughing"][0]["largest_deg"] == pytest.approx(math.degrees(bore.largest))
+        assert f"rough bore: {bore.sentence}" in text(found), name
+        assert list(engagement_findings([bore])) == []
+        (steep,) = engagement_findings([replace(bore, limit=0.5 * bore.largest)])
+        assert steep.severity == "warning"
+        assert steep.value == pytest.approx(math.degrees(bore.largest))
 
 
 def test_no_machining_without_a_tool_or_without_a_disc() -> None:

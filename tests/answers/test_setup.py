@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -16,6 +17,7 @@ from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.scene.load import load_scene
+from camgeo.toolpath.engaged import Engaged
 from camgeo.toolpath.stages import Flaw
 from tests.answers.documents import FIXTURES, document
 
@@ -91,6 +93,17 @@ def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
     shown = html(found, "<svg></svg>")
     assert all(each in shown for each in (second.stops[0], noted[0].note, *told))
     assert setup_sheet(Design(load_scene(scene.parent / "onion_skin.toml"))).told == told
+
+
+def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -> None:
+    found = Engaged("bore", 100.0, 0.071, 0.8, 0.9, 0.95, 1j)
+    steps = (replace(sheet.steps[0], engaged=found), *sheet.steps[1:])
+    changed = replace(sheet, steps=steps)
+    assert f"{steps[0].name}: 7 % of its length in air, the cutter engaged over" in text(changed)
+    first, *others = (each["engagement"] for each in document(changed)["operations"])
+    assert first["air"] == 0.071
+    assert first["largest_deg"] == pytest.approx(math.degrees(0.9))
+    assert others == [None] * len(others)
 
 
 def test_texts_of_the_page_are_escaped(sheet: SetupSheet) -> None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from camgeo.outline.path import Path, Pivot
     from camgeo.product.product import Product
     from camgeo.scene.scene import Scene
+    from camgeo.toolpath.engaged import Engaged
     from camgeo.toolpath.machine import Machine
     from camgeo.toolpath.machining_time import OperationTime
 
@@ -68,11 +69,13 @@ class Program:
     operations : the time of each; None if the machine's dynamics are not known, or if there is no
         program.
     faults : of the scene, if it cannot be planned.
+    roughing : how the cutter is engaged in operations that clear an area.
     """
 
     findings: tuple[Finding, ...]
     operations: tuple[OperationTime, ...] | None = None
     faults: tuple[Fault, ...] = ()
+    roughing: tuple[Engaged, ...] = ()
 
     @property
     def seconds(self) -> float | None:
@@ -183,6 +186,7 @@ def _machining(design: Design) -> Machining:
 def _program(disc: Product, machine: Machine) -> Program:
     """The program of one disc at the scene's tolerance, judged."""
     from camgeo.formats.gcode import FORMAT
+    from camgeo.toolpath.engaged import engagement_findings
     from camgeo.toolpath.machining_time import times_on
 
     output, milled = disc.scene.output, disc.milled
@@ -193,6 +197,7 @@ def _program(disc: Product, machine: Machine) -> Program:
         toolpath = milled.toolpath(output.tolerance)
         found = milled.findings(toolpath, output.tolerance)
         times = times_on(machine, toolpath, output.tolerance)
+        roughing = milled.engaged(toolpath)
     except SceneError as error:
         where = f"{error.file}: " if error.file else ""
         return Program(
@@ -201,7 +206,8 @@ def _program(disc: Product, machine: Machine) -> Program:
         )
     except (ToleranceError, FileError, UndercutError) as error:
         return Program((Finding(MILLING, "invalid", str(error)),))
-    return Program(found, None if times is None else tuple(times))
+    found += tuple(engagement_findings(roughing))
+    return Program(found, None if times is None else tuple(times), roughing=roughing)
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

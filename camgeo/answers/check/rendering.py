@@ -39,6 +39,7 @@ def _machining(found: Machining) -> list[str]:
         head = f"milling of {name}:" if several else "milling:"
         told = finding_lines(program.findings)
         lines += ["", head, *told] if told else ["", f"{head} simulated, nothing found"]
+        lines += [f"{'':8}{each.operation}: {each.sentence}" for each in program.roughing]
     timed = {name: each for name, each in found.programs.items() if each.operations is not None}
     if not timed:
         return lines

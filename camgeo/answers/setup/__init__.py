@@ -12,6 +12,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
+from camgeo.toolpath.engaged import Engaged
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Clamp, Holding
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import OperationTime, times_on
@@ -32,10 +33,12 @@ class Step:
     ----------
     operation : that is run.
     seconds : its machining time; None where the machine's dynamics are not known.
+    engaged : how its cutter is engaged, if it clears an area.
     """
 
     operation: Operation
     seconds: float | None
+    engaged: Engaged | None = None
 
     @property
     def name(self) -> str:
@@ -135,15 +138,20 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         ZERO,
         _traverses(options.heights),
         _tools(toolpath),
-        _steps(toolpath, times_on(machine, toolpath, tolerance)),
+        _steps(toolpath, times_on(machine, toolpath, tolerance), milled.engaged(toolpath)),
         (*told, *_programs(design, machine)),
         milled.flaws(toolpath, tolerance),
     )
 
 
-def _steps(toolpath: Toolpath, times: Sequence[OperationTime] | None) -> tuple[Step, ...]:
-    seconds = [None] * len(toolpath.operations) if times is None else [t.seconds for t in times]
-    return tuple(map(Step, toolpath.operations, seconds))
+def _steps(
+    toolpath: Toolpath, times: Sequence[OperationTime] | None, found: Sequence[Engaged]
+) -> tuple[Step, ...]:
+    seconds = {} if times is None else {each.name: each.seconds for each in times}
+    engaged = {each.operation: each for each in found}
+    return tuple(
+        Step(each, seconds.get(each.name), engaged.get(each.name)) for each in toolpath.operations
+    )
 
 
 def _programs(design: Design, machine: Machine) -> Iterator[str]:

@@ -110,6 +110,8 @@ def _remarks(answer: SetupSheet) -> Iterator[str]:
         yield from (f"stop before {step.name}: {note}" for note in step.stops)
         if step.note:
             yield f"{step.name}: {step.note}"
+        if step.engaged is not None:
+            yield f"{step.name}: {step.engaged.sentence}"
     yield from answer.told
 
 
