@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import camgeo
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.look_ahead import Dynamics, block_times
+from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import blocks_of
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid
 
@@ -40,11 +43,17 @@ def run(*moves: Move) -> FloatArray:
 
 def judged(*moves: Move) -> FloatArray:
     """Seconds of each block by Grbl's planner."""
-    lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}", "0 0 0 0"]
-    for move in moves:
-        assert isinstance(move, Rapid | Feed)
-        feed = move.feed if isinstance(move, Feed) else 0.0
-        lines.append(" ".join(map(repr, (*move.end, feed))))
+    return planned(blocks_of(moves, START), START)
+
+
+def planned(blocks: Blocks, start: Point) -> FloatArray:
+    """Seconds of each line by Grbl's planner."""
+    lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}"]
+    lines.append(" ".join(map(repr, (*start, 0))))
+    ends = np.array(start) + np.cumsum(blocks.lengths[:, None] * blocks.starts, axis=0)
+    feeds = np.where(np.isinf(blocks.feeds), 0.0, SECONDS * blocks.feeds)
+    for end, feed in zip(ends.tolist(), feeds.tolist(), strict=True):
+        lines.append(" ".join(map(repr, (*end, feed))))
     done = subprocess.run([PLANNER], input="\n".join(lines), text=True, capture_output=True)
     return np.array([float(line) for line in done.stdout.split()])
 
@@ -95,3 +104,19 @@ def test_each_block_takes_as_long_in_grbls_planner(name: str) -> None:
     own, other = run(*moves), judged(*moves)
     assert np.max(np.abs(own - other)) < FLOAT * np.max(own) + PLACES
     assert np.sum(other) == pytest.approx(seconds, rel=FLOAT)
+
+
+@pytest.mark.skipif(not PLANNER, reason="CAMGEO_GRBL_PLANNER names no build of Grbl's planner")
+@pytest.mark.parametrize("name", ["setzhub", "groove", "inch"])
+def test_each_operation_of_a_program_takes_as_long(name: str) -> None:
+    """Its arcs in the chords that Grbl makes of them."""
+    chord, dynamics = load("grbl").arcs.interpolation, load("grbl").dynamics
+    assert dynamics == MACHINE
+    design = camgeo.load(Path(__file__).parents[2] / "fixtures" / "scenes" / f"{name}.toml")
+    for operation in design.disc.milled.toolpath(0.01).operations:
+        first, *moves = operation.travel
+        blocks = blocks_of(moves, first.end, chord=chord)
+        own, other = block_times(blocks, MACHINE)[0], planned(blocks, first.end)
+        places = 8e-6 / np.min(blocks.feeds)  # as PLACES, at its plunge feed
+        assert np.max(np.abs(own - other)) < FLOAT * np.max(own) + places
+        assert np.sum(other) == pytest.approx(np.sum(own), rel=FLOAT)
