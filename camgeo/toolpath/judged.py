@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -10,14 +11,14 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Part
-from camgeo.toolpath.course import course_of
+from camgeo.toolpath.course import boundary_of, course_of
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
-from camgeo.toolpath.simulation import Run, Setup
+from camgeo.toolpath.simulation import Chamfer, Run, Setup
 from camgeo.toolpath.stages import Body
 from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import DRILL, END_MILL, Tool
+from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, Tool
 
 RIM: Final = 1.0
 """Width [mm] of the strip along the outline of a blank by which waste is taken to be held."""
@@ -52,7 +53,8 @@ def run_with(
         name,
         moves,
         tool.radius,
-        0.0 if tool.kind == END_MILL else tool.tip_length,
+        tool.tip_length,
+        tool.tip_angle is None,
         tool.plunges or tool.kind == DRILL,
         shank,
         tuple(_body(each) for each in obstacles),
@@ -106,10 +108,21 @@ def setup_of(
         low - stock.bottom,
         bodies,
         None if held is None else tuple(held),
-        holding is not None and holding.kind == FIXTURE,
-        lowest,
-        max(joined, default=None),
+        fixture=holding is not None and holding.kind == FIXTURE,
+        chamfers=tuple(_chamfers(cuts, tolerance)),
+        lowest=lowest,
+        joined=max(joined, default=None),
     )
+
+
+def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
+    """The edges that cones take off the part on their exact courses."""
+    for cut in cuts:
+        if isinstance(cut, ContourCut) and cut.tool.kind == CHAMFER_MILL:
+            flat = boundary_of([cut.centre.arcs(tolerance, "fast").contour])
+            height = np.full(len(flat), cut.bottom)
+            run = run_with(cut.tool, cut.name, (), (), None)
+            yield Chamfer(run, replace(flat, from_z=height, to_z=height), cut.top)
 
 
 def _contour(boundary: Boundary, tolerance: float) -> Contour:

@@ -61,6 +61,7 @@ def left_flaws(
     joined: float | None,
     allowed: float,
     *,
+    corners: Sequence[tuple[float, float]] = (),
     fixture: bool = False,
 ) -> Iterator[Flaw]:
     """Pieces that come loose, each where it does, and what is left on the part at the end.
@@ -70,6 +71,7 @@ def left_flaws(
     part : in each slab.
     held, joined, fixture : as in `camgeo.toolpath.simulation.Setup`.
     allowed : thickness [mm] that may be left.
+    corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
     """
     known: list[Piece] = []
     for stage in stages:
@@ -79,7 +81,7 @@ def left_flaws(
             known.append(piece)
             yield _loose(stage, piece, part, fixture=fixture)
     if stages:
-        yield from _rests(stages[-1], part, joined, allowed)
+        yield from _rests(stages[-1], part, joined, allowed, corners)
 
 
 def _held(piece: Piece, held: Sequence[Area]) -> bool:
@@ -116,7 +118,11 @@ def _loose(stage: Stage, piece: Piece, part: Sequence[Area], *, fixture: bool) -
 
 
 def _rests(
-    stage: Stage, part: Sequence[Area], joined: float | None, allowed: float
+    stage: Stage,
+    part: Sequence[Area],
+    joined: float | None,
+    allowed: float,
+    corners: Sequence[tuple[float, float]],
 ) -> Iterator[Flaw]:
     """Material that is left beside the part, or on one of its faces."""
     found: list[Flaw] = []
@@ -136,12 +142,19 @@ def _rests(
             else:
                 continue
             left, low, right, high = each.bounds
+            rounding = max((z1 - z0 for z0, z1 in corners if z0 < slab.middle < z1), default=0.0)
+            by_corner = size <= rounding + allowed
             text = (
                 f"material is left on the part, up to {size:.3g} mm thick, {right - left:.3g} mm"
                 f" along X, {high - low:.3g} mm along Y and {slab.z1 - slab.z0:.3g} mm high"
             )
+            text += ", where the corners of a cutter are rounded" if by_corner else ""
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
-            found.append(flaw("rest", stage.operation, text, size, allowed, where))
-    if found:
-        yield max(found, key=lambda each: each.value)
+            found.append(
+                flaw("rest", stage.operation, text, size, allowed, where, watched=by_corner)
+            )
+    for watched in (False, True):  # the largest of both
+        yield from sorted(
+            (each for each in found if each.watched == watched), key=lambda each: -each.value
+        )[:1]

@@ -4,13 +4,16 @@ The blank is cut into slabs between all heights that matter: those of the part, 
 passes at one depth. In each slab the material is an area, and every move takes away what its cutter
 sweeps there. So it judges any moves, whatever planned them: those of camgeo's strategies as well as
 those of a program that the interpreter has read. `camgeo.toolpath.sweep` says how exact the areas
-are. A cutter is upright down to its tip, but for the point of a drill; corner radii are ignored.
+are.
+
+In each slab a cutter has the radius that it has in its middle: exactly that of an upright wall, and
+of cones and rounded corners at heights between which slabs are thin.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Final
 
@@ -18,6 +21,7 @@ import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import FloatArray, taken
 from camgeo.toolpath.course import Course, below, course_of
 from camgeo.toolpath.left import left_flaws
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
@@ -30,6 +34,12 @@ FINENESS: Final = 1e-3
 ALLOWED: Final = 0.02
 """[mm] by which part and path may overlap or miss each other unless stated: far above what the
 polygons are off, and not seen on a part."""
+
+SLICES: Final = 4
+"""Slabs of a point or of rounded corners at their lowest."""
+
+STEP: Final = 5e-3
+"""Of the radii that a point has on slopes [mm]: they are rounded, against the program."""
 
 LEVEL: Final = 1e-6
 """Heights [mm] that differ by less are one, unless stated."""
@@ -44,7 +54,8 @@ class Run:
     name : of the operation.
     moves : in order, halts among them.
     radius : of the cutter [mm].
-    point : height [mm] of its point, which does not cut at the full radius.
+    point : height [mm] of its point or its rounded corners, below the full radius.
+    rounded : whether that is a rounded corner, and not a cone.
     plunges : whether it may go straight down into material.
     shank : radius above the cutting edges, and their length [mm]; None if not known.
     obstacles : that no move may touch below their tops.
@@ -55,10 +66,44 @@ class Run:
     moves: tuple[Move | Stop, ...]
     radius: float
     point: float = 0.0
+    rounded: bool = False
     plunges: bool = True
     shank: tuple[float, float] | None = None
     obstacles: tuple[Body, ...] = ()
     start: Point | None = None
+
+    def radius_at(self, height: FloatArray) -> FloatArray:
+        """(n,) radius [mm] at heights (n,) above the tip, that of the tip below it."""
+        if self.point <= 0.0:
+            return np.full(len(height), self.radius)
+        up = np.clip(height, 0.0, self.point)
+        if self.rounded:
+            return self.radius - self.point + np.sqrt(up * (2.0 * self.point - up))
+        return self.radius * up / self.point
+
+    def slices(self, tip: float, top: float) -> list[float]:
+        """Z [mm] from a tip up to a `top` between which the radius changes by equal steps or so."""
+        share = np.arange(1, SLICES + 1) / SLICES
+        if self.rounded:
+            share = 1.0 - np.cos(0.5 * np.pi * share)
+        high = self.point if self.rounded else min(self.point, max(top - tip, 0.0))
+        return (tip + high * share).tolist() if high > 0.0 else []
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chamfer:
+    """An edge of the part that a cone takes off.
+
+    Attributes
+    ----------
+    run : of the cone; its moves do not matter.
+    course : exact, of its tip, all at one height.
+    top : Z above which it is to take nothing off [mm].
+    """
+
+    run: Run
+    course: Course
+    top: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +117,7 @@ class Setup:
     part : what must be left.
     held : outlines within which the blank is held; None if that is not to be judged.
     fixture : whether a fixture below all of the blank is to hold what nothing else holds.
+    chamfers : edges that the part lacks.
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
     joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
     """
@@ -82,6 +128,7 @@ class Setup:
     part: tuple[Body, ...] = ()
     held: tuple[tuple[Contour, ...], ...] | None = None
     fixture: bool = False
+    chamfers: tuple[Chamfer, ...] = ()
     lowest: float | None = None
     joined: float | None = None
 
@@ -129,14 +176,17 @@ def simulate(
         Slab(z0, z1, whole if setup.bottom < 0.5 * (z0 + z1) < setup.top else NOTHING)
         for z0, z1 in pairwise(heights)
     )
-    part = tuple(_section(setup.part, 0.5 * (slab.z0 + slab.z1), fineness) for slab in slabs)
+    part = tuple(_section(setup, slab.middle, fineness) for slab in slabs)
     bench = _Bench(setup, slabs, part, fineness, allowed, level)
     stages, flaws = [], []
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
     held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
-    flaws += left_flaws(stages, part, held, setup.joined, allowed, fixture=setup.fixture)
+    corners = [(tip, tip + run.point) for run in runs if run.rounded for tip in _lowest(run)]
+    flaws += left_flaws(
+        stages, part, held, setup.joined, allowed, corners=corners, fixture=setup.fixture
+    )
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
@@ -144,15 +194,18 @@ def simulate(
 
 def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     """Ascending borders of the slabs [mm]."""
+    highest = max([setup.top, *(body.z1 for body in setup.part)])
     found = [setup.top, setup.bottom]
     found += [z for body in setup.part for z in (body.z0, body.z1)]
     found += [] if setup.joined is None else [setup.joined]
+    for chamfer in setup.chamfers:
+        found += chamfer.run.slices(float(np.min(chamfer.course.lowest)), chamfer.top)
     for run in runs:
         course = course_of(run.moves, run.start)
         flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
         ends = course.to_z[course.lengths == 0.0]  # of plunges and drilled holes
-        found += [z + run.point for z in (*course.from_z[flat].tolist(), *ends.tolist())]
-    highest = max([setup.top, *(body.z1 for body in setup.part)])
+        found += [*course.from_z[flat].tolist(), *ends.tolist()]
+        found += [z for tip in _lowest(run) for z in run.slices(tip, highest)]
     heights: list[float] = []
     for z in sorted(z for z in found if setup.bottom <= z <= highest):
         if not heights or z - heights[-1] > level:
@@ -160,9 +213,30 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     return heights
 
 
-def _section(bodies: Sequence[Body], z: float, fineness: float) -> Area:
-    """The area of `bodies` at one height."""
-    found = [polygon(body.contours, fineness) for body in bodies if body.z0 < z < body.z1]
+def _lowest(run: Run) -> list[float]:
+    """Z of the tip at its lowest, if it moves at all [mm]."""
+    lowest = course_of(run.moves, run.start).lowest
+    return [float(np.min(lowest))] if len(lowest) else []
+
+
+def _section(setup: Setup, z: float, fineness: float) -> Area:
+    """The area of the part at one height."""
+    bodies = [polygon(body.contours, fineness) for body in setup.part if body.z0 < z < body.z1]
+    found: Area = shapely.union_all(bodies) if bodies else NOTHING
+    for each in setup.chamfers:
+        if z < each.top:
+            found = shapely.difference(found, _passed(each.run, each.course, z, fineness))
+    return found
+
+
+def _passed(run: Run, course: Course, z: float, fineness: float, *, most: bool = False) -> Area:
+    """What a cutter passes over at the height `z` [mm], at least; or at `most` where it slopes."""
+    if run.point <= 0.0:
+        return swept(course, run.radius, fineness)
+    radii = run.radius_at(z - (course.lowest if most else course.cleared))
+    sloping = (course.from_z != course.to_z) & (course.lengths > 0.0)
+    radii[sloping] = STEP * (np.ceil if most else np.floor)(radii[sloping] / STEP)
+    found = [swept(taken(course, radii == each), each, fineness) for each in np.unique(radii)]
     return shapely.union_all(found) if found else NOTHING
 
 
@@ -220,7 +294,11 @@ class _Bench:
         )  # fmt: skip
         name = "rapid" if rapid else "plunge"
         yield from self._meets(
-            run, course, run.radius - self.allowed, areas(self.slabs), name, text.format
+            replace(run, radius=run.radius - self.allowed),
+            course,
+            areas(self.slabs),
+            name,
+            text.format,
         )
 
     def _cut(self, run: Run, course: Course) -> Iterator[Flaw]:
@@ -231,16 +309,15 @@ class _Bench:
         yield from self._gouges(run, course)
         self.slabs = tuple(
             slab.without(
-                swept(below(course, slab.z0 - run.point + self.level), run.radius, self.fineness)
+                _passed(run, below(course, slab.z0 + self.level), slab.middle, self.fineness)
             )
             for slab in self.slabs
         )
         if run.shank is not None:
             radius, length = run.shank
             yield from self._meets(
-                run,
+                replace(run, radius=radius - self.allowed, point=0.0),
                 course,
-                radius - self.allowed,
                 areas(self.slabs),
                 "shank",
                 "the shank is {:.3g} mm deep in material".format,
@@ -251,18 +328,18 @@ class _Bench:
         self,
         run: Run,
         course: Course,
-        radius: float,
         bodies: Sequence[Area],
         name: str,
         text: Callable[[float], str],
         above: float = 0.0,
     ) -> Iterator[Flaw]:
-        """Where a cylinder that begins `above` the tip meets `bodies`, one for each slab."""
+        """Where a cutter that begins `above` the tip meets `bodies`, one for each slab."""
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
             low = below(course, slab.z1 - above - 2.0 * self.level)
-            touched = shapely.intersection(swept(low, radius, self.fineness), body)
+            reached = _passed(run, low, slab.middle - above, self.fineness, most=True)
+            touched = shapely.intersection(reached, body)
             if parts(touched):
                 tip = float(np.min(low.lowest))
                 depth = slab.z1 - above - tip
@@ -272,8 +349,9 @@ class _Bench:
         for slab, kernel, part in zip(self.slabs, self.kernels, self.part, strict=True):
             if kernel.is_empty:
                 continue
-            low = below(course, slab.z1 - run.point - 2.0 * self.level)
-            touched = shapely.intersection(swept(low, run.radius, self.fineness), kernel)
+            low = below(course, slab.z1 - 2.0 * self.level)
+            reached = _passed(run, low, slab.middle, self.fineness, most=True)
+            touched = shapely.intersection(reached, kernel)
             if parts(touched):
                 points = shapely.points(shapely.get_coordinates(touched))
                 depths = shapely.distance(points, shapely.boundary(part))
@@ -301,7 +379,8 @@ class _Bench:
                 place = _point(place_in(touched), tip)
                 yield flaw("obstacle", run.name, text, within, 0.0, place)
         tip = float(np.min(course.lowest))
-        limit = None if self.setup.lowest is None else self.setup.lowest - run.point
+        point = 0.0 if run.rounded else run.point
+        limit = None if self.setup.lowest is None else self.setup.lowest - point
         if limit is not None and tip < limit - self.level:
             piece = int(np.argmin(course.lowest))
             text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g}"

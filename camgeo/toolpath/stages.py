@@ -32,6 +32,11 @@ class Slab:
     z1: float
     material: Area
 
+    @property
+    def middle(self) -> float:
+        """Height of its middle [mm]."""
+        return 0.5 * (self.z0 + self.z1)
+
     def without(self, area: Area) -> Slab:
         """What is left when `area` is taken away."""
         if self.material.is_empty or area.is_empty:

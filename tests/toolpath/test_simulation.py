@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.toolpath.course import course_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.toolpath.simulation import Run, Setup, Simulation, simulate
+from camgeo.toolpath.simulation import Chamfer, Run, Setup, Simulation, simulate
 from camgeo.toolpath.stages import Body, Flaw
 
 RADIUS = 3.0
@@ -216,12 +217,90 @@ def test_a_shank_in_a_hub() -> None:
 
 
 def test_a_drill_clears_the_full_circle_above_its_point() -> None:
+    """Below it a cone, in slabs each with its area half-way."""
     drilled = [Run("hole", over(0.0, 0.0, -4.0), RADIUS, point=1.0)]
     (stage,) = simulate(PLATE, drilled).stages
-    low, high = stage.slabs
-    assert (low.z0, low.z1, high.z1) == (-4.0, -3.0, 0.0)
-    assert low.material.area == 6000.0
+    *point, high = stage.slabs
+    assert [slab.z0 for slab in point] == pytest.approx([-4.0, -3.75, -3.5, -3.25])
+    assert (high.z0, high.z1) == (-3.0, 0.0)
+    for number, slab in enumerate(point):
+        gone = math.pi * (RADIUS * (number + 0.5) / 4.0) ** 2
+        assert slab.material.area == pytest.approx(6000.0 - gone, abs=0.05)
     assert high.material.area == pytest.approx(6000.0 - math.pi * RADIUS**2, abs=0.05)
+
+
+@given(st.floats(0.1, 5.0), st.floats(0.0, 1.0), st.booleans())
+def test_the_radius_at_a_height(radius: float, share: float, rounded: bool) -> None:
+    """Grows up to the full one: a cone evenly, a corner along a quarter of a circle."""
+    point = share * radius if rounded else share
+    run = Run("", (), radius, point=point, rounded=rounded)
+    heights = np.linspace(0.0, 1.5 * point + 0.1, 40)
+    found = run.radius_at(heights)
+    assert np.all(np.diff(found) >= -1e-12)
+    assert np.max(np.abs(found[heights >= point] - radius)) < 1e-12
+    low = heights < point
+    if rounded:
+        off = np.hypot(found[low] - (radius - point), point - heights[low])
+        assert off == pytest.approx(point)
+    else:
+        assert found[low] * point == pytest.approx(radius * heights[low])
+
+
+CHAMFERED = replace(PLATE, part=(Body("disc", DEPTH, 0.0, (Contour.circle(15.0),)),))
+
+
+def cone(tip: float) -> Run:
+    """A point of 90 degrees: as wide at a height above its tip as that is."""
+    return Run(f"tip at {tip:g}", (), RADIUS, point=RADIUS)
+
+
+def test_a_chamfer_is_no_gouge_and_a_missing_one_is_a_rest() -> None:
+    around = over(
+        -15.1, 0.0, -0.6,
+        *(ArcFeed((x, 0.0, -0.6), (0.0, 0.0), True, FEED) for x in (15.1, -15.1)),
+    )  # fmt: skip
+    exact = course_of(around[2:-1], (-15.1, 0.0, -0.6))
+    setup = replace(
+        CHAMFERED,
+        blank=(Contour.circle(15.0),),
+        chamfers=(Chamfer(cone(-0.6), exact, 0.0),),
+    )
+    sound = simulate(setup, [Run("chamfer", around, RADIUS, point=RADIUS)])
+    assert sound.flaws == ()
+    # Z of the edge of the disc is that of the lower end of the chamfer, half-way in its slab.
+    slab = sound.stages[-1].slabs[-1]
+    width = 15.1 - 0.6 - slab.middle
+    assert slab.material.area == pytest.approx(math.pi * width**2, abs=0.1)
+    for lower in (0.1, 0.3):
+        moves = tuple(
+            replace(move, end=(*move.end[:2], move.end[2] - lower * (move.end[2] < 0.0)))
+            for move in around
+        )
+        (gouge,) = simulate(setup, [Run("low", moves, RADIUS, point=RADIUS)]).flaws
+        assert gouge.name == "gouge"
+        assert gouge.value == pytest.approx(lower, abs=0.01)
+    (rest,) = simulate(setup, []).flaws or simulate(setup, [Run("no", (), RADIUS)]).flaws
+    assert rest.name == "rest"
+    assert not rest.watched
+    # Half-way in the highest slab.
+    assert rest.value == pytest.approx(0.5 + slab.middle, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("deeper", "left"), [(0.0, 1.0), (0.3, 1.0 - math.sqrt(0.3 * 1.7)), (1, 0)]
+)
+def test_rounded_corners_leave_a_fillet(deeper: float, left: float) -> None:
+    """Of their radius on a floor; where the cut goes on below the part, what is above that."""
+    setup = replace(PLATE, bottom=DEPTH - 1.0, part=CHAMFERED.part, joined=DEPTH)
+    moves = circle(18.0, DEPTH - deeper, turns=2)
+    found = simulate(setup, [Run("finish", moves, RADIUS, point=1.0, rounded=True)])
+    if not left:
+        assert found.flaws == ()
+        return
+    (rest,) = found.flaws
+    assert (rest.name, rest.watched) == ("rest", True)
+    assert "where the corners of a cutter are rounded" in rest.sentence
+    assert 0.4 * left < rest.value < left + 0.01
 
 
 @settings(max_examples=10)
