@@ -90,15 +90,22 @@ def _has_tools(values: Values) -> bool:
 
 
 def machine_has(values: Values) -> Iterator[tuple[str, str]]:
-    """Coolant and work offset are those of the machine; of a profile file the writer tells it."""
-    given = {key: values.get("output", "gcode", key) for key in ("coolant", "work_offset")}
+    """Coolant, work offset and compensation are those of the machine; of a profile file the writer
+    tells it.
+    """
+    keys = ("coolant", "work_offset", "compensation")
+    given = {key: values.get("output", "gcode", key) for key in keys}
     machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
     if not any(given.values()) or machine.endswith(".toml"):
         return
     from camgeo.toolpath.machine import load  # a declaration imports nothing that computes
 
     profile = load(machine)
-    allowed = {"coolant": profile.coolant.kinds, "work_offset": tuple(profile.work_offsets)}
+    allowed = {
+        "coolant": profile.coolant.kinds,
+        "work_offset": tuple(profile.work_offsets),
+        "compensation": profile.compensations,
+    }
     for key, value in given.items():
         if value and value not in allowed[key]:
             choices = ", ".join(f'"{each}"' for each in allowed[key])

@@ -72,7 +72,8 @@ class MilledDisc(Pickled):
         if lacking := FORMAT.lacking(self.scene.stated):
             raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
         assert self.spec is not None  # for the scene has a tool
-        return sequence_of(self.drawn.part, self.spec, self.options[FORMAT].heights)
+        options = self.options[FORMAT]
+        return sequence_of(self.drawn.part, self.spec, options.heights, options.compensation)
 
     def _planned(self, plan: Callable[[], Planned]) -> Planned:
         """What `plan` makes; what it finds wrong is the scene's fault."""

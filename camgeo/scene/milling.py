@@ -22,14 +22,13 @@ from camgeo.toolpath.milling import (
     stock_of,
     tool_of,
 )
-from camgeo.toolpath.spec import EARLIER
+from camgeo.toolpath.spec import EARLIER, GcodeSpec
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
 if TYPE_CHECKING:
     from camgeo.toolpath.holding import Holding
     from camgeo.toolpath.milling import OperationSpec
-    from camgeo.toolpath.spec import GcodeSpec
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
@@ -53,6 +52,7 @@ def broken_tables(values: ValidValues) -> Iterator[Broken]:
                 if key in table or values.lacks(*place, key):
                     yield (*place, key), message
     yield from _tools_are_told_apart(values)
+    yield from _machine_compensates(values)
     yield from _one_tool_fits(values)
 
 
@@ -65,6 +65,24 @@ def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
     written = values.exact(*key)
     if written is not None and values.get(*places[0], "kind") in (None, END_MILL):
         yield from ((key, message) for message in misfits(values, written))
+
+
+def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
+    """Operations ask for no compensation that the machine lacks; of a file the writer tells it."""
+    asked = {
+        (*place, "compensation"): values.get(*place, "compensation")
+        for place in _places(values, "operation")
+    }
+    machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
+    if not any(asked.values()) or machine.endswith(".toml"):
+        return
+    from camgeo.toolpath.machine import load  # only scenes that ask for it need the profile
+
+    profile = load(machine)
+    for key, value in asked.items():
+        if value and value not in profile.compensations:
+            choices = ", ".join(f'"{each}"' for each in profile.compensations)
+            yield key, f"must be one of {choices} for {profile.name}"
 
 
 def _places(values: ValidValues, name: str) -> list[Path]:

@@ -12,7 +12,7 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part, Wall
 from camgeo.toolpath.fitting import largest_diameter, tightest
 from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.tool import END_MILL, Tool, ToolError
+from camgeo.toolpath.tool import COMPUTED, CONTROL, END_MILL, Tool, ToolError
 
 SAME: Final = 2.0**-48
 """Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
@@ -51,10 +51,12 @@ class Bench:
     ----------
     part : with its heights.
     milling : the scene's statements.
+    compensation : of finishes that do not state theirs.
     """
 
     part: Part
     milling: MillingSpec
+    compensation: str = COMPUTED
 
     @property
     def walls(self) -> dict[str, Wall]:
@@ -106,6 +108,12 @@ class Bench:
         usual = min(ALLOWANCE_SHARE * tool.diameter, LARGEST_ALLOWANCE)
         place = tightest(wall.boundary)
         return usual if place is None else min(usual, 0.5 * (place.radius - tool.radius))
+
+    def room_outside(self, tool: Tool, compensation: str) -> float:
+        """For the leads of a finish around which all is cleared [mm]: more where
+        the controller takes up the cutter's.
+        """
+        return (3.0 if compensation == CONTROL else 1.0) * tool.radius
 
     # Why tools do not fit -----------------------------------------------------------------------
 

@@ -22,23 +22,16 @@ from camgeo.numeric.checked import (
     instance,
     instances,
     number,
-    one_of,
     point,
     positive,
     shown,
 )
 from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.holding import Obstacle, Tabs
-from camgeo.toolpath.tool import Rounds, Text, Tool, Truth
+from camgeo.toolpath.tool import COMPUTED, CompensationWord, Rounds, Text, Tool, Truth
 
 MOST_PASSES: Final = 10_000
 """Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
-
-COMPUTED: Final = "computed"
-WEAR: Final = "wear"
-CONTROL: Final = "control"
-
-COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
 
 Size = Annotated[float, partial(number, least=0.0, unit="mm")]
 
@@ -135,7 +128,7 @@ class ContourCut(Cut):
     springs: Annotated[Rounds, "toolpath"] = 0
     contact: Annotated[Size, "toolpath"] = 0.0
     tabs: Tabs | None = None
-    compensation: Annotated[str, partial(one_of, choices=COMPENSATIONS), "toolpath"] = COMPUTED
+    compensation: Annotated[CompensationWord, "toolpath"] = COMPUTED
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)

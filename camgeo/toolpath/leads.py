@@ -30,6 +30,9 @@ NEAR = 1.0 / 32.0
 LEAST_TURN = math.radians(15.0)
 """A lead turns by no less, however narrow its room: it is then made of a smaller arc."""
 
+ASIDE = 2.5
+"""Length of a line in which a controller takes up all of a cutter's radius, in radii."""
+
 LEAST_PART = 1e-6
 """A contour is not cut nearer than this [mm] to a joint of its pieces, but at the joint."""
 
@@ -51,13 +54,17 @@ class Beside:
     ----------
     free : 1 if the free side is on the left of the path, -1 if on its right.
     usual : radius [mm] of a lead's arc where the room is narrow.
-    straight : whether a line of a third of the room precedes and follows the arcs.
+    straight : whether lines precede and follow the arcs, in which a controller takes up its offset
+        of the cutter; they take a third of the room.
+    aside : that offset [mm], if it is the cutter's radius: the lines are then long enough for it,
+        whatever room they take, and begin and end as far beside themselves as the programmed path.
     avoid : tracks, and how near [mm] the leads may come to them.
     """
 
     free: int
     usual: float
     straight: bool = False
+    aside: float = 0.0
     avoid: Sequence[tuple[Track, float]] = ()
 
 
@@ -147,7 +154,7 @@ def joined(
     ------
     GeometryError
         If even small leads would cut into the part, or touch what they have to avoid, wherever
-        they join the path.
+        they join the path; with key "output.gcode.compensation" if that asks for longer ones.
     """
     size = room
     places = [started(path, index) for index in flattest(path)]
@@ -159,6 +166,14 @@ def joined(
             if lead is not None:
                 return there, lead
         size /= 2.0
+    if beside.aside:
+        raise GeometryError(
+            "there is no room next to the outline for leads with a line of"
+            f" {ASIDE * beside.aside:g} mm, in which the controller takes up the cutter's radius;"
+            ' "wear" needs less',
+            key="output.gcode.compensation",
+            value='"control"',
+        )
     raise GeometryError(
         "there is no room for a tangential lead-in next to the outline; a smaller cutter may help",
         key="tool",
@@ -170,7 +185,7 @@ def lead_at(path: Contour, room: float, beside: Beside) -> Lead | None:
     track = Track.around(path)
     bend = max(_bend(path, piece, beside.free) for piece in (0, -1))
     lead = _lead(track, room, bend, beside)
-    if not _keeps_off(lead, beside.avoid):
+    if lead is None or not _keeps_off(lead, beside.avoid):
         return None
     near = [min(NEAR * lead.off.length, 0.5 * float(path.lengths[k])) for k in (0, -1)]
     ways = (lead.off, near[0]), (lead.into.reversed(), near[1])
@@ -184,8 +199,9 @@ def _bend(path: Contour, piece: int, free: int) -> float:
     return math.copysign(1.0, free * sweep) / float(path.radii[piece]) if sweep else 0.0
 
 
-def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead:
-    """Leads at the beginning of the path that go `room` [mm] off it, or a quarter turn.
+def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead | None:
+    """Leads at the beginning of the path that go `room` [mm] off it, or a quarter turn; None if
+    they need more.
 
     `bend` is the curvature [1/mm] of the path there, positive towards the free side: then they go
     up to half its radius off it, by as much of a turn as that takes.
@@ -193,13 +209,17 @@ def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead:
     point, along, free = path.start, path.headings[0], beside.free
     if bend > 0.0:
         room = min(room, FARTHEST / bend)
-    line = room / 3.0 if beside.straight else 0.0
-    lift = room - line
+    lift = room - ASIDE * beside.aside if beside.aside else room * (0.5 if beside.straight else 1.0)
+    if lift <= 0.0:
+        return None
     # An arc of radius r that turns by t is r (1 - cos t) off a straight path: a quarter turn in
     # wide room, a flatter and larger arc in a narrow one.
     radius = max(lift, min(beside.usual, lift / (1.0 - math.cos(LEAST_TURN))))
     if bend > 0.0:
         radius = min(radius, TIGHTEST / bend)
+    # A line at the angle of a flat lead's end, which gets the rest of the room off it.
+    flat = math.acos(max(1.0 - lift / radius, 0.0))
+    line = ASIDE * beside.aside if beside.aside else (room - lift) / math.sin(flat)
     # The end of the line is so far from the middle of the arc, and so much farther round it.
     arm, ahead = math.hypot(radius, line), math.atan2(line, radius)
     cosine, most = (radius - room) / arm, 0.5 * math.pi
@@ -214,10 +234,12 @@ def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead:
     centre = point + free * 1j * along * radius
     off = Track.arc(point, centre, free * turn)
     into = Track.arc(point, centre, -free * turn).reversed()
-    if line:
-        off = chained((off, Track.line(off.end, off.end + line * off.headings[1])))
-        into = chained((Track.line(into.start - line * into.headings[0], into.start), into))
-    return Lead(into, off)
+    if not line:
+        return Lead(into, off)
+    onto, away, across = into.headings[0], off.headings[1], -free * 1j * beside.aside
+    before = Track.line(into.start - (line - across) * onto, into.start)
+    behind = Track.line(off.end, off.end + (line + across) * away)
+    return Lead(chained((before, into)), chained((off, behind)))
 
 
 def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -> bool:

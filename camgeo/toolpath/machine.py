@@ -17,23 +17,23 @@ from camgeo.numeric.checked import check_fields, instance, instances, one_of, sh
 from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.toolpath.look_ahead import Dynamics
 from camgeo.toolpath.machine_fields import Text, WorkOffsets
+from camgeo.toolpath.machine_options import Compensation, Smoothing
 from camgeo.toolpath.machine_schema import faults_of
 from camgeo.toolpath.machine_tables import (
     ArcLimits,
-    Compensation,
     Coolant,
     Dwell,
     Evidence,
     NumberForm,
     ProgramFrame,
     Retract,
-    Smoothing,
     Spindle,
     TextForm,
     ToolChange,
     UnitWords,
     Words,
 )
+from camgeo.toolpath.tool import COMPUTED
 
 KEY: Final = "output.gcode.machine"
 """Key of the scene that names the profile."""
@@ -95,6 +95,18 @@ class Machine:
         if not (self.extension.startswith(".") and self.extension[1:].isalnum()):
             message = "must be a point and up to eight letters or digits"
             raise GeometryError(message, "extension", shown(self.extension))
+        compensation = self.compensation
+        if compensation is None or not compensation.nominal:
+            return
+        blocks = (compensation.left, compensation.right, *self.tool_change.change)
+        if not any("{nominal}" in block for block in blocks):
+            message = "must stand as {nominal} in compensation.left and right or tool_change.change"
+            raise GeometryError(message, "compensation.nominal", shown(compensation.nominal))
+
+    @property
+    def compensations(self) -> tuple[str, ...]:
+        """Those of `camgeo.toolpath.spec.COMPENSATIONS` that it allows, "computed" first."""
+        return (COMPUTED, *(self.compensation.modes if self.compensation else ()))
 
     def smoothed(self, tolerance: float, most: float = math.inf) -> float | None:
         """By how much the controller may leave the path within `tolerance` [mm], `most` at most;

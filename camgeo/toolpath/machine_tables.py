@@ -20,12 +20,10 @@ from camgeo.toolpath.machine_fields import (
     Meanings,
     Plain,
     Seconds,
-    Share,
     Size,
     Sweep,
     Text,
     Texts,
-    blocks_of,
     blocks_with,
 )
 from camgeo.units import LengthUnit
@@ -192,15 +190,15 @@ class ToolChange:
 
     Attributes
     ----------
-    change : blocks, with {tool} and {speed}; none if each tool gets a program, at the start of
-        which it is in the spindle with its length set.
+    change : blocks, with {tool}, {speed} and {nominal} of the compensation; none if each tool gets
+        a program, at the start of which it is in the spindle with its length set.
     length_offset : blocks that put its length into force; with {z} they move to that height.
     repeat : whether the tool is called at each operation, also if it is in the spindle.
     approach : "z-first": to the clearance height, then across; "xy-first": across where the retract
         has left the tool, then down to the clearance height.
     """
 
-    change: Annotated[tuple[str, ...], blocks_with("tool", "speed")]
+    change: Annotated[tuple[str, ...], blocks_with("tool", "speed", "nominal")]
     length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
     repeat: Flag = False
     approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
@@ -322,51 +320,6 @@ class ArcLimits:
     def largest_turn(self) -> float:
         """`largest_sweep` [rad]."""
         return math.radians(self.largest_sweep)
-
-
-@dataclass(frozen=True, slots=True)
-class Compensation:
-    """`[compensation]`: words of the controller's own radius compensation, with {tool}.
-
-    `modes` are those of camgeo that it allows: "wear" and "control".
-    """
-
-    left: Text
-    right: Text
-    off: Text
-    modes: Texts
-
-    def __post_init__(self) -> None:
-        check_fields(self, "compensation.")
-        for name in ("left", "right", "off"):
-            blocks_of(f"compensation.{name}", (getattr(self, name),), ("tool",))
-        for mode in self.modes:
-            one_of("compensation.modes", mode, ("wear", "control"))
-
-
-@dataclass(frozen=True, slots=True)
-class Smoothing:
-    """`[smoothing]`: smoothing of the path, whose error counts against the tolerance.
-
-    Attributes
-    ----------
-    on : blocks with {p}, the largest deviation, in the program's unit.
-    off : blocks of the exact path.
-    end : blocks before the end of the program.
-    share : the deviation as a share of the tolerance; 0 for the exact path always.
-    smallest : deviation [mm] below which the exact path is programmed instead.
-    largest : deviation [mm] above which no more is asked for.
-    """
-
-    on: Annotated[tuple[str, ...], blocks_with("p")]
-    off: Plain
-    share: Share
-    smallest: Size
-    end: Plain = ()
-    largest: Size = 1.0
-
-    def __post_init__(self) -> None:
-        check_fields(self, "smoothing.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,6 +93,7 @@ def finish_along(
     depths: tuple[float, ...] = (),
     cleared: bool = True,
     springs: int = 1,
+    compensation: str = "",
     note: str = "",
 ) -> ContourCut:
     """Along a roughed wall at full depth, or at `depths`; what is beside it is cleared."""
@@ -108,6 +109,7 @@ def finish_along(
         room=room,
         cleared=cleared,
         springs=springs,
+        compensation=compensation or bench.compensation,
         note=note,
     )
 

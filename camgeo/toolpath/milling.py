@@ -22,6 +22,7 @@ from camgeo.toolpath.tool import (
     CHAMFER_MILL,
     DRILL,
     END_MILL,
+    CompensationWord,
     CoolantWord,
     FeedRate,
     Rounds,
@@ -71,6 +72,7 @@ class OperationSpec:
     spindle_speed : [rev/min].
     feed, plunge_feed : [mm/min].
     coolant : one of `camgeo.toolpath.tool.COOLANTS`.
+    compensation : of a finish, one of `camgeo.toolpath.spec.COMPENSATIONS`; None for that of all.
     stop : what the operator does before it; empty for no stop.
     note : for the operator.
 
@@ -95,6 +97,7 @@ class OperationSpec:
     feed: FeedRate | None = None
     plunge_feed: FeedRate | None = None
     coolant: CoolantWord | None = None
+    compensation: CompensationWord | None = None
     stop: Text = ""
     note: Text = ""
 
@@ -284,6 +287,8 @@ def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "strategy", f'belongs to kind "{ROUGH}"'
     if kind == CHAMFER and "size" not in table:
         yield "size", "is missing: how wide the chamfer is"
+    if kind != FINISH and "compensation" in table:
+        yield "compensation", f'belongs to kind "{FINISH}"'
     if kind != CHAMFER and "size" in table:
         yield "size", f'belongs to kind "{CHAMFER}"'
 

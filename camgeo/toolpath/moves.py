@@ -6,14 +6,16 @@ Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, positive, shown
+from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, one_of, positive, shown
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.tool import Tool
 
 Point = tuple[float, float, float]
+
+SWITCHES: Final = ("", "left", "right", "off")
 
 
 def _require(point: Any, size: int) -> None:
@@ -37,14 +39,22 @@ class Rapid:
 
 @dataclass(frozen=True, slots=True)
 class Feed:
-    """Straight cut to `end` [mm] at `feed` [mm/min]."""
+    """Straight cut to `end` [mm] at `feed` [mm/min].
+
+    `switch` is what it does to the controller's compensation of the cutter's radius: it leads onto
+    its path with the cutter on the "left" or the "right" of what is programmed, it leads "off" it,
+    or it changes nothing, "".
+    """
 
     end: Point
     feed: float
+    switch: str = ""
 
     def __post_init__(self) -> None:
         _require(self.end, 3)
         positive("toolpath", self.feed, "mm/min")
+        if self.switch:
+            one_of("toolpath", self.switch, SWITCHES)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from camgeo.contour.contour import Effort
 from camgeo.contour.spline import Arc
 from camgeo.errors import FileError, GeometryError
 from camgeo.reading import PROGRAM_LINES
+from camgeo.toolpath.compensation import limits_of
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
@@ -53,6 +54,7 @@ def plan_toolpath(
         if left < 0:
             raise too_long()
         operations.append(operation)
+    limits_of(operations)  # raises where compensation has no room
     return Toolpath(heights, tuple(operations))
 
 

@@ -157,7 +157,9 @@ def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
     rough = rough_outside(bench, wall, tool, 0.0, allowance)
     yield rough
     # A slot is wider than the cutter by the allowance: leads have no more room.
-    room = tool.radius if isinstance(rough, AreaCut) else allowance
+    room = allowance
+    if isinstance(rough, AreaCut):
+        room = bench.room_outside(tool, bench.compensation)
     yield finish_along(bench, wall, tool, 0.0, room)
 
 

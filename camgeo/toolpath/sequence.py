@@ -14,6 +14,7 @@ from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.planned import planned_steps, told
 from camgeo.toolpath.stated import stated_cuts
+from camgeo.toolpath.tool import COMPUTED
 
 SEQUENCE: Final = "sequence"
 """Name of the finding that lists a planned sequence."""
@@ -33,8 +34,10 @@ class Sequence:
     findings: tuple[Finding, ...]
 
 
-def sequence_of(part: Part, milling: MillingSpec, heights: Heights) -> Sequence:
-    """The cuts of a part from its blank.
+def sequence_of(
+    part: Part, milling: MillingSpec, heights: Heights, compensation: str = COMPUTED
+) -> Sequence:
+    """The cuts of a part from its blank, `compensation` that of finishes that do not state theirs.
 
     Raises
     ------
@@ -43,7 +46,7 @@ def sequence_of(part: Part, milling: MillingSpec, heights: Heights) -> Sequence:
         way, or what is cut free is not held.
     """
     part.require_heights()
-    bench = Bench(part, milling)
+    bench = Bench(part, milling, compensation)
     findings: list[Finding] = []
     if milling.operations:
         cuts = stated_cuts(bench)

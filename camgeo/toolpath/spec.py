@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Final
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, instance, number, whole
-from camgeo.toolpath.tool import CoolantWord, FeedRate, SpindleSpeed, Text, Tool, ToolNumber
+from camgeo.toolpath.tool import (
+    COMPUTED,
+    CompensationWord,
+    CoolantWord,
+    FeedRate,
+    SpindleSpeed,
+    Text,
+    Tool,
+    ToolNumber,
+)
 
 if TYPE_CHECKING:
     from camgeo.toolpath.moves import Heights
@@ -54,6 +63,7 @@ class GcodeSpec:
     tool_change_height : Z at which tools are changed, the operator works and programs end, where
         the machine's retract is a height; None for the clearance height.
     coolant : "off" or another kind that the machine has, for tools that do not state theirs.
+    compensation : one of `COMPENSATIONS`, of finishes that do not state theirs.
     work_offset : its name in the machine's profile; empty for the first there.
     spin_up : dwell behind the start of the spindle [s]; None for the machine's own.
     program_number : on controllers that number programs.
@@ -72,6 +82,7 @@ class GcodeSpec:
     retract_height: Length | None = None
     tool_change_height: Length | None = None
     coolant: CoolantWord = "off"
+    compensation: CompensationWord = COMPUTED
     work_offset: Text = ""
     spin_up: SpinUp | None = None
     program_number: ProgramNumber = 1

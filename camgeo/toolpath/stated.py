@@ -35,7 +35,7 @@ from camgeo.toolpath.milling import (
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.trochoid import NARROWEST
-from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, END_MILL, Tool
+from camgeo.toolpath.tool import CHAMFER_MILL, COMPUTED, DRILL, END_MILL, Tool
 
 BELOW = 0.1
 """How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
@@ -209,7 +209,11 @@ class _Stated:
             depths=depths,
             cleared=cleared,
             springs=self.spec.springs,
+            compensation=self.compensation,
         )
+        if self.compensation != COMPUTED and not (cleared and room):
+            message = 'needs a wall that is roughed before, and room for leads; or "computed"'
+            raise GeometryError(message, *self._said_compensation)
         if not cleared:
             return replace(made, strategy="slot")
         if not self.spec.allowance:
@@ -225,8 +229,9 @@ class _Stated:
         deep = [cut for cut in self.before if cut.bottom <= bottom]
         areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in _names(cut.walls)]
         if any(not cut.slot for cut in areas):
-            inside = name == "bore"
-            return 0.5 * (bore_of(wall).round_radius - tool.radius) if inside else tool.radius
+            if name == "bore":
+                return 0.5 * (bore_of(wall).round_radius - tool.radius)
+            return self.bench.room_outside(tool, self.compensation)
         slots = {cut.right: cut for cut in deep if isinstance(cut, ContourCut)}
         if name not in slots:
             return max((self._beside_loops(cut) for cut in areas), default=None) or None
@@ -244,6 +249,18 @@ class _Stated:
         wider = 2.0 * (cut.tool.radius - self.tool.radius)
         room = cut.allowance - self.spec.allowance + wider + NARROWEST * cut.tool.radius
         return room if wider >= 0.0 else 0.0
+
+    @property
+    def compensation(self) -> str:
+        """That of the operation, or of all."""
+        return self.spec.compensation or self.bench.compensation
+
+    @property
+    def _said_compensation(self) -> tuple[str, str]:
+        """Key and value in the scene."""
+        if self.spec.compensation is None:
+            return "output.gcode.compensation", f'"{self.bench.compensation}"'
+        return f"{self.key}.compensation", f'"{self.spec.compensation}"'
 
     def _slot(self) -> Cut:
         inner, outer = self._wall("inner flank"), self._wall("outer flank")

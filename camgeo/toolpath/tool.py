@@ -27,6 +27,14 @@ KINDS: Final = (END_MILL, DRILL, CHAMFER_MILL)
 
 COOLANTS: Final = ("off", "flood", "mist", "through")
 
+COMPUTED: Final = "computed"
+WEAR: Final = "wear"
+CONTROL: Final = "control"
+
+COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
+"""Of the cutter's radius: by the computed path; by that, with the controller adding the wear; by
+the controller."""
+
 ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
 FluteCount = Annotated[int, partial(whole, least=1, most=MOST_FLUTES)]
 Rounds = Annotated[int, partial(whole, least=0, most=MOST_SPRINGS)]
@@ -34,6 +42,7 @@ SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
 FeedRate = Annotated[float, partial(positive, unit="mm/min")]
 Kind = Annotated[str, partial(one_of, choices=KINDS)]
 CoolantWord = Annotated[str, partial(one_of, choices=COOLANTS)]
+CompensationWord = Annotated[str, partial(one_of, choices=COMPENSATIONS)]
 Engagement = Annotated[float, partial(number, above=0.0, most=math.pi, unit="rad")]
 Steepness = Annotated[float, partial(number, above=0.0, most=0.5 * math.pi, unit="rad")]
 Tip = Annotated[float, partial(number, above=0.0, most=math.pi, unit="rad")]

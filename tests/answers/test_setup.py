@@ -106,6 +106,20 @@ def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -
     assert others == [None] * len(others)
 
 
+def test_it_says_what_the_offsets_of_compensated_tools_hold(sheet: SetupSheet) -> None:
+    scene = sheet.scene.with_values({"output.gcode.compensation": "wear"})
+    worn = setup_sheet(Design(scene))
+    told = {step.name: step.compensation for step in worn.steps if step.compensation}
+    assert set(told) == {"bore", "outline"}
+    for name, sentence in told.items():
+        assert f"{name}: {sentence}" in text(worn)
+        assert f"<li>{name}: {sentence}</li>" in html(worn, "<svg></svg>")
+        assert re.search(r"holds twice the wear alone.* at most 0\.\d+ mm either way", sentence)
+    told = {each["name"]: each["compensation"] for each in document(worn)["operations"]}
+    assert told == {step.name: step.compensation for step in worn.steps}
+    assert not any(step.compensation for step in sheet.steps)
+
+
 def test_texts_of_the_page_are_escaped(sheet: SetupSheet) -> None:
     tools = (replace(sheet.tools[0], name="<b>mill</b> & co"),)
     page = html(replace(sheet, tools=tools, flaws=(FLAW,)), "<svg></svg>")

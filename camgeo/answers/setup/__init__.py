@@ -12,6 +12,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
+from camgeo.toolpath.compensation import limits_of
 from camgeo.toolpath.engaged import Engaged
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Clamp, Holding
 from camgeo.toolpath.machine import Machine, load
@@ -34,11 +35,13 @@ class Step:
     operation : that is run.
     seconds : its machining time; None where the machine's dynamics are not known.
     engaged : how its cutter is engaged, if it clears an area.
+    compensation : what the offset of its tool holds, and how far it may be off; or empty.
     """
 
     operation: Operation
     seconds: float | None
     engaged: Engaged | None = None
+    compensation: str = ""
 
     @property
     def name(self) -> str:
@@ -138,19 +141,29 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         ZERO,
         _traverses(options.heights),
         _tools(toolpath),
-        _steps(toolpath, times_on(machine, toolpath, tolerance), milled.engaged(toolpath)),
+        _steps(toolpath, times_on(machine, toolpath, tolerance), milled.engaged(toolpath), machine),
         (*told, *_programs(design, machine)),
         milled.flaws(toolpath, tolerance),
     )
 
 
 def _steps(
-    toolpath: Toolpath, times: Sequence[OperationTime] | None, found: Sequence[Engaged]
+    toolpath: Toolpath,
+    times: Sequence[OperationTime] | None,
+    found: Sequence[Engaged],
+    machine: Machine,
 ) -> tuple[Step, ...]:
     seconds = {} if times is None else {each.name: each.seconds for each in times}
     engaged = {each.operation: each for each in found}
+    words = machine.compensation
+    told = {
+        name: limit.sentence(words, "{:g} mm".format)
+        for name, limit in limits_of(toolpath.operations).items()
+        if words is not None
+    }
     return tuple(
-        Step(each, seconds.get(each.name), engaged.get(each.name)) for each in toolpath.operations
+        Step(each, seconds.get(each.name), engaged.get(each.name), told.get(each.name, ""))
+        for each in toolpath.operations
     )
 
 

@@ -108,8 +108,7 @@ def _remarks(answer: SetupSheet) -> Iterator[str]:
     """What the operator reads of each operation, and of the sequence."""
     for step in answer.steps:
         yield from (f"stop before {step.name}: {note}" for note in step.stops)
-        if step.note:
-            yield f"{step.name}: {step.note}"
+        yield from (f"{step.name}: {each}" for each in (step.compensation, step.note) if each)
         if step.engaged is not None:
             yield f"{step.name}: {step.engaged.sentence}"
     yield from answer.told

@@ -9,13 +9,14 @@ import math
 
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import UndercutError
-from camgeo.toolpath.cut import COMPUTED, ContourCut, Cut
+from camgeo.toolpath.compensation import side_of
+from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.leads import Beside, begun, farthest_along_x, flattest, joined, started
 from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.tabs import lifted
 from camgeo.toolpath.strategies.walk import SAME, Walk, ramp_of
-from camgeo.toolpath.tool import ToolError
+from camgeo.toolpath.tool import CONTROL, ToolError
 
 MOST_ROUNDS = 1000
 """Of one descent along a path: more is a ramp far too flat for it."""
@@ -38,10 +39,12 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         return slot(cut, heights, tolerance, effort)
     walk = Walk(cut, heights)
     path = fitted(cut, tolerance, effort)
+    side = side_of(cut)
     beside = Beside(
         free=walk.free,
         usual=cut.tool.radius,
-        straight=cut.compensation != COMPUTED,
+        straight=bool(side),
+        aside=cut.tool.radius if cut.compensation == CONTROL else 0.0,
         avoid=walk.avoid(cut.bottom),
     )
     place = None if cut.tabs is None else farthest_along_x(path)
@@ -53,12 +56,28 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         if number:
             walk.follow(back)
         walk.down(z)
-        walk.follow(lead.into)
+        _lead_in(walk, lead.into, side)
         for _ in range(1 + (cut.springs if z == cut.bottom else 0)):
             walk.profile(track, lifted(cut, track, z, z))
-        walk.follow(lead.off)
+        _lead_off(walk, lead.off, side)
     walk.up()
     return walk.moves
+
+
+def _lead_in(walk: Walk, into: Track, side: str) -> None:
+    """Onto the path; its first piece switches compensation on, if there is a `side` for it."""
+    first = float(into.lengths[0]) if side else 0.0
+    if side:
+        walk.follow(into.between(0.0, first), switch=side)
+    walk.follow(into.between(first, into.length))
+
+
+def _lead_off(walk: Walk, off: Track, side: str) -> None:
+    """Off the path; its last piece switches compensation off."""
+    last = off.length - float(off.lengths[-1]) if side else off.length
+    walk.follow(off.between(0.0, last))
+    if side:
+        walk.follow(off.between(last, off.length), switch="off")
 
 
 def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:

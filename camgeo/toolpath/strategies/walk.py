@@ -93,8 +93,11 @@ class Walk:
         both: bool = False,
         air: bool = False,
         feed: float | None = None,
+        switch: str = "",
     ) -> None:
         """Along `track`, descending or rising evenly to `z` [mm] if that is given.
+
+        With a `switch` the track is one line, which switches the controller's compensation so.
 
         The feed is that at the contact with a wall on the side of the material, or on both sides:
         the centre is slowed on arcs around whose outside the wall lies. The plunge feed limits
@@ -136,7 +139,7 @@ class Walk:
                 middle = (centre.real, centre.imag)
                 self.moves.append(ArcFeed(_point(at, height), middle, sweep > 0.0, rate))
             else:
-                self.moves.append(Feed(_point(at, height), rate))
+                self.moves.append(Feed(_point(at, height), rate, switch))
             self.place, self.z = at, height
 
     def profile(

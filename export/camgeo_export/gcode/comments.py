@@ -12,7 +12,7 @@ from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import TextForm
-from camgeo.units import MM_PER
+from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import length_of
 from camgeo_export.gcode.blocks import Budget, Grid, number
 
@@ -24,6 +24,12 @@ ONE_OF = re.compile(r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII
 
 TOOL = re.compile(
     rf"\btool (\d+): (?:end mill|drill|chamfer mill), diameter (?:{NUMBER} inch, )?{NUMBER} mm",
+    re.IGNORECASE,
+)
+
+OFFSET = re.compile(
+    r"\bcompensation (?:wear|control): .{1,200}?"
+    rf"at most (?:{NUMBER} inch, )?{NUMBER} mm either way",
     re.IGNORECASE,
 )
 
@@ -47,13 +53,9 @@ def about_program(
     def length(mm: float) -> str:
         return f"{mm / MM_PER[unit]:.4g} {unit}"
 
-    def exact(text: str, mm: str) -> str:
-        return f"{mm} mm" if unit == "mm" else f"{text} {unit}, {mm} mm"
-
-    def diameter(mm: float) -> str:
-        return exact(number(mm / MM_PER[unit]), number(mm))
-
-    tolerance = exact(f"{shares.tolerance / MM_PER[unit]:.6g}", repr(shares.tolerance))
+    tolerance = f"{shares.tolerance!r} mm"
+    if unit != "mm":
+        tolerance = f"{shares.tolerance / MM_PER[unit]:.6g} {unit}, {tolerance}"
     parts = (
         f"part {product.name}",
         f"camgeo {product.version}, for {machine.name}",
@@ -64,7 +66,7 @@ def about_program(
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
         f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
         *(
-            f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {diameter(tool.diameter)}"
+            f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {spelled(tool.diameter, unit)}"
             + (f", {tool.name}" if tool.name else "")
             for each, tool in tools.items()
         ),
@@ -73,10 +75,16 @@ def about_program(
     return [part for part in parts if part]
 
 
-def about_operation(cut: Cut, grid: Grid) -> list[str]:
-    """Comments on one operation."""
+def about_operation(cut: Cut, grid: Grid, compensation: str = "") -> list[str]:
+    """Comments on one operation; `compensation` is what the operator has to know of it."""
     depths = " ".join(grid.text(grid.steps(depth)) for depth in cut.depths)
-    return [f"operation {cut.name}", f"depths {depths}", cut.note]
+    return [f"operation {cut.name}", f"depths {depths}", compensation, cut.note]
+
+
+def spelled(mm: float, unit: LengthUnit) -> str:
+    """A length in the program's unit, and in mm if that is another."""
+    text = f"{number(mm)} mm"
+    return text if unit == "mm" else f"{number(mm / MM_PER[unit])} {unit}, {text}"
 
 
 def commented(texts: Iterable[str], form: TextForm) -> list[str]:
@@ -113,6 +121,7 @@ class Stated:
     tolerance : [mm], or None.
     tools : number and diameter [mm] of each.
     program : number from 1 where the machine needs one for each tool; 0 where it holds all.
+    offsets : how far that of each compensated operation may be off [mm], in their order.
     """
 
     version: str
@@ -120,6 +129,7 @@ class Stated:
     tolerance: float | None
     tools: tuple[tuple[int, float], ...]
     program: int = 0
+    offsets: tuple[float, ...] = ()
 
 
 def stated(notes: Iterable[str]) -> Stated:
@@ -135,6 +145,7 @@ def stated(notes: Iterable[str]) -> Stated:
         length_of(tolerance.group(2).lower()) if tolerance else None,
         tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
         int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
+        tuple(_size(most) for _, most in OFFSET.findall(text)),
     )
 
 

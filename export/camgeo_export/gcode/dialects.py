@@ -19,8 +19,10 @@ class Dialect(Protocol):
     def rapid(self, end: Coordinates) -> str:
         """A traverse to `end`."""
 
-    def line(self, end: Coordinates, feed: str) -> str:
-        """A straight cut; `feed` is empty where it goes on."""
+    def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
+        """A straight cut; `feed` is empty where it goes on, `switch` are the words of the
+        controller's compensation that it switches.
+        """
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
         """A circular cut, in one block or two."""
@@ -35,9 +37,9 @@ class Iso:
         """As G0."""
         return _spelled("G0", _words(end))
 
-    def line(self, end: Coordinates, feed: str) -> str:
+    def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
         """As G1."""
-        return _spelled("G1", _words(end), _feed(feed))
+        return _spelled("G1", switch, _words(end), _feed(feed))
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
         """As G3 or G2."""
@@ -52,14 +54,16 @@ class Klartext:
 
     def __init__(self) -> None:
         self._centre = ""
+        self._side = "R0"
 
     def rapid(self, end: Coordinates) -> str:
         """As L with FMAX."""
         return _spelled("L", _words(end), "R0 FMAX")
 
-    def line(self, end: Coordinates, feed: str) -> str:
-        """As L."""
-        return _spelled("L", _words(end), "R0", _feed(feed))
+    def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
+        """As L, which repeats the side of the compensation."""
+        self._side = switch or self._side
+        return _spelled("L", _words(end), self._side, _feed(feed))
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
         """As C, behind a CC for another centre."""

@@ -7,18 +7,20 @@ its first point from above, so that it can be restarted alone.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import zip_longest
 from typing import Final
 
+from camgeo.toolpath.compensation import Limit, limits_of, programmed
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import filled
 from camgeo.toolpath.moves import Operation, Point, Stop, Toolpath
-from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.tool import WEAR, Tool
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.gcode.blocks import Budget, Grid, number
-from camgeo_export.gcode.comments import about_operation, commented
+from camgeo_export.gcode.comments import about_operation, commented, spelled
 from camgeo_export.gcode.dialects import dialect
 from camgeo_export.gcode.speller import Speller
 
@@ -64,9 +66,11 @@ class Program:
     shares: Budget
     setup: Setup
     height: float
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     speller: Speller = field(init=False)
     lines: list[str] = field(default_factory=list)
     _tool: Tool | None = None
+    _nominal: str = ""
     _wet: bool = False
 
     def __post_init__(self) -> None:
@@ -88,9 +92,10 @@ class Program:
     def operation(self, operation: Operation, following: Operation | None) -> None:
         """One operation, from its comments to its last move, and away if the operator comes."""
         first = self._tool is None
-        comments = self._commented(about_operation(operation.cut, self.speller.grid))
+        said = self._compensate(operation)
+        comments = self._commented(about_operation(operation.cut, self.speller.grid, said))
         self.lines += () if first else comments
-        moves = operation.moves
+        moves = programmed(operation)
         before = moves[1] if not first and len(moves) > 1 else None
         self._state(operation.cut.tool, halting=isinstance(before, Stop))
         if isinstance(before, Stop):  # before anything is switched on for the operation
@@ -107,6 +112,23 @@ class Program:
             other = following is None or following.tool.number != operation.tool.number
             leaves = other or (following is not None and bool(following.cut.stop))
             self._retract(self._away if leaves else self.height)
+
+    def _compensate(self, operation: Operation) -> str:
+        """Make the words of its compensation; what the operator has to know of it, or nothing."""
+        self._nominal, self.speller.switches = "", {}
+        words, limit = self.machine.compensation, self.limits.get(operation.name)
+        if words is None or limit is None:
+            return ""
+        if limit.mode == WEAR:
+            radius = self.speller.height(limit.radius).removeprefix("+")
+            self._nominal = words.nominal.format(radius=radius)
+        number = str(limit.tool)
+        self.speller.switches = {
+            side: getattr(words, side).format(tool=number, nominal=self._nominal).rstrip()
+            for side in ("left", "right")
+        }
+        self.speller.switches["off"] = words.off
+        return limit.sentence(words, partial(spelled, unit=self.setup.unit))
 
     def end(self) -> None:
         """Away from the part, everything off."""
@@ -138,7 +160,8 @@ class Program:
             self.lines += machine.spindle.off
         if before is None or other or machine.tool_change.repeat:
             words = {"tool": str(tool.number), "speed": self._speed(tool)}
-            self.lines += filled(machine.tool_change.change, **words)
+            blocks = filled(machine.tool_change.change, **words, nominal=self._nominal)
+            self.lines += [block.rstrip() for block in blocks]
         self._tool = tool
         if not self._moving_offset:
             self.lines += self._offset()
@@ -261,8 +284,15 @@ class Program:
 def written(
     toolpath: Toolpath, machine: Machine, shares: Budget, setup: Setup, about: Iterable[str]
 ) -> Program:
-    """The program of a toolpath; `about` are the comments on the whole of it."""
-    program = Program(machine, shares, setup, toolpath.safe_height)
+    """The program of a toolpath; `about` are the comments on the whole of it.
+
+    Raises
+    ------
+    GeometryError
+        If there is no room for a compensation.
+    """
+    limits = limits_of(toolpath.operations)
+    program = Program(machine, shares, setup, toolpath.safe_height, limits)
     program.start(about)
     operations = toolpath.operations
     for operation, following in zip_longest(operations, operations[1:]):

@@ -11,6 +11,7 @@ from camgeo.verifying.linting import Bench
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
+from camgeo_export.gcode.compensated import centred, fault_of
 from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, run_bytes
 
@@ -29,14 +30,16 @@ def measure(product: Product, data: bytes) -> float:
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
     program.refuse()
-    if program.compensated is not None:
-        raise FileError(f"line {program.compensated.line}: compensated by the control")
-    if stated(program.comments).tolerance is None:  # then it could not be verified later
+    said, cuts = stated(program.comments), product.milled.cuts
+    if said.tolerance is None:  # then it could not be verified later
         raise FileError("the program does not state its tolerance")
-    cuts = product.milled.cuts
+    if fault := fault_of(cuts, program, machine, said):
+        raise FileError(fault)
+    gap = 0.0 if program.compensated is None else program.step
+    program, rest = centred(cuts, program, machine)
     centres = {cut.name: cut.centre for cut in cuts if isinstance(cut, ContourCut)}
     areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut)}
-    loops = [loop for loop in program.loops() if loop.operation not in areas]
+    loops = [loop for loop in program.loops(gap) if loop.operation not in areas]
     _check_complete(cuts, program, loops)
     for name, area in areas.items():
         of_area = [move for move in program.moves if move.operation == name]
@@ -49,7 +52,7 @@ def measure(product: Product, data: bytes) -> float:
     path = max(deviations, default=0.0)  # there may be a face or a drilled hole alone
     arcs = any(move.kind == "arc" for move in program.moves)
     own = machine.arcs.interpolation if arcs else 0.0
-    return path + program.blending + program.naive_cam + own
+    return path + rest + program.blending + program.naive_cam + own
 
 
 def bench_of(product: Product, machine: Machine) -> Bench:

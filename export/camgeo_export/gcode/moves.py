@@ -46,6 +46,7 @@ class CutterMove:
     compensation : side of the path on which the control keeps the cutter, "left" or "right", or
         empty: then the path is that of its centre.
     radius_offset : number of the offset with which it does so; 0 without.
+    oversize : what the program adds to the radius of that offset [mm].
     coolant : "flood", "mist", "through" or "off".
     work_offset : word of the work offset, e.g. "G54"; empty before one is stated.
     """
@@ -66,6 +67,7 @@ class CutterMove:
     line: int
     compensation: str = ""
     radius_offset: int = 0
+    oversize: float = 0.0
     coolant: str = "off"
     work_offset: str = ""
 

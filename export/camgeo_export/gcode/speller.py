@@ -35,6 +35,7 @@ class Speller:
     numbers : the form of numbers on the machine.
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
+    switches : words of the controller's compensation, by what they switch it to.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
     """
 
@@ -44,6 +45,7 @@ class Speller:
     dialect: Dialect
     numbers: NumberForm
     blocks: list[str] = field(default_factory=list)
+    switches: dict[str, str] = field(default_factory=dict)
     arcs: int = 0
     lines: int = 0
     reach: int = 0
@@ -101,7 +103,8 @@ class Speller:
         if isinstance(move, Rapid):
             self._traverse(self._steps(move.end))
         elif isinstance(move, Feed):
-            self._straight(self._steps(move.end), self._feed_text(move.feed))
+            switch = self.switches.get(move.switch, "")
+            self._straight(self._steps(move.end), self._feed_text(move.feed), switch)
         else:
             self._arc(move)
         self._exact, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
@@ -122,9 +125,9 @@ class Speller:
             self.blocks.append(self.dialect.rapid(changes))
         self._at = end
 
-    def _straight(self, end: Steps, feed: str) -> None:
+    def _straight(self, end: Steps, feed: str, switch: str = "") -> None:
         if changes := self._changes(end):
-            self.blocks.append(self.dialect.line(changes, self._new(feed)))
+            self.blocks.append(self.dialect.line(changes, self._new(feed), switch))
             self.lines += 1
             if self.lines > PROGRAM_LINES:
                 raise too_long()

@@ -9,6 +9,8 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.numeric.checked import one_of
 from camgeo.product.product import Product
+from camgeo.toolpath.compensation import KEY as KEY_OF_COMPENSATION
+from camgeo.toolpath.compensation import mode_of
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import KEY, Machine, load
 from camgeo.toolpath.machining_time import toolpath_times
@@ -55,6 +57,11 @@ class GcodeWriter:
         }
         if shares.interpolation > 0.0:
             facts["controller_arcs_mm"] = _short(shares.interpolation)
+        if program.limits:
+            facts["compensation"] = ", ".join(
+                f"{each.operation} {each.mode} {each.most:.3f} mm"
+                for each in program.limits.values()
+            )
         if machine.dynamics is not None:
             smoothing = shares.blending if shares.blending > 0.0 else None
             times = toolpath_times(
@@ -87,10 +94,15 @@ def _safe(
 def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     """What the scene asks of the program; SceneError for what the machine does not have."""
     offset = spec.work_offset or next(iter(machine.work_offsets))
-    allowed = {"coolant": machine.coolant.kinds, "work_offset": tuple(machine.work_offsets)}
+    allowed = {
+        "coolant": machine.coolant.kinds,
+        "work_offset": tuple(machine.work_offsets),
+        "compensation": machine.compensations,
+    }
     faults = []
     wanted = {("output.gcode.coolant", spec.coolant), ("output.gcode.work_offset", offset)}
     wanted |= {("tool.coolant", cut.tool.coolant or "off") for cut in product.milled.cuts}
+    wanted |= {(KEY_OF_COMPENSATION, mode_of(cut)) for cut in product.milled.cuts}
     for key, value in sorted(wanted):
         try:
             one_of(key, value, allowed[key.rpartition(".")[2]])

@@ -17,6 +17,8 @@ from camgeo_export.interpreter.rules import Findings
 TANGENT: Final = 1e-3
 """Change of direction [rad] up to which two moves go on in one another: printed arcs kink so."""
 
+RIGHT: Final = 0.5 * math.pi
+
 SLACK: Final = 1e-9
 """Of a share of a move."""
 
@@ -85,7 +87,10 @@ class Compensator:
         point = meeting(before, after)
         if point is not None:
             left, self._begun = before.share(point), after.share(point)
-            if begun - SLACK <= left <= 1.0 + SLACK and -SLACK <= self._begun <= 1.0 + SLACK:
+            # Where radii differ by rounding, parallels that meet at a small angle do so elsewhere.
+            off = (before.move.mismatch + after.move.mismatch) / math.sin(min(turn, RIGHT))
+            one, other = (SLACK + off / each.length for each in (before, after))
+            if begun - one <= left <= 1.0 + one and -other <= self._begun <= 1.0 + other:
                 return
         self._begun = 0.0
         what = "an inner corner that the cutter cannot reach without gouging"

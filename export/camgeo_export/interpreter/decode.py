@@ -14,7 +14,7 @@ from camgeo_export.interpreter.rules import Findings
 READ: Final = frozenset("DEFGHIJKMNOPQRSTXYZ")
 """Letters whose words are read."""
 
-ADDRESSES: Final = {"CR": "R", "TURN": "TURN"}
+ADDRESSES: Final = {"CR": "R", "OFFN": "OFFN", "TURN": "TURN"}
 """Further addresses that are read, and the names of their values."""
 
 WHOLE: Final = frozenset("DHNT")

@@ -36,7 +36,7 @@ ALWAYS: Final = frozenset("FNOS")
 
 MOTION: Final = frozenset({"motion"})
 
-TOOLS: Final = frozenset("DHT")
+TOOLS: Final = frozenset({"D", "H", "T", "OFFN"})
 """Words that do something without a G or M word."""
 
 SIMPLE: Final = ("plane", "distance", "centres", "cycle")
@@ -267,6 +267,9 @@ class Executor:
 
     def _compensation(self, block: Block) -> None:
         state = self.state
+        if "OFFN" in block.values:
+            self._used.add("OFFN")
+            state.oversize = block.value("OFFN") * self._scale
         found = block.codes.get("compensation")
         if found is None:
             return

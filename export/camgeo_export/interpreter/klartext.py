@@ -42,6 +42,9 @@ FORM: Final = re.compile(r"(?:BLK\s++FORM|TOOL\s++DEF)\b.*", re.ASCII)
 
 CALL: Final = re.compile(r"TOOL\s++CALL(?:\s++(\d++|\"[^\"]*\"))?(?:\s++([XYZ])\b)?(.*)", re.ASCII)
 
+DELTA: Final = re.compile(rf"\bD(?:R\s*+(?P<radius>{NUMBER})|[LR]\d*\s*+[-+]?[\d.]++)", re.ASCII)
+"""What a call adds to the length and the radius of the tool in the table."""
+
 CYCLE: Final = re.compile(r"CYCL\s++DEF\s++(\d++)(?:\.(\d++))?\b(.*)", re.ASCII)
 
 PARAMETER: Final = re.compile(r"Q\d++\s*=.*", re.ASCII)
@@ -143,7 +146,9 @@ class Klartext:
         return [block]
 
     def _tool_call(self, line: int, found: re.Match[str]) -> list[Block]:
-        block = self._words(line, re.sub(r"\bD[LR]\d*\s*+[-+]?[\d.]++", "", found[3]))
+        block = self._words(line, DELTA.sub("", found[3]))
+        over = [number_of(each["radius"]) for each in DELTA.finditer(found[3]) if each["radius"]]
+        self._state.oversize = (over[-1] or 0.0) * self._state.scale if over else 0.0
         if found[1] is None:  # another speed of the same tool
             self._tool_feed = block.values.get("F", self._tool_feed)
             return [block]

@@ -209,6 +209,7 @@ class Mover:
             line=block.line,
             compensation=state.side,
             radius_offset=state.radius_offset,
+            oversize=state.oversize if state.side else 0.0,
             coolant=state.coolant,
             work_offset=state.work_offset,
         )
@@ -263,10 +264,10 @@ class Mover:
         if state.side:
             radius = state.stated_radius
             if math.isnan(radius):
-                radius = self._radii.get(state.radius_offset, math.nan)
+                radius = self._radii.get(state.radius_offset, math.nan) + state.oversize
             if move.kind != "rapid" or move.start != move.end:
                 self._compensator.take(move, state.side, radius)
         elif state.left_compensation:
-            radius = self._radii.get(move.tool, math.nan)
+            radius = self._radii.get(move.tool, math.nan) + state.oversize
             self._compensator.leave(move, radius)
             state.left_compensation = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from camgeo.reading import PROGRAM, check_text, lines_of
@@ -14,6 +14,7 @@ from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.loops import closed_paths
 from camgeo_export.gcode.moves import CutterMove, Event, Loop
+from camgeo_export.interpreter.centre import Radius, centres
 from camgeo_export.interpreter.controller import Controller, controller_of
 from camgeo_export.interpreter.decode import decode
 from camgeo_export.interpreter.execute import Executor
@@ -61,6 +62,7 @@ class Run:
         a stop is for the operator and left out.
     findings : by line.
     complete : whether the program was read to its end, not up to the last finding allowed.
+    central : whether all moves are those of the cutter's centre, also compensated ones.
     """
 
     mm_per_unit: float
@@ -72,6 +74,7 @@ class Run:
     events: tuple[Event, ...]
     findings: tuple[LineFinding, ...]
     complete: bool
+    central: bool = False
 
     def loops(self, gap: float = 0.0) -> list[Loop]:
         """Closed runs of cuts, see `camgeo_export.gcode.loops`."""
@@ -80,7 +83,13 @@ class Run:
     @property
     def compensated(self) -> CutterMove | None:
         """The first move whose path is not that of the cutter's centre; None if there is none."""
+        if self.central:
+            return None
         return next((move for move in self.moves if move.compensation), None)
+
+    def centred(self, radius: Radius) -> Run:
+        """The same along the cutter's centre, with what `radius` says of compensated moves."""
+        return replace(self, moves=centres(self.moves, radius), central=True)
 
     def refuse(self, *concerns: str) -> None:
         """Raise FileError with the first finding that concerns one of these, or anything."""

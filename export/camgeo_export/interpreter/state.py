@@ -28,6 +28,7 @@ class State:
         change.
     radius_offset : number of the radius offset of the compensation.
     stated_radius : of the compensation, where the program states it itself; NaN if it does not.
+    oversize : what the program adds to the radius of the tool table [mm].
     work_offset : word of the work offset; empty before one is stated.
     blending, naive_cam : how far the path may leave the programmed one; infinite without a bound.
     operation : the last one named by a comment.
@@ -55,6 +56,7 @@ class State:
     measured: int = 0
     radius_offset: int = 0
     stated_radius: float = math.nan
+    oversize: float = 0.0
     work_offset: str = ""
     blending: float = math.inf
     naive_cam: float = math.inf

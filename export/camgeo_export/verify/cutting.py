@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from itertools import zip_longest
 
 from camgeo.errors import ToleranceError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
+from camgeo.toolpath.compensation import Limit, mode_of, side_of
 from camgeo.toolpath.cut import ContourCut, Cut, PointCut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
@@ -16,7 +18,13 @@ from camgeo.toolpath.moves import Heights
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
-from camgeo_export.gcode.comments import Stated, about_operation, about_program, comment_texts
+from camgeo_export.gcode.comments import (
+    Stated,
+    about_operation,
+    about_program,
+    comment_texts,
+    spelled,
+)
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
 
@@ -200,6 +208,18 @@ def _cutters(cuts: Sequence[Cut], stated: Stated) -> Check:
     return failed("cutters", f"its comments name {text or 'none'}, not {expected}")
 
 
+def _of_operations(product: Product, grid: Grid, stated: Stated, machine: Machine) -> Iterator[str]:
+    """The comments on each operation, with the offsets that they state themselves."""
+    offsets = iter(stated.offsets)
+    for cut in product.milled.cuts:
+        said = ""
+        if side_of(cut) and machine.compensation is not None:
+            tool, most = cut.tool, next(offsets, math.nan)
+            limit = Limit(cut.name, mode_of(cut), tool.number, tool.radius, most)
+            said = limit.sentence(machine.compensation, partial(spelled, unit=product.unit))
+        yield from about_operation(cut, grid, said)
+
+
 def _comments(product: Product, program: Run, stated: Stated, machine: Machine) -> Check:
     """That a program of our own version has the comments that it writes; the scene is checked
     elsewhere.
@@ -216,8 +236,7 @@ def _comments(product: Product, program: Run, stated: Stated, machine: Machine) 
         return unkept
     grid = Grid(shares.decimals, MM_PER[product.unit])
     texts = about_program(product, machine, shares, product.milled.cuts, stated.scene)
-    for cut in product.milled.cuts:
-        texts += about_operation(cut, grid)
+    texts += _of_operations(product, grid, stated, machine)
     expected = [line.strip() for line in comment_texts(texts, machine.text)]
     for found, wanted in zip_longest(program.comments, expected, fillvalue=""):
         if found != wanted:

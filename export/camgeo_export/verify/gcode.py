@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.reading import PROGRAM, check_text
+from camgeo.toolpath.compensation import mode_of, side_of
 from camgeo.toolpath.cut import AreaCut, ContourCut
 from camgeo.toolpath.machine import Machine, load
+from camgeo.toolpath.tool import CONTROL
 from camgeo.verifying.linting import Bench, LineFinding
 from camgeo.verifying.verification import (
     Check,
@@ -24,6 +27,7 @@ from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
+from camgeo_export.gcode.compensated import centred, fault_of
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, notes_of, run_bytes
@@ -81,9 +85,11 @@ class GcodeVerifier:
         unit = NAMES.get(program.mm_per_unit, "unknown")
         checks = [unit_check(unit, reading, product.unit, f"the scene is in {product.unit}")]
         checks += [_without(program, name, *concerns) for name, concerns in CONCERNS.items()]
-        if (move := program.compensated) is not None:
-            note = f"line {move.line}: the control keeps the cutter off the path by what it knows"
-            checks.append(failed("compensation", note))
+        compensated = (*_compensation(product, program, machine, reading),)
+        checks += compensated
+        rest = 0.0
+        if all(check.ok for check in compensated):
+            program, rest = centred(product.milled.cuts, program, machine)
         mismatch = max((move.mismatch for move in program.moves), default=0.0)
         note = "radii of an arc at its two ends"
         checks.append(at_most("arc ends", mismatch, limits.radius_tolerance, "mm", note=note))
@@ -91,7 +97,7 @@ class GcodeVerifier:
         note = "" if math.isfinite(blending) else "G64 without P sets no bound"
         checks.append(at_most("path blending", blending, tolerance, "mm", note=note))
         arcs = any(move.kind == "arc" for move in program.moves)
-        extra = blending + (limits.interpolation if arcs else 0.0)
+        extra = blending + rest + (limits.interpolation if arcs else 0.0)
         checks += _paths(product, program, tolerance, extra)
         if reading.ours:
             said = stated(program.comments)
@@ -110,6 +116,23 @@ class GcodeVerifier:
         ):
             return ()
         return work_findings(product, program)
+
+
+def _compensation(
+    product: Product, program: Run, machine: Machine, reading: Reading
+) -> Iterator[Check]:
+    """Programs of ours are compensated as they are to be; of others the offsets are not known."""
+    move, cuts = program.compensated, product.milled.cuts
+    if not reading.ours:
+        if move is not None:
+            note = f"line {move.line}: the control keeps the cutter off the path by what it knows"
+            yield failed("compensation", note)
+    elif fault := fault_of(cuts, program, machine, stated(program.comments)):
+        yield failed("compensation", fault)
+    elif move is not None:
+        for cut, most in zip(filter(side_of, cuts), stated(program.comments).offsets, strict=True):
+            note = f"its offset may be {most:g} mm off, either way"
+            yield Check("compensation", cut.name, mode_of(cut), ok=True, note=note)
 
 
 def _without(program: Run, name: str, *concerns: str) -> Check:
@@ -153,7 +176,10 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
             )
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
                 wanted = cut.cleared and cut.room > 0.0
-                checks += lead_checks(program, cut.name, contour, heights, tolerance, wanted=wanted)
+                checks += lead_checks(
+                    program, cut.name, contour, heights, tolerance, wanted=wanted,
+                    across=mode_of(cut) == CONTROL,
+                )  # fmt: skip
     for name, loop in loops:
         if name not in shapes:
             note = f"a closed path at Z {loop.z:g} mm belongs to no operation of the part"

@@ -6,7 +6,7 @@ The closed path itself is proved elsewhere; the leads are checked by samples.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -30,6 +30,7 @@ def lead_checks(
     tolerance: float,
     *,
     wanted: bool,
+    across: bool = False,
 ) -> list[Check]:
     """Checks of all cuts at its heights that one operation makes off its closed path.
 
@@ -39,6 +40,8 @@ def lead_checks(
     heights : at which it is cut [mm].
     tolerance : [mm].
     wanted : whether each pass must begin and end off the path.
+    across : whether the outer pieces of leads go across to them, as the controller takes up the
+        radius of the cutter there.
     """
     vertices = set(path.vertices.tolist())
 
@@ -52,11 +55,13 @@ def lead_checks(
     def is_lead(move: CutterMove) -> bool:
         return is_cut(move) and not (move.start in vertices and move.end in vertices)
 
+    outer = set(_switching(program.moves)) if across else set()
     leads = [move for move in program.moves if is_lead(move)]
     pairs = [
         (before, after)
         for before, after in pairwise(program.moves)
         if is_cut(before) and is_cut(after) and (is_lead(before) or is_lead(after))
+        if before.line not in outer and after.line not in outer
     ]
     checks = []
     if wanted:
@@ -68,6 +73,13 @@ def lead_checks(
     if leads:
         checks.append(_gouge(leads, path, tolerance, operation))
     return checks + ([_kink(pairs, tolerance, operation)] if pairs else [])
+
+
+def _switching(moves: Sequence[CutterMove]) -> Iterator[int]:
+    """Lines of the moves in which compensation begins and ends."""
+    for before, after in pairwise(moves):
+        if bool(before.compensation) != bool(after.compensation):
+            yield after.line
 
 
 def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: str) -> Check:

@@ -1,0 +1,305 @@
+"""Programs whose finishes run under the control's compensation: written, read, run by LinuxCNC."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import Final
+
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.product.product import Product
+from camgeo.scene.load import parse_scene
+from camgeo.toolpath.machine import load, names
+from camgeo.verifying.verification import Check, Reading
+from camgeo_export.errors import FileError
+from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.moves import CutterMove
+from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import Run, run
+from camgeo_export.verify.gcode import VERIFIER
+from tests.interpreter.test_stated_milling import CAM
+from tests.judges import rs274
+from tests.judges.paths import difference
+
+TOLERANCE: Final = 0.02
+
+HAVE: Final = tuple(name for name in names() if load(name).compensation is not None)
+
+TABBED: Final = """[holding]
+kind = "tabs"
+through = 0.3
+count = 3
+width = 5
+height = 1.5
+"""
+
+CHUCKED: Final = """[stock]
+shape = "round"
+diameter = 53
+bore = 18
+[holding]
+kind = "fixture"
+through = 0.3
+"""
+
+HELD: Final = {"wear": TABBED, "control": CHUCKED}
+
+FINISHES: Final = {"wear": ("bore", "outline"), "control": ("outline",)}
+
+
+@cache
+def product(mode: str, machine: str = "linuxcnc", unit: str = "mm") -> Product:
+    text = f'{CAM}machine = "{machine}"\ncompensation = "{mode}"\n{HELD[mode]}'
+    if unit == "inch":
+        text += '[units]\nlength = "inch"\n'
+        text = re.sub(
+            r"^(base_radius|roller_radius|to|thickness|bore|diameter|flute_length|feed|plunge_feed"
+            r"|stepdown|stepover|clearance_height|retract_height|through|width|height) = ([\d.]+)$",
+            lambda found: f"{found[1]} = {float(found[2]) / 25.4:.7f}",
+            text,
+            flags=re.MULTILINE,
+        )
+    return Design(parse_scene(text)).discs[0]
+
+
+@cache
+def program(mode: str, machine: str = "linuxcnc") -> str:
+    return WRITER.write(product(mode, machine), TOLERANCE).data.decode()
+
+
+def checks(mode: str, machine: str, text: str) -> list[Check]:
+    reading = Reading("a.nc", ours=True)
+    return list(VERIFIER.checks(product(mode, machine), text.encode(), reading, TOLERANCE))
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "heidenhain", "sinumerik"])
+def test_programs_in_inches(machine: str) -> None:
+    disc = product("wear", machine, "inch")
+    text = WRITER.write(disc, TOLERANCE).data.decode()
+    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
+    reading = Reading("a.nc", ours=True)
+    found = VERIFIER.checks(disc, text.encode(), reading, TOLERANCE)
+    assert [check for check in found if check.ok is False] == []
+    nominal = {"linuxcnc": "G41 D4", "heidenhain": "DR-0.19685", "sinumerik": "OFFN=-0.19685"}
+    assert nominal[machine] in text
+
+
+def bad(mode: str, machine: str, text: str) -> list[str]:
+    return [check.name for check in checks(mode, machine, text) if check.ok is False]
+
+
+def compensated(found: Run) -> list[CutterMove]:
+    return [move for move in found.moves if move.compensation]
+
+
+@pytest.mark.parametrize("mode", HELD)
+@pytest.mark.parametrize("machine", HAVE)
+def test_programs_are_clean_verify_and_measure(machine: str, mode: str) -> None:
+    text, profile, disc = program(mode, machine), load(machine), product(mode, machine)
+    found = run(text, profile, bench_of(disc, profile))
+    assert found.findings == ()
+    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
+    assert bad(mode, machine, text) == []
+    told = [check.of for check in checks(mode, machine, text) if check.name == "compensation"]
+    assert tuple(told) == FINISHES[mode] == tuple({m.operation: 0 for m in compensated(found)})
+
+
+@pytest.mark.parametrize("machine", HAVE)
+def test_without_wear_the_path_is_the_computed_one(machine: str) -> None:
+    """What is programmed for wear is the centre's path; only the leads differ."""
+    disc, profile = product("wear", machine), load(machine)
+    plain = Design(disc.scene.with_values({"output.gcode.compensation": "computed"})).discs[0]
+    bench = bench_of(disc, profile)
+    own = run(WRITER.write(plain, TOLERANCE).data.decode(), profile, bench)
+    worn = run(program("wear", machine), profile, bench)
+    for name in FINISHES["wear"]:
+        first, second = (
+            [loop.contour for loop in each.loops() if loop.operation == name]
+            for each in (own, worn)
+        )
+        assert len(first) == len(second) > 0
+        for one, other in zip(first, second, strict=True):
+            assert {*one.vertices.tolist()} == {*other.vertices.tolist()}
+
+
+@pytest.mark.parametrize("off", [0.1, -0.1, 0.3])
+def test_with_wear_the_path_is_the_exact_parallel(off: float) -> None:
+    found = run(program("wear"), load("linuxcnc")).centred(lambda _: off)
+    for cut in product("wear").milled.contour_cuts:
+        loops = [loop for loop in found.loops(1e-3) if loop.operation == cut.name]
+        if cut.name not in FINISHES["wear"]:
+            continue
+        parallel = cut.centre.offset(off)
+        assert loops
+        for loop in loops:
+            assert parallel.deviation(loop.contour.counter_clockwise()) <= TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("mode", "off"),
+    [("wear", 0.0), ("wear", 0.1), ("wear", -0.1), ("control", 5.0), ("control", 5.2)],
+)
+def test_linuxcnc_runs_the_same_path(mode: str, off: float) -> None:
+    """With the diameter of the offset stated in place of its number."""
+    if reason := rs274.absent():
+        pytest.skip(reason)
+    text = program(mode).replace("G41 D4", f"G41.1 D{2.0 * off:g}")
+    legs, said = rs274.run(text)
+    assert said == ""
+    found = run(text, load("linuxcnc")).centred(lambda _: off)
+    assert difference(found, legs) < 1e-9
+
+
+def test_the_words_are_those_of_each_machine() -> None:
+    own = {
+        "fanuc": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+        "haas": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+        "heidenhain": ("wear", "TOOL CALL 4 Z S3000 DR-5.0000", " RL "),
+        "linuxcnc": ("control", "G1 G41 D4 X", "G1 G40 X"),
+        "mach3": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+        "sinumerik": ("wear", "G1 G41 OFFN=-5.0000 X", "G1 G40 OFFN=0 X"),
+    }
+    assert tuple(sorted(own)) == HAVE
+    for machine, (mode, *words) in own.items():
+        for word in words:
+            assert program(mode, machine).count(word) >= len(FINISHES[mode]), (machine, word)
+    assert "OFFN=-" not in program("control", "sinumerik")
+    assert "DR-5" not in program("control", "heidenhain").replace("DR- ", "")
+
+
+def test_the_operator_is_told_what_the_offset_holds() -> None:
+    def told(mode: str, machine: str) -> str:
+        notes = " ".join(note for note in run(program(mode, machine), load(machine)).comments)
+        return " ".join(re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes))
+
+    assert "D4 holds twice the wear alone, 0 for a new cutter" in told("wear", "linuxcnc")
+    assert "D4 HOLDS THE WEAR ALONE" in told("wear", "fanuc").upper()
+    assert "tool 4 holds the radius that is measured, 5 mm nominally" in told("wear", "sinumerik")
+    assert "offset 4 holds the diameter that is measured, 10 mm" in told("control", "linuxcnc")
+
+
+@pytest.mark.parametrize(
+    ("machine", "change"),
+    [
+        ("linuxcnc", ("G41 D4 ", "")),  # never on
+        ("linuxcnc", ("G41", "G42")),  # the other side
+        ("linuxcnc", ("G41 D4", "G41 D5")),  # another offset
+        ("linuxcnc", ("G1 G40", "G1")),  # never off
+        ("heidenhain", (" DR-5.0000", "")),  # the whole radius on top of the computed path
+        ("sinumerik", ("OFFN=-5.0000", "OFFN=-4.0000")),
+        ("linuxcnc", ("most 0.", "most 2.")),  # more than there is room for
+    ],
+)
+def test_a_program_compensated_in_another_way_does_not_verify(
+    machine: str, change: tuple[str, str]
+) -> None:
+    text = program("wear", machine)
+    assert change[0] in text
+    changed = text.replace(*change)
+    assert set(bad("wear", machine, changed)) & {"compensation", "arcs", "frame"}
+    with pytest.raises(FileError):
+        WRITER.measure(product("wear", machine), changed.encode())
+
+
+def test_what_is_told_of_the_wear_holds_and_not_much_more() -> None:
+    """The control accepts it either way, and none three times as large."""
+    (bore, outline) = re.findall(r"wear at most ([\d.]+) mm", program("wear").replace(")\n(", " "))
+    for name, most in (("bore", bore), ("outline", outline)):
+        own = [check for check in checks("wear", "linuxcnc", program("wear")) if check.of == name]
+        assert any(f"{float(most):g} mm" in check.note for check in own)
+    thrice = program("wear").replace(outline, f"{3.0 * float(outline):.3f}")
+    assert bad("wear", "linuxcnc", thrice)[0] == "compensation"
+
+
+@pytest.mark.parametrize(
+    ("mode", "changes", "fault"),
+    [
+        ("wear", {"machine": "grbl"}, 'compensation = "wear": must be one of "computed" for Grbl'),
+        ("worn", {}, 'compensation = "worn": must be one of "computed", "wear", "control"'),
+    ],
+)
+def test_wrong_values_are_refused_with_their_key(
+    mode: str, changes: dict[str, str], fault: str
+) -> None:
+    machine = changes.get("machine", "linuxcnc")
+    with pytest.raises(SceneError) as caught:
+        parse_scene(f'{CAM}machine = "{machine}"\ncompensation = "{mode}"\n{TABBED}')
+    assert [str(each) for each in caught.value.faults if fault in str(each)], str(caught.value)
+
+
+OPERATIONS: Final = """[[operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.3
+[[operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+"""
+
+
+def of_operations(operations: str, machine: str = "linuxcnc", default: str = "") -> Product:
+    text = f'{CAM}machine = "{machine}"\n{default}{CHUCKED}{operations}'
+    return Design(parse_scene(text)).discs[0]
+
+
+def test_an_operation_says_its_own() -> None:
+    cuts = of_operations(f'{OPERATIONS}compensation = "wear"\n').milled.contour_cuts
+    assert [(cut.name, cut.compensation) for cut in cuts] == [("outline", "wear")]
+    default = 'compensation = "wear"\n'
+    own = f'{OPERATIONS}compensation = "computed"\n'
+    cuts = of_operations(own, default=default).milled.contour_cuts
+    assert [cut.compensation for cut in cuts] == ["computed"]
+
+
+@pytest.mark.parametrize(
+    ("operations", "fault"),
+    [
+        (
+            OPERATIONS.replace("allowance = 0.3", 'compensation = "wear"'),
+            'operation[1].compensation = "wear": belongs to kind "finish"',
+        ),
+        (f'{OPERATIONS}compensation = "worn"\n', "operation[2].compensation"),
+    ],
+)
+def test_an_operation_that_cannot_have_it_is_refused(operations: str, fault: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        of_operations(operations)
+    assert fault in str(caught.value)
+
+
+def test_a_machine_without_it_refuses_it_in_an_operation() -> None:
+    with pytest.raises(SceneError) as caught:
+        of_operations(f'{OPERATIONS}compensation = "control"\n', "grbl")
+    assert 'operation[2].compensation = "control": must be one of "computed" for Grbl' in str(
+        caught.value
+    )
+
+
+def test_a_finish_in_full_material_cannot_be_compensated() -> None:
+    finish = OPERATIONS[OPERATIONS.index('[[operation]]\nkind = "finish"') :]
+    found = of_operations(f'{finish}compensation = "wear"\n')
+    with pytest.raises(SceneError, match="needs a wall that is roughed") as caught:
+        WRITER.write(found, TOLERANCE)
+    assert caught.value.faults[0].key == "operation[1].compensation"
+
+
+def test_one_offset_cannot_hold_wear_and_radius() -> None:
+    second = OPERATIONS[OPERATIONS.index('[[operation]]\nkind = "finish"') :]
+    found = of_operations(
+        f'{OPERATIONS}compensation = "wear"\n{second}name = "again"\ncompensation = "control"\n'
+    )
+    with pytest.raises(SceneError, match="its offset cannot hold both"):
+        WRITER.write(found, TOLERANCE)
+
+
+def test_where_leads_have_no_room_for_the_radius_control_is_refused() -> None:
+    text = f'{CAM}compensation = "control"\n{TABBED}'
+    found = Design(parse_scene(text)).discs[0]
+    with pytest.raises(SceneError, match='"wear" needs less') as caught:
+        WRITER.write(found, TOLERANCE)
+    assert caught.value.faults[0].key == "output.gcode.compensation"
