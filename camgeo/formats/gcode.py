@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from camgeo.declared import schema_beside
 from camgeo.formats.format import Format, Values, groove_has_a_depth
-from camgeo.toolpath.spec import EARLIER, NEEDED, STATE, GcodeSpec
+from camgeo.toolpath.spec import AXIS, EARLIER, NEEDED, STATE, GcodeSpec
 
 TABLE: Final = ("output", "gcode")
 
@@ -112,6 +112,13 @@ def machine_has(values: Values) -> Iterator[tuple[str, str]]:
             yield key, f"must be one of {choices} for {profile.name}"
 
 
+def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
+    """The corner of the blank on which the program's zero is."""
+    zero = values.get(*TABLE, "zero")
+    if zero not in (None, AXIS) and (values.lacks("stock", "length") or values.lacks("stock")):
+        yield "zero", "needs a plate whose length and width are stated in [stock]"
+
+
 def program_suffix(spec: GcodeSpec) -> str:
     """That of the machine's programs; SceneError if there is no such machine."""
     from camgeo.toolpath.machine import load  # a declaration imports nothing that computes
@@ -132,6 +139,7 @@ FORMAT: Final = Format(
         earlier_keys_state_a_whole_tool,
         tool_fits,
         machine_has,
+        a_corner_is_known,
     ),
     program_suffix,
 )

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
     from camgeo.toolpath.stages import Flaw
+    from camgeo.toolpath.zero import Zero
 
 Planned = TypeVar("Planned")
 
@@ -132,6 +133,15 @@ class MilledDisc(Pickled):
             " spindle, and Z 0 set with it, at the start"
         )
         return (own, *told)
+
+    @property
+    def zero(self) -> Zero:
+        """Of the program; raises SceneError if the blank has no such corner."""
+        from camgeo.toolpath.stock import Stock
+        from camgeo.toolpath.zero import zero_of
+
+        stock = Stock() if self.spec is None else self.spec.stock
+        return self._planned(lambda: zero_of(self.options[FORMAT], stock, self.drawn.part))
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -106,6 +106,10 @@ class Clamp:
 
     def __post_init__(self) -> None:
         check_fields(self, "clamp.")
+
+    def seen_from(self, place: complex) -> Clamp:
+        """The same with its place seen from another one than the cam axis [mm]."""
+        return replace(self, place=self.place - place)
 
     @property
     def obstacle(self) -> Obstacle:

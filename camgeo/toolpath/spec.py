@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, instance, number, whole
+from camgeo.numeric.checked import check_fields, instance, number, one_of, whole
 from camgeo.toolpath.tool import (
     COMPUTED,
     CompensationWord,
@@ -25,6 +27,23 @@ if TYPE_CHECKING:
 
 LONGEST_SPIN_UP: Final = 600.0
 """Seconds that a spindle may take."""
+
+AXIS: Final = "axis"
+
+CORNERS: Final[Mapping[str, tuple[int, int]]] = MappingProxyType(
+    {
+        "front-left": (-1, -1),
+        "front-right": (1, -1),
+        "back-left": (-1, 1),
+        "back-right": (1, 1),
+    }
+)
+"""Corners of a plate, seen by who stands where y is least: on which sides in x and y they lie."""
+
+PART_TOP: Final = "part-top"
+
+HEIGHTS: Final = (PART_TOP, "part-bottom", "blank-top", "blank-bottom")
+"""Faces on which Z may be 0."""
 
 CLEARANCE: Final = 5.0
 """Z of traverses [mm] unless a scene states it."""
@@ -64,6 +83,8 @@ class GcodeSpec:
         the machine's retract is a height; None for the clearance height.
     coolant : "off" or another kind that the machine has, for tools that do not state theirs.
     compensation : one of `COMPENSATIONS`, of finishes that do not state theirs.
+    zero : where X and Y are 0: "axis" of the cam or one of `CORNERS`.
+    zero_height : where Z is 0: one of `HEIGHTS`.
     work_offset : its name in the machine's profile; empty for the first there.
     spin_up : dwell behind the start of the spindle [s]; None for the machine's own.
     program_number : on controllers that number programs.
@@ -83,6 +104,8 @@ class GcodeSpec:
     tool_change_height: Length | None = None
     coolant: CoolantWord = "off"
     compensation: CompensationWord = COMPUTED
+    zero: Annotated[str, partial(one_of, choices=(AXIS, *CORNERS))] = AXIS
+    zero_height: Annotated[str, partial(one_of, choices=HEIGHTS)] = PART_TOP
     work_offset: Text = ""
     spin_up: SpinUp | None = None
     program_number: ProgramNumber = 1

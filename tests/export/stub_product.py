@@ -44,6 +44,7 @@ from camgeo.toolpath.spec import GcodeSpec
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.zero import OF_THE_PART, Zero
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.chain import chain
 
@@ -264,6 +265,10 @@ class StubProduct(Product):
     @property
     def sequence(self) -> Sequence:
         return Sequence(self.cuts, ())
+
+    @property
+    def zero(self) -> Zero:
+        return OF_THE_PART
 
     @property
     def told(self) -> tuple[str, ...]:

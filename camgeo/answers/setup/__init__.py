@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
@@ -22,8 +22,7 @@ from camgeo.toolpath.sequence import SEQUENCE
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
-
-ZERO: Final = "X 0, Y 0 on the cam axis, Z 0 on the upper face of the finished disc"
+from camgeo.toolpath.zero import Zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +35,14 @@ class Step:
     seconds : its machining time; None where the machine's dynamics are not known.
     engaged : how its cutter is engaged, if it clears an area.
     compensation : what the offset of its tool holds, and how far it may be off; or empty.
+    base : Z of the program's zero above the upper face of the part [mm].
     """
 
     operation: Operation
     seconds: float | None
     engaged: Engaged | None = None
     compensation: str = ""
+    base: float = 0.0
 
     @property
     def name(self) -> str:
@@ -60,8 +61,8 @@ class Step:
 
     @property
     def lowest(self) -> float:
-        """Z of the tip at its deepest [mm]."""
-        return min(move.end[2] for move in self.operation.travel)
+        """Z of the tip at its deepest, from the program's zero [mm]."""
+        return min(move.end[2] for move in self.operation.travel) - self.base
 
     @property
     def stops(self) -> tuple[str, ...]:
@@ -130,18 +131,24 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
-    part = milled.drawn.part
+    part, zero = milled.drawn.part, milled.zero
     told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
         options.work_offset or next(iter(machine.work_offsets)),
-        _blank(spec.stock, part.layers[-1].z1 - part.layers[0].z0),
-        _holding(spec.holding),
-        ZERO,
-        _traverses(options.heights),
+        _blank(spec.stock, part.layers[-1].z1 - part.layers[0].z0, zero),
+        _holding(spec.holding, zero),
+        zero.sentence,
+        _traverses(options.heights, zero),
         _tools(toolpath),
-        _steps(toolpath, times_on(machine, toolpath, tolerance), milled.engaged(toolpath), machine),
+        _steps(
+            toolpath,
+            times_on(machine, toolpath, tolerance),
+            milled.engaged(toolpath),
+            machine,
+            zero,
+        ),
         (*told, *_programs(design, machine)),
         milled.flaws(toolpath, tolerance),
     )
@@ -152,6 +159,7 @@ def _steps(
     times: Sequence[OperationTime] | None,
     found: Sequence[Engaged],
     machine: Machine,
+    zero: Zero,
 ) -> tuple[Step, ...]:
     seconds = {} if times is None else {each.name: each.seconds for each in times}
     engaged = {each.operation: each for each in found}
@@ -162,8 +170,8 @@ def _steps(
         if words is not None
     }
     return tuple(
-        Step(each, seconds.get(each.name), engaged.get(each.name), told.get(each.name, ""))
-        for each in toolpath.operations
+        Step(each, seconds.get(name), engaged.get(name), told.get(name, ""), zero.z)
+        for name, each in ((each.name, each) for each in toolpath.operations)
     )
 
 
@@ -183,8 +191,8 @@ def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
     return tuple(found.values())
 
 
-def _blank(stock: Stock, thickness: float) -> str:
-    """The blank in words."""
+def _blank(stock: Stock, thickness: float, zero: Zero) -> str:
+    """The blank in words, from the program's zero."""
     height = f"{thickness + stock.top + stock.bottom:g} mm high"
     if stock.diameter is not None:
         outline = f"round, diameter {stock.diameter:g} mm"
@@ -193,14 +201,14 @@ def _blank(stock: Stock, thickness: float) -> str:
     else:
         outline = "plate of unstated size"
     bore = "" if stock.bore is None else f", bore {stock.bore:g} mm"
-    where = f", its upper face at Z {stock.top:g}"
-    centre = stock.centre
+    where = f", its upper face at Z {stock.top - zero.z:g}"
+    centre = zero.of(stock.centre)
     off = f", its middle at X {centre.real:g}, Y {centre.imag:g}" if centre else ""
     return f"{outline}, {height}{bore}{where}{off}"
 
 
-def _holding(holding: Holding | None) -> str:
-    """The holding in words."""
+def _holding(holding: Holding | None, zero: Zero) -> str:
+    """The holding in words, from the program's zero."""
     if holding is None:
         return "not stated; no cut goes through"
     tabs = holding.tabs
@@ -211,21 +219,22 @@ def _holding(holding: Holding | None) -> str:
         CLAMPS: "clamps",
         SCREWS: "screws",
     }[holding.kind]
-    places = "; ".join(map(_clamp, holding.clamps))
+    places = "; ".join(_clamp(each, zero) for each in holding.clamps)
     through = f"; cuts go {holding.through:g} mm below the part" if holding.through else ""
     return f"{words}{': ' if places else ''}{places}{through}"
 
 
-def _clamp(clamp: Clamp) -> str:
-    """Where it stands, and when."""
-    body = clamp.obstacle
+def _clamp(clamp: Clamp, zero: Zero) -> str:
+    """Where it stands, from the program's zero, and when."""
+    body = clamp.seen_from(zero.place).obstacle
     since = f", from {clamp.since} on" if clamp.since else ""
     until = f", until {clamp.until}" if clamp.until else ""
-    return f"{body.name}, top at Z {body.top:g}{since}{until}"
+    return f"{body.name}, top at Z {body.top - zero.z:g}{since}{until}"
 
 
-def _traverses(heights: Heights) -> str:
-    """Their heights in words."""
-    if heights.retract == heights.clearance:
-        return f"at Z {heights.clearance:g}"
-    return f"at Z {heights.clearance:g} between operations, at Z {heights.retract:g} within them"
+def _traverses(heights: Heights, zero: Zero) -> str:
+    """Their heights in words, from the program's zero."""
+    clearance, retract = heights.clearance - zero.z, heights.retract - zero.z
+    if retract == clearance:
+        return f"at Z {clearance:g}"
+    return f"at Z {clearance:g} between operations, at Z {retract:g} within them"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import TextForm
+from camgeo.toolpath.zero import Zero
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import length_of
 from camgeo_export.gcode.blocks import Budget, Grid, number
@@ -47,7 +48,7 @@ def about_program(
     """Comments on the whole program, in its unit, exact lengths also in mm; `scene` is the hash of
     the scene to be named.
     """
-    unit = product.unit
+    unit, zero = product.unit, product.milled.zero
     tools = {cut.tool.number: cut.tool for cut in cuts}
 
     def length(mm: float) -> str:
@@ -60,7 +61,10 @@ def about_program(
         f"part {product.name}",
         f"camgeo {product.version}, for {machine.name}",
         f"scene {scene}" if scene else "",
-        f"unit {unit}, Z 0 on the upper face, origin on the cam axis",
+        f"unit {unit}, Z 0 on the upper face, origin on the cam axis"
+        if zero.is_of_the_part
+        else f"unit {unit}, {zero.sentence}",
+        *_from(zero, unit),
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
@@ -75,9 +79,17 @@ def about_program(
     return [part for part in parts if part]
 
 
-def about_operation(cut: Cut, grid: Grid, compensation: str = "") -> list[str]:
+def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
+    """Where the part is, seen from another zero than its own."""
+    if not zero.is_of_the_part:
+        axis, top = zero.of(0j), -zero.z
+        places = (number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top))
+        yield "cam axis at X {} Y {}, upper face of the finished disc at Z {}".format(*places)
+
+
+def about_operation(cut: Cut, grid: Grid, zero: Zero, compensation: str = "") -> list[str]:
     """Comments on one operation; `compensation` is what the operator has to know of it."""
-    depths = " ".join(grid.text(grid.steps(depth)) for depth in cut.depths)
+    depths = " ".join(grid.text(grid.steps(depth - zero.z)) for depth in cut.depths)
     return [f"operation {cut.name}", f"depths {depths}", compensation, cut.note]
 
 

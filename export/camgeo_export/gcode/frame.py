@@ -18,6 +18,7 @@ from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import filled
 from camgeo.toolpath.moves import Operation, Point, Stop, Toolpath
 from camgeo.toolpath.tool import WEAR, Tool
+from camgeo.toolpath.zero import OF_THE_PART, Zero
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.gcode.blocks import Budget, Grid, number
 from camgeo_export.gcode.comments import about_operation, commented, spelled
@@ -42,6 +43,7 @@ class Setup:
     number : of the program, on controllers that number them.
     away : Z at which tools are changed and the operator works [mm], where the machine's retract is
         a height; None for the clearance height.
+    zero : of its coordinates.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Setup:
     spin_up: float
     number: int = 1
     away: float | None = None
+    zero: Zero = OF_THE_PART
 
     @property
     def title(self) -> str:
@@ -77,7 +80,10 @@ class Program:
         grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
         machine = self.machine
         words = dialect(machine.dialect)
-        self.speller = Speller(grid, self.shares, machine.arcs, words, machine.numbers)
+        origin = self.setup.zero.point
+        self.speller = Speller(
+            grid, self.shares, machine.arcs, words, machine.numbers, origin=origin
+        )
 
     def start(self, about: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""
@@ -93,7 +99,8 @@ class Program:
         """One operation, from its comments to its last move, and away if the operator comes."""
         first = self._tool is None
         said = self._compensate(operation)
-        comments = self._commented(about_operation(operation.cut, self.speller.grid, said))
+        grid, zero = self.speller.grid, self.setup.zero
+        comments = self._commented(about_operation(operation.cut, grid, zero, said))
         self.lines += () if first else comments
         moves = programmed(operation)
         before = moves[1] if not first and len(moves) > 1 else None
@@ -120,7 +127,8 @@ class Program:
         if words is None or limit is None:
             return ""
         if limit.mode == WEAR:
-            radius = self.speller.height(limit.radius).removeprefix("+")
+            grid = self.speller.grid
+            radius = grid.text(grid.steps(limit.radius))
             self._nominal = words.nominal.format(radius=radius)
         number = str(limit.tool)
         self.speller.switches = {

@@ -27,6 +27,8 @@ def measure(product: Product, data: bytes) -> float:
     machine = load(spec.machine)
     program = run_bytes(data, machine, bench_of(product, machine), most=1)
     program.refuse("words", "path")
+    zero = product.milled.zero
+    program = program.seen_from(zero.place, zero.z)
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
     program.refuse()
@@ -56,13 +58,16 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def bench_of(product: Product, machine: Machine) -> Bench:
-    """The work of a program of ours: its blank, and its heights, which are printed rounded."""
+    """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
+    its own coordinates.
+    """
     heights, milling = product.options[FORMAT].heights, product.milled.spec
+    z = product.milled.zero.z
     step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
     names = tuple(cut.name for cut in product.milled.cuts)
     return Bench(
-        stock_top=0.0 if milling is None else milling.stock.top,
-        clearance=heights.retract - 0.5 * step,
+        stock_top=(0.0 if milling is None else milling.stock.top) - z,
+        clearance=heights.retract - z - 0.5 * step,
         operations=names,
     )
 

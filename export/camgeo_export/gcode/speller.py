@@ -33,6 +33,7 @@ class Speller:
     limits : of the machine's arcs.
     dialect : of the blocks.
     numbers : the form of numbers on the machine.
+    origin : the place of the part where the program's coordinates are 0 [mm].
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
     switches : words of the controller's compensation, by what they switch it to.
@@ -44,6 +45,7 @@ class Speller:
     limits: ArcLimits
     dialect: Dialect
     numbers: NumberForm
+    origin: Point = (0.0, 0.0, 0.0)
     blocks: list[str] = field(default_factory=list)
     switches: dict[str, str] = field(default_factory=dict)
     arcs: int = 0
@@ -75,15 +77,18 @@ class Speller:
 
     def at_height(self, height: float) -> bool:
         """Whether the cutter is at Z `height` [mm], as printed."""
-        return self._at[2] == self.grid.steps(height)
+        return self._at[2] == self._level(height)
 
     def height(self, height: float) -> str:
         """Z `height` [mm] as printed."""
-        return self.grid.text(self.grid.steps(height), signed=self.dialect.signed)
+        return self.grid.text(self._level(height), signed=self.dialect.signed)
+
+    def _level(self, height: float) -> int:
+        return self.grid.steps(height - self.origin[2])
 
     def reached(self, height: float) -> None:
         """A block of the program's own has moved the cutter to Z `height` [mm]."""
-        self._at = (*self._at[:2], self.grid.steps(height))
+        self._at = (*self._at[:2], self._level(height))
         self._exact_z = height
 
     def retract(self, height: float) -> None:
@@ -110,7 +115,8 @@ class Speller:
         self._exact, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
 
     def _steps(self, end: Point) -> Steps:
-        steps = self.grid.steps(end[0]), self.grid.steps(end[1]), self.grid.steps(end[2])
+        x, y, z = (place - base for place, base in zip(end, self.origin, strict=True))
+        steps = self.grid.steps(x), self.grid.steps(y), self.grid.steps(z)
         self.reach = max(self.reach, *map(abs, steps))
         return steps
 
@@ -156,7 +162,8 @@ class Speller:
                 z = low + (high - low) * part if part < 1.0 else high
                 self._straight(self._steps((point.real, point.imag, z)), feed)
             return
-        self._printed_arc(self._steps(move.end), centre, feed, ccw=move.ccw)
+        middle = centre - complex(*self.origin[:2])
+        self._printed_arc(self._steps(move.end), middle, feed, ccw=move.ccw)
 
     def _printed_arc(self, end: Steps, centre: complex, feed: str, *, ccw: bool) -> None:
         """An arc block between printed points, with a centre recomputed for them and checked."""

@@ -47,6 +47,7 @@ class GcodeWriter:
         _check_reach(program, machine)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
+            "zero": setup.zero.sentence,
             "arcs": program.speller.arcs,
             "lines": program.speller.lines,
             "decimals": shares.decimals,
@@ -114,8 +115,8 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
     number = spec.program_number + product.position + 2 * (product.program or 0)
-    away = spec.tool_change_height
-    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number, away)
+    zero, away = product.milled.zero, spec.tool_change_height
+    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number, away, zero)
 
 
 def _short(length: float) -> float:

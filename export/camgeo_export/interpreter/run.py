@@ -87,6 +87,24 @@ class Run:
             return None
         return next((move for move in self.moves if move.compensation), None)
 
+    def seen_from(self, place: complex, z: float) -> Run:
+        """The same in coordinates in which the program's zero is at a `place` and `z` [mm]."""
+        if not place and not z:
+            return self
+        moved = tuple(
+            replace(
+                move,
+                start=move.start + place,
+                end=move.end + place,
+                centre=move.centre + place if move.kind == "arc" else move.centre,
+                z_start=move.z_start + z,
+                z_end=move.z_end + z,
+            )
+            for move in self.moves
+        )
+        events = tuple(replace(each, at=each.at + place, z=each.z + z) for each in self.events)
+        return replace(self, moves=moved, events=events)
+
     def centred(self, radius: Radius) -> Run:
         """The same along the cutter's centre, with what `radius` says of compensated moves."""
         return replace(self, moves=centres(self.moves, radius), central=True)

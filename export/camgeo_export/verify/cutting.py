@@ -217,7 +217,7 @@ def _of_operations(product: Product, grid: Grid, stated: Stated, machine: Machin
             tool, most = cut.tool, next(offsets, math.nan)
             limit = Limit(cut.name, mode_of(cut), tool.number, tool.radius, most)
             said = limit.sentence(machine.compensation, partial(spelled, unit=product.unit))
-        yield from about_operation(cut, grid, said)
+        yield from about_operation(cut, grid, product.milled.zero, said)
 
 
 def _comments(product: Product, program: Run, stated: Stated, machine: Machine) -> Check:

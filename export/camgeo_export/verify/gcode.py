@@ -79,6 +79,8 @@ class GcodeVerifier:
         try:
             program = run_bytes(data, machine, bench, fatal=("words", "path"))
             program.refuse("words", "path")
+            zero = product.milled.zero
+            program = program.seen_from(zero.place, zero.z)
         except FileError as error:
             hint = "" if reading.ours else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)

@@ -1,0 +1,173 @@
+"""The zero of a program: on the axis or a corner of the blank, on a face of part or blank."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from functools import cache
+from typing import Final
+
+import pytest
+
+from camgeo.answers.render import text as rendered
+from camgeo.answers.setup import setup_sheet
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.product.product import Product
+from camgeo.scene.load import parse_scene
+from camgeo.toolpath.machine import load, names
+from camgeo.toolpath.spec import CORNERS, HEIGHTS
+from camgeo.verifying.verification import Reading
+from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.writer import WRITER
+from camgeo_export.interpreter.run import Run, run
+from camgeo_export.verify.gcode import VERIFIER
+from tests.interpreter.test_stated_milling import CAM
+
+TOLERANCE: Final = 0.02
+
+PLATE: Final = """[stock]
+length = 80
+width = 70
+centre = [3, -2]
+top = 1
+bottom = 2
+[holding]
+kind = "clamps"
+through = 0.3
+[[holding.clamp]]
+place = [38, 25]
+length = 8
+width = 12
+height = 8
+since = "rough bore"
+[[holding.clamp]]
+place = [0, 0]
+length = 24
+width = 24
+height = 9
+since = "rough outline"
+"""
+
+COARSE: Final = CAM.replace("stepover = 3", "stepover = 8")
+
+PLACES: Final = {
+    "axis": 0j,
+    "front-left": -37 - 37j,
+    "front-right": 43 - 37j,
+    "back-left": -37 + 33j,
+    "back-right": 43 + 33j,
+}
+
+LEVELS: Final = {"part-top": 0.0, "part-bottom": -6.0, "blank-top": 1.0, "blank-bottom": -8.0}
+
+COMBINED: Final = [
+    ("front-left", "blank-top"),
+    ("back-right", "part-bottom"),
+    ("axis", "blank-bottom"),
+]
+
+
+@cache
+def product(machine: str = "linuxcnc", zero: str = "axis", height: str = "part-top") -> Product:
+    keys = f'machine = "{machine}"\nzero = "{zero}"\nzero_height = "{height}"\n'
+    return Design(parse_scene(f"{COARSE}{keys}{PLATE}")).discs[0]
+
+
+def written(disc: Product) -> str:
+    return WRITER.write(disc, TOLERANCE).data.decode()
+
+
+def read(disc: Product, machine: str) -> Run:
+    return run(written(disc), load(machine), bench_of(disc, load(machine)))
+
+
+def test_all_corners_and_faces_are_where_they_say() -> None:
+    assert set(PLACES) == {"axis", *CORNERS}
+    assert set(LEVELS) == set(HEIGHTS)
+    for name, place in PLACES.items():
+        for height, z in LEVELS.items():
+            zero = product(zero=name, height=height).milled.zero
+            assert (zero.place, zero.z) == (place, z)
+            assert zero.of(place) == 0j
+
+
+@pytest.mark.parametrize(
+    ("machine", "zero", "height"),
+    [(name, *COMBINED[k % len(COMBINED)]) for k, name in enumerate(names())],
+)
+def test_programs_are_clean_and_verify(machine: str, zero: str, height: str) -> None:
+    disc = product(machine, zero, height)
+    text = written(disc)
+    found = run(text, load(machine), bench_of(disc, load(machine)))
+    assert found.findings == ()
+    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
+    checks = VERIFIER.checks(disc, text.encode(), Reading("a.nc", ours=True), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+
+
+@pytest.mark.parametrize("machine", ["linuxcnc", "heidenhain"])
+def test_the_path_is_that_of_the_axis_moved(machine: str) -> None:
+    """To rounding: both are printed with four decimals."""
+    own = read(product(machine), machine)
+    moved = read(product(machine, "front-left", "blank-top"), machine)
+    place, z = PLACES["front-left"], LEVELS["blank-top"]
+    pairs = list(zip(own.moves, moved.moves, strict=True))
+    assert len(pairs) > 50
+    for one, other in pairs:
+        assert one.kind == other.kind
+        for a, b in ((one.end, other.end), (one.start, other.start)):
+            assert cmath.isnan(a) or abs(a - place - b) < 2e-4
+        assert one.z_end == other.z_end == math.inf or abs(one.z_end - z - other.z_end) < 2e-4
+        if one.kind == "arc":
+            assert abs(one.centre - place - other.centre) < 4e-4
+
+
+def test_a_program_for_another_zero_does_not_verify() -> None:
+    reading = Reading("a.ngc", ours=True)
+    own = product(zero="front-left")
+    for other in (product(zero="front-right"), product(zero="front-left", height="blank-top")):
+        checks = VERIFIER.checks(own, written(other).encode(), reading, TOLERANCE)
+        assert [check.name for check in checks if check.ok is False]
+
+
+def test_program_sheet_and_certificate_say_where_it_is() -> None:
+    disc = product(zero="front-left", height="blank-top")
+    sentence = "X 0, Y 0 on the front left corner of the blank, Z 0 on the upper face of the blank"
+    notes = " ".join(run(written(disc), load("linuxcnc")).comments)
+    assert f"unit mm, {sentence}" in notes
+    assert "cam axis at X 37 Y 37, upper face of the finished disc at Z -1" in notes
+    assert "operation bore depths -7.3000" in notes
+    assert WRITER.write(disc, TOLERANCE).facts["zero"] == sentence
+    sheet = setup_sheet(Design(disc.scene), TOLERANCE)
+    assert sheet.zero == sentence
+    assert sheet.steps[-1].lowest == pytest.approx(-7.3)
+    shown = rendered(sheet)
+    assert "its upper face at Z 0, its middle at X 40, Y 35" in shown
+    assert "clamp at 75, 62 mm, top at Z 7" in shown
+
+
+def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> None:
+    notes = run(written(product()), load("linuxcnc")).comments
+    assert "unit mm, Z 0 on the upper face, origin on the cam axis" in notes
+    assert not any("cam axis at" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("keys", "stock", "fault"),
+    [
+        ('zero = "front-left"', "", 'zero = "front-left": needs a plate whose length and width'),
+        (
+            'zero = "front-left"',
+            '[stock]\nshape = "round"\ndiameter = 80\n',
+            'zero = "front-left": needs a plate whose length and width',
+        ),
+        ('zero = "left"', PLATE, 'zero = "left": must be one of "axis", "front-left"'),
+        ('zero_height = "top"', PLATE, 'zero_height = "top": must be one of "part-top"'),
+    ],
+)
+def test_wrong_values_are_refused_with_their_key(keys: str, stock: str, fault: str) -> None:
+    held = "" if "holding" in stock else '[holding]\nkind = "fixture"\nthrough = 0.3\n'
+    with pytest.raises(SceneError) as caught:
+        parse_scene(f"{CAM}{keys}\n{stock}{held}")
+    assert f"output.gcode.{fault}" in str(caught.value)
