@@ -43,7 +43,8 @@ let the first program run in air.
 FRAME: Final = """\
 ## What stands where in a program
 
-1. `program.start`, then comments on the whole program.
+1. `program.start`, `program.blank` if the outline of the blank is known, then comments on the whole
+   program.
 2. For each operation, so that it can be restarted alone: its comments, `program.safe_start`,
    smoothing, `retract.blocks`, `spindle.off` before another tool, `tool_change.change`,
    `tool_change.length_offset`, the approach with `spindle.clockwise`, the dwell and coolant, then

@@ -170,6 +170,7 @@ class ProgramFrame:
     Attributes
     ----------
     start : the first lines, before any comment; with {name}, {number} and {unit}.
+    blank : blocks behind them with the blank, where it is known; with {x0} to {z1}.
     safe_start : the modal state, stated at each operation; with {unit} and {work_offset}.
     end : the last lines, with spindle and coolant off; with {name} and {unit}.
     stop : halt until the operator starts again.
@@ -179,6 +180,7 @@ class ProgramFrame:
     end: Annotated[tuple[str, ...], blocks_with("name", "unit")]
     stop: Plain
     start: Annotated[tuple[str, ...], blocks_with("name", "number", "unit")] = ()
+    blank: Annotated[tuple[str, ...], blocks_with("x0", "y0", "z0", "x1", "y1", "z1")] = ()
 
     def __post_init__(self) -> None:
         check_fields(self, "program.")

@@ -147,6 +147,23 @@ def test_program_sheet_and_certificate_say_where_it_is() -> None:
     assert "clamp at 75, 62 mm, top at Z 7" in shown
 
 
+def test_the_blank_is_named_and_drawn_by_the_control() -> None:
+    """In the program's coordinates; a blank whose outline is not known has no box."""
+    lines = written(product("heidenhain", "front-left", "blank-top")).splitlines()
+    assert lines[1:3] == [
+        "1 BLK FORM 0.1 Z X+0.0000 Y+0.0000 Z-9.0000",
+        "2 BLK FORM 0.2 X+80.0000 Y+70.0000 Z+0.0000",
+    ]
+    for machine in names():
+        notes = " ".join(run(written(product(machine)), load(machine)).comments).lower()
+        said = "plate, 80 x 70 mm, 9 mm high, its upper face at z 1"
+        assert f"blank: {said}" in notes.replace("_", ":")
+    text = f'{CAM}machine = "heidenhain"\n[holding]\nkind = "fixture"\nthrough = 0.3\n'
+    unknown = written(Design(parse_scene(text)).discs[0])
+    assert "BLK FORM" not in unknown
+    assert "blank: plate of unstated size, 6 mm high" in unknown
+
+
 def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> None:
     notes = run(written(product()), load("linuxcnc")).comments
     assert "unit mm, Z 0 on the upper face, origin on the cam axis" in notes

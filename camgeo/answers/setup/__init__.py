@@ -12,6 +12,7 @@ from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene
+from camgeo.toolpath.blank import described
 from camgeo.toolpath.compensation import limits_of
 from camgeo.toolpath.engaged import Engaged
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Clamp, Holding
@@ -20,7 +21,6 @@ from camgeo.toolpath.machining_time import OperationTime, times_on
 from camgeo.toolpath.moves import Heights, Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
 from camgeo.toolpath.stages import Flaw
-from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
 from camgeo.toolpath.zero import Zero
 
@@ -131,13 +131,13 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
-    part, zero = milled.drawn.part, milled.zero
+    zero = milled.zero
     told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
         options.work_offset or next(iter(machine.work_offsets)),
-        _blank(spec.stock, part.layers[-1].z1 - part.layers[0].z0, zero),
+        described(spec.stock, milled.drawn.part, zero),
         _holding(spec.holding, zero),
         zero.sentence,
         _traverses(options.heights, zero),
@@ -189,22 +189,6 @@ def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
     for operation in toolpath.operations:
         found.setdefault(operation.tool.number, operation.tool)
     return tuple(found.values())
-
-
-def _blank(stock: Stock, thickness: float, zero: Zero) -> str:
-    """The blank in words, from the program's zero."""
-    height = f"{thickness + stock.top + stock.bottom:g} mm high"
-    if stock.diameter is not None:
-        outline = f"round, diameter {stock.diameter:g} mm"
-    elif stock.length is not None:
-        outline = f"plate, {stock.length:g} x {stock.width:g} mm"
-    else:
-        outline = "plate of unstated size"
-    bore = "" if stock.bore is None else f", bore {stock.bore:g} mm"
-    where = f", its upper face at Z {stock.top - zero.z:g}"
-    centre = zero.of(stock.centre)
-    off = f", its middle at X {centre.real:g}, Y {centre.imag:g}" if centre else ""
-    return f"{outline}, {height}{bore}{where}{off}"
 
 
 def _holding(holding: Holding | None, zero: Zero) -> str:

@@ -9,9 +9,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from camgeo.product.product import Product
+from camgeo.toolpath.blank import described
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import TextForm
+from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.zero import Zero
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import length_of
@@ -48,7 +50,8 @@ def about_program(
     """Comments on the whole program, in its unit, exact lengths also in mm; `scene` is the hash of
     the scene to be named.
     """
-    unit, zero = product.unit, product.milled.zero
+    unit, zero, milling = product.unit, product.milled.zero, product.milled.spec
+    stock = Stock() if milling is None else milling.stock
     tools = {cut.tool.number: cut.tool for cut in cuts}
 
     def length(mm: float) -> str:
@@ -65,6 +68,7 @@ def about_program(
         if zero.is_of_the_part
         else f"unit {unit}, {zero.sentence}",
         *_from(zero, unit),
+        f"blank: {described(stock, product.drawn.part, zero, unit)}",
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",

@@ -44,6 +44,7 @@ class Setup:
     away : Z at which tools are changed and the operator works [mm], where the machine's retract is
         a height; None for the clearance height.
     zero : of its coordinates.
+    blank : the corners of the box around it, in its coordinates [mm]; None if they are not known.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Setup:
     number: int = 1
     away: float | None = None
     zero: Zero = OF_THE_PART
+    blank: tuple[Point, Point] | None = None
 
     @property
     def title(self) -> str:
@@ -93,7 +95,20 @@ class Program:
             number=f"{self.setup.number:04d}",
             unit=self.machine.unit.of(self.setup.unit),
         )
+        self.lines += self._blank()
         self.lines += self._commented(about)
+
+    def _blank(self) -> list[str]:
+        """The blank for the controller's graphics, if it is known."""
+        if self.setup.blank is None:
+            return []
+        grid, signed = self.speller.grid, self.speller.dialect.signed
+        words = {
+            f"{axis}{k}": grid.text(grid.steps(place), signed=signed)
+            for k, corner in enumerate(self.setup.blank)
+            for axis, place in zip("xyz", corner, strict=True)
+        }
+        return filled(self.machine.program.blank, **words)
 
     def operation(self, operation: Operation, following: Operation | None) -> None:
         """One operation, from its comments to its last move, and away if the operator comes."""

@@ -9,6 +9,7 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import FORMAT
 from camgeo.numeric.checked import one_of
 from camgeo.product.product import Product
+from camgeo.toolpath.blank import box
 from camgeo.toolpath.compensation import KEY as KEY_OF_COMPENSATION
 from camgeo.toolpath.compensation import mode_of
 from camgeo.toolpath.cut import Cut
@@ -115,8 +116,12 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
     number = spec.program_number + product.position + 2 * (product.program or 0)
-    zero, away = product.milled.zero, spec.tool_change_height
-    return Setup(product.name, product.unit, words, spec.coolant, spin_up, number, away, zero)
+    milled, away = product.milled, spec.tool_change_height
+    assert milled.spec is not None  # for there are cuts
+    blank = box(milled.spec.stock, product.drawn.part, milled.zero)
+    return Setup(
+        product.name, product.unit, words, spec.coolant, spin_up, number, away, milled.zero, blank
+    )
 
 
 def _short(length: float) -> float:
