@@ -37,7 +37,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--radius", metavar="D=MM", action="append", default=[], type=_radius,
-        help="radius of the cutter with offset D, where the control compensates for it",
+        help="what offset D holds, where the control compensates for the cutter: its radius, or its"
+        " wear alone",
     )  # fmt: skip
     parser.add_argument(
         "--scene", metavar="SCENE",
@@ -61,7 +62,4 @@ def _radius(text: str) -> tuple[int, float]:
     offset, mark, radius = text.partition("=")
     if not (mark and offset.isascii() and offset.isdigit() and len(offset) <= 6):
         raise argparse.ArgumentTypeError(f"{text!r} is not an offset and its radius, like 1=3.0")
-    size = number(radius)
-    if size <= 0.0:
-        raise argparse.ArgumentTypeError("must be a radius above 0")
-    return int(offset), size
+    return int(offset), number(radius)

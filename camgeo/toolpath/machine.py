@@ -102,6 +102,10 @@ class Machine:
         if not any("{nominal}" in block for block in blocks):
             message = "must stand as {nominal} in compensation.left and right or tool_change.change"
             raise GeometryError(message, "compensation.nominal", shown(compensation.nominal))
+        called = any("{nominal}" in block for block in self.tool_change.change)
+        if called and not self.tool_change.repeat:
+            message = "must be true where tool_change.change has {nominal}: it holds up to the next"
+            raise GeometryError(message, "tool_change.repeat", "false")
 
     @property
     def compensations(self) -> tuple[str, ...]:

@@ -86,6 +86,8 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert "did you mean fanuc?" in said
     with pytest.raises(SystemExit):
         main(["lint", str(path), "--machine", "fanuc", "--radius", "1"])
-    for words in (["--clearance", "-1"], ["--radius", "1=0"]):
+    for words in (["--clearance", "-1"], ["--radius", "1=x"]):
         with pytest.raises(SystemExit):
             main(["lint", str(path), "--machine", "fanuc", *words])
+    wear = ["--machine", "fanuc", "--clearance", "5", "--radius", "1=-0.2"]
+    assert main(["lint", str(path), *wear]) == FINE

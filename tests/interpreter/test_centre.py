@@ -11,6 +11,7 @@ from typing import Final
 import pytest
 
 from camgeo.toolpath.machine import load
+from camgeo.verifying.linting import Bench
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.centre import centres, judge
 from camgeo_export.interpreter.rules import Findings
@@ -96,6 +97,29 @@ def test_what_a_controller_refuses_depends_on_the_offset(radius: float, rules: l
     findings = Findings(10)
     judge(moves, lambda _: radius, findings)
     assert [finding.rule for finding in findings.found][: len(rules) or 1] == rules
+
+
+def test_arcs_whose_radii_are_rounded_have_no_corners() -> None:
+    """Found by review: three decimals, on the inside of the arcs."""
+    body = """G1 G42 D1 X50.000 Y-25.000
+G1 X45.789 Y-32.880
+G2 X43.275 Y-37.225 I-34.776 J17.222
+G2 X39.629 Y-41.872 I-32.265 J21.561
+G2 X33.832 Y-47.074 I-29.356 J26.883
+G1 X33.601 Y-47.243
+G2 X29.000 Y-50.229 I-30.903 J42.579
+G1 G40 X10 Y-60
+"""
+    findings = Findings(10)
+    judge(of(body).moves, lambda _: 0.216, findings)
+    assert [finding.rule for finding in findings.found] == []
+
+
+def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side() -> None:
+    arc = EDGE.format("G3 X30 Y10 I0 J10\nG1 X30 Y30\n")
+    for radius, rules in ((12.0, ["compensation", "gouge"]), (-12.0, ["compensation"])):
+        linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
+        assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
 
 
 def test_what_programs_add_to_the_table_is_read() -> None:

@@ -122,6 +122,20 @@ def test_a_first_retract_goes_to_a_place_of_the_machine() -> None:
     assert fault.key.endswith("retract.first")
 
 
+def test_the_nominal_radius_has_a_place_in_programs() -> None:
+    """In the blocks that switch, or in a tool change that each operation repeats."""
+    table = copy.deepcopy(TABLES["linuxcnc"])
+    table["compensation"]["nominal"] = "OFFN=-{radius}"
+    (fault,) = faults_in(toml(table))
+    assert fault.key.endswith("compensation.nominal")
+    table["compensation"]["left"] += " {nominal}"
+    assert not faults_in(toml(table))
+    table = copy.deepcopy(TABLES["heidenhain"])
+    table["tool_change"]["repeat"] = False
+    (fault,) = faults_in(toml(table))
+    assert fault.key.endswith("tool_change.repeat")
+
+
 @pytest.mark.parametrize("name", names())
 def test_the_profiles_are_their_files(name: str) -> None:
     assert faults_of(TABLES[name]) == []

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from camgeo.contour.contour import Contour, Effort
-from camgeo.errors import UndercutError
+from camgeo.errors import GeometryError, UndercutError
 from camgeo.toolpath.compensation import side_of
 from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.leads import Beside, begun, farthest_along_x, flattest, joined, started
@@ -48,7 +48,10 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         avoid=walk.avoid(cut.bottom),
     )
     place = None if cut.tabs is None else farthest_along_x(path)
-    contour, lead = joined(path, cut.room, beside, place=place)
+    try:
+        contour, lead = joined(path, cut.room, beside, place=place)
+    except GeometryError as error:
+        raise GeometryError(f"{cut.name}: {error.message}", error.key, error.value) from None
     track = Track.around(contour)
     back = Track.line(lead.off.end, lead.into.start)
     walk.above(lead.into.start)

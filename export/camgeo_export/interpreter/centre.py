@@ -15,7 +15,7 @@ from typing import Final
 
 from camgeo.numeric.arrays import phase
 from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.interpreter.compensation import TANGENT, Compensator
+from camgeo_export.interpreter.compensation import TANGENT, Compensator, kept
 from camgeo_export.interpreter.offsets import Parallel, meeting
 from camgeo_export.interpreter.rules import Findings
 
@@ -49,16 +49,9 @@ def judge(moves: Sequence[CutterMove], radius: Radius, findings: Findings) -> No
         compensator = Compensator(findings)
         compensator.enter()
         for move in run:
-            compensator.take(move, *_side(move, radius(move)))
+            compensator.take(move, move.compensation, radius(move))
         if after is not None:
-            compensator.leave(after, abs(radius(run[0])))
-
-
-def _side(move: CutterMove, radius: float) -> tuple[str, float]:
-    """A negative offset on one side is a positive one on the other."""
-    if radius >= 0.0 or math.isnan(radius):
-        return move.compensation, radius
-    return {"left": "right", "right": "left"}[move.compensation], -radius
+            compensator.leave(after, radius(run[0]))
 
 
 def _runs(
@@ -77,7 +70,7 @@ def _runs(
 
 
 def _displaced(run: Sequence[CutterMove], radius: float) -> Iterator[CutterMove]:
-    side, size = _side(run[0], radius)
+    side, size = kept(run[0].compensation, radius)
     sign = 1.0 if side == "left" else -1.0
     flat = [move for move in run if move.start != move.end or move.kind == "arc"]
     parallels = iter([Parallel(move, sign, size) for move in flat])

@@ -23,6 +23,13 @@ SLACK: Final = 1e-9
 """Of a share of a move."""
 
 
+def kept(side: str, radius: float) -> tuple[str, float]:
+    """Side of the path and distance from it [mm], for a negative offset on the other side."""
+    if radius < 0.0:
+        return {"left": "right", "right": "left"}[side], -radius
+    return side, radius
+
+
 class Compensator:
     """Follows the moves under compensation."""
 
@@ -37,9 +44,13 @@ class Compensator:
         self._entering, self._before, self._begun = True, None, 0.0
 
     def take(self, move: CutterMove, side: str, radius: float) -> None:
-        """Judge a move under compensation; `radius` of the cutter [mm], NaN if it is not known."""
+        """Judge a move under compensation.
+
+        `radius` is that of the cutter [mm], negative for the other side, NaN if it is not known.
+        """
         if move.start == move.end and move.kind != "arc":
             return  # along Z
+        side, radius = kept(side, radius)
         if self._entering:
             self._entering = False
             if move.kind == "arc":
@@ -60,7 +71,8 @@ class Compensator:
         self._before = parallel
 
     def leave(self, move: CutterMove, radius: float) -> None:
-        """Judge the first move after compensation."""
+        """Judge the first move after compensation, with the `radius` [mm] as in `take`."""
+        radius = abs(radius)
         if move.kind == "arc":
             what = "an arc right after the end of compensation"
             self._add(move, "compensation", what, "", "a straight move")
@@ -82,13 +94,15 @@ class Compensator:
             return
         corner = after.move.start
         turn = phase(after.heading(corner) / before.heading(corner)) * after.side
-        if turn <= TANGENT:
+        rounding = before.move.mismatch + after.move.mismatch
+        # A corner that is cut off by no more than numbers are rounded is none.
+        if turn <= TANGENT or after.radius * turn * turn / 8.0 <= rounding:
             return
         point = meeting(before, after)
         if point is not None:
             left, self._begun = before.share(point), after.share(point)
-            # Where radii differ by rounding, parallels that meet at a small angle do so elsewhere.
-            off = (before.move.mismatch + after.move.mismatch) / math.sin(min(turn, RIGHT))
+            # Parallels that meet at a small angle do so elsewhere where they are rounded.
+            off = 2.0 * rounding / math.sin(min(turn, RIGHT))
             one, other = (SLACK + off / each.length for each in (before, after))
             if begun - one <= left <= 1.0 + one and -other <= self._begun <= 1.0 + other:
                 return
