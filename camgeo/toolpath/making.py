@@ -47,12 +47,20 @@ def rough_outside(
     """
     if bench.milling.stock.shape != ROUND or wall.boundary.hole:
         return rough_around(bench, wall, tool, top, allowance)
-    name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
-    made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
-    if spirals(made, wall.boundary, COARSEST):
-        return made
+    cleared = clear_outside(bench, wall, tool, top, allowance)
+    if cleared is not None:
+        return cleared
     note = "no spiral clears its hollows: a slot leaves the waste in one piece"
     return replace(rough_around(bench, wall, tool, top, allowance), note=note)
+
+
+def clear_outside(
+    bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
+) -> AreaCut | None:
+    """All between a wall and the known outline of the blank; None if no spiral leads there."""
+    name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
+    made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
+    return made if spirals(made, wall.boundary, COARSEST) else None
 
 
 def loops_along(

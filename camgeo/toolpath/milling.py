@@ -48,6 +48,10 @@ OPERATIONS: Final = (FACE, DRILLING, BORE, ROUGH, FINISH, SLOT, CHAMFER)
 
 RAMP: Final = "ramp"
 TROCHOIDAL: Final = "trochoidal"
+SPIRAL: Final = "spiral"
+
+STRATEGIES: Final = (RAMP, TROCHOIDAL, SPIRAL)
+"""Of roughing."""
 
 ALONG_A_WALL: Final = (ROUGH, FINISH, CHAMFER)
 """Kinds of operations that name their boundary."""
@@ -64,7 +68,7 @@ class OperationSpec:
     boundary : name of the wall that is cut; empty where the kind says it.
     name : in the program; empty for kind and boundary.
     allowance : left on the wall [mm].
-    strategy : of a slot, "ramp" or "trochoidal"; empty for what suits the blank.
+    strategy : of roughing, one of `STRATEGIES`; empty for what suits the blank.
     size : of a chamfer along the face [mm].
     stepdown, stepover : [mm].
     springs : rounds at full depth behind the one that finishes.
@@ -87,7 +91,7 @@ class OperationSpec:
     boundary: Text = ""
     name: Text = ""
     allowance: Radius = 0.0
-    strategy: Annotated[str, partial(one_of, choices=("", RAMP, TROCHOIDAL))] = ""
+    strategy: Annotated[str, partial(one_of, choices=("", *STRATEGIES))] = ""
     size: Length | None = None
     stepdown: Length | None = None
     stepover: Length | None = None

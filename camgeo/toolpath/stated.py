@@ -12,6 +12,7 @@ from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.fitting import tightest
 from camgeo.toolpath.making import (
     clear_area,
+    clear_outside,
     depths_of,
     drill_at,
     finish_along,
@@ -29,6 +30,7 @@ from camgeo.toolpath.milling import (
     RAMP,
     ROUGH,
     SLOT,
+    SPIRAL,
     TROCHOIDAL,
     OperationSpec,
 )
@@ -178,9 +180,23 @@ class _Stated:
         outermost = not boundary.hole and not boundary.name.endswith("flank")
         if self.spec.strategy == TROCHOIDAL:
             return self._loops(wall)
+        if self.spec.strategy == SPIRAL:
+            return self._cleared(wall, outermost=outermost)
         ramp = self.spec.strategy == RAMP or not outermost
         make = rough_around if ramp else rough_outside
         return make(bench, wall, tool, self.top, self.spec.allowance)
+
+    def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
+        key, value = f"{self.key}.strategy", f'"{SPIRAL}"'
+        if not outermost or self.bench.milling.stock.outline is None:
+            message = "clears what is around the part in a blank whose outline is stated"
+            raise GeometryError(message, key, value)
+        allowance = self.spec.allowance
+        made = clear_outside(self.bench, wall, self.tool, self.top, allowance)
+        if made is None:
+            message = "rays from the cam axis meet the cutter's path or the blank's edge twice"
+            raise GeometryError(message, key, value)
+        return made
 
     def _loops(self, wall: Wall) -> Cut:
         bench, holding = self.bench, self.bench.milling.holding

@@ -186,9 +186,14 @@ def chamfered(name: str) -> str:
     return text.replace("[output]", f"{POINTED}{tables}[output]", 1)
 
 
-@pytest.mark.parametrize("machine", ["linuxcnc", "heidenhain"])
-def test_a_trochoidal_slot_is_clean_and_verifies(machine: str, tmp_path: Path) -> None:
-    own = 'strategy = "trochoidal"\nstepdown = 7\nfeed = 1500'
+@pytest.mark.parametrize(
+    ("strategy", "machine"),
+    [("trochoidal", "linuxcnc"), ("trochoidal", "heidenhain"), ("spiral", "fanuc")],
+)
+def test_strategies_of_roughing_are_clean_and_verify(
+    strategy: str, machine: str, tmp_path: Path
+) -> None:
+    own = f'strategy = "{strategy}"\nstepdown = 7\nfeed = 1500'
     operations = [
         f'kind = "rough"\ntool = 4\nboundary = "outline"\nallowance = 0.2\n{own}',
         'kind = "finish"\ntool = 4\nboundary = "outline"',

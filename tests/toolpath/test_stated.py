@@ -25,6 +25,7 @@ from tests.toolpath.milled import (
     BORE,
     FIXTURE,
     HEIGHTS,
+    HOOKED,
     ROLLER,
     SPEC,
     THICKNESS,
@@ -227,6 +228,23 @@ def test_the_strategy_of_a_slot_may_be_stated() -> None:
     ramp = cuts(spec("face"), spec("rough", "outline", strategy="ramp"))["rough outline"]
     assert isinstance(ramp, ContourCut)  # though the blank is round
     assert ramp.strategy == "slot"
+
+
+def test_a_known_plate_may_be_cleared_by_a_spiral() -> None:
+    operations = (spec("rough", "outline", strategy="spiral"), spec("finish", "outline"))
+    found = cuts(*operations, stock=Stock(length=160.0, width=150.0))
+    rough, finish = found["rough outline"], found["outline"]
+    assert isinstance(rough, AreaCut)
+    assert rough.stock is not None
+    assert isinstance(finish, ContourCut)
+    assert finish.room == MILL.radius
+    with pytest.raises(GeometryError, match="whose outline is stated") as caught:
+        cuts(*operations, stock=Stock())
+    assert caught.value.key == "operation[1].strategy"
+    round_blank = Stock(shape="round", diameter=290.0)
+    with pytest.raises(GeometryError, match="rays from the cam axis") as caught:
+        sequence(INNER, tool(4.0), stock=round_blank, pitch=HOOKED, operations=operations[:1])
+    assert caught.value.key == "operation[1].strategy"
 
 
 def test_loops_clear_a_groove_at_once_where_they_are_small_enough() -> None:
