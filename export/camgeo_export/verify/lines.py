@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -98,13 +99,7 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
 
 def _named_apart(runs: Sequence[Run]) -> list[Run]:
     """The runs by names of their own: what is wrong is told once for each name."""
-    return [
-        Run(
-            f"{number} {run.name}", run.moves, run.radius, run.point, run.plunges, run.shank,
-            run.obstacles, run.start,
-        )
-        for number, run in enumerate(runs)
-    ]  # fmt: skip
+    return [replace(run, name=f"{number} {run.name}") for number, run in enumerate(runs)]
 
 
 def _finding(flaw: Flaw, found: Sequence[Traced], bench: Bench) -> LineFinding:
