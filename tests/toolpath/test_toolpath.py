@@ -205,7 +205,7 @@ def test_tool_that_no_bore_takes() -> None:
     for tool in (25.0, 30.0):
         with pytest.raises(GeometryError, match="smaller than the bore, 25 mm") as caught:
             _toolpath(Contact.INNER, tool)
-        assert caught.value.key == "tool"
+        assert caught.value.key == "tool.diameter"
 
 
 def test_tool_larger_than_a_concave_radius() -> None:
@@ -222,7 +222,7 @@ def test_tool_larger_than_a_concave_radius() -> None:
         GeometryError, match="too large for the outline: its smallest concave"
     ) as caught:
         _toolpath(Contact.INNER, 1.01 * largest, plain, pitch)
-    assert caught.value.key == "tool"
+    assert caught.value.key == "tool.diameter"
 
 
 def test_milling_needs_a_thickness() -> None:
