@@ -82,7 +82,7 @@ def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
     keys = list(zip(kinds, gaps.tolist(), strict=False))
     for (kind, _), group in groupby(range(len(course)), key=lambda piece: keys[piece]):
         chain = taken(course, list(group))
-        yield Trace(kind, np.concatenate([chain.starts[:1], *_points(chain, fineness)]))
+        yield Trace(kind, np.concatenate((chain.starts[:1], chain.chords(fineness)[1])))
 
 
 def _kind(cutting: Cutting, piece: int) -> Kind:
@@ -92,20 +92,6 @@ def _kind(cutting: Cutting, piece: int) -> Kind:
     if course.lengths[piece] == 0.0:
         return "air"
     return "cut" if any(cutting.angle(piece, share) for share in JUDGED) else "air"
-
-
-def _points(course: Course, fineness: float) -> Iterator[ComplexArray]:
-    """Points of each piece behind its start."""
-    for piece in range(len(course)):
-        sweep, radius = float(course.sweeps[piece]), float(course.radii[piece])
-        if sweep == 0.0:
-            yield course.ends[piece : piece + 1]
-            continue
-        step = 2.0 * np.arccos(max(0.0, 1.0 - fineness / radius))
-        count = max(1, int(np.ceil(abs(sweep) / step)))
-        centre = course.centres[piece]
-        turned = np.exp(1j * sweep * np.arange(1, count + 1) / count)
-        yield centre + (course.starts[piece] - centre) * turned
 
 
 def _rapids(operation: Operation) -> Iterator[Trace]:

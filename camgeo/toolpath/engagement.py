@@ -25,16 +25,11 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, taken
-from camgeo.toolpath.course import (
-    Course,
-    boundary_of,
-    course_of,
-    crossings,
-    distances,
-    inside,
-    near,
-)
+from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Operation
+from camgeo.toolpath.plane.crossings import crossings, inside, near
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.tool import END_MILL
 
 ROUNDING: Final = 1e-10
@@ -172,9 +167,7 @@ class Cutting:
             judge.air(int(piece), at, each) * float(lengths[piece])
             for piece, at, each in zip(pieces, shares, angles, strict=True)
         ]
-        places = [
-            self.course.at(int(p), float(share))[0] for p, share in zip(pieces, where, strict=True)
-        ]
+        places = taken(self.course, pieces).at(where)
         return Engagement(
             frozen(pieces, np.intp),
             frozen(lengths[pieces], np.float64),
@@ -191,7 +184,7 @@ class _Judge:
 
     def __init__(self, cutting: Cutting) -> None:
         self.cutting = cutting
-        self.boundary = boundary_of(cutting.blank)
+        self.boundary = Pieces.around(cutting.blank)
 
     def angle(self, piece: int, share: float) -> float:
         cutting, radius = self.cutting, self.cutting.radius
@@ -199,8 +192,10 @@ class _Judge:
         level = float(course.lowest[piece])
         if level >= cutting.top:
             return 0.0
-        place, way = course.at(piece, share)
-        swept = [(self._before(piece, share, place, level), radius)]
+        here = taken(course, [piece])
+        there = here.at(np.array([share]))
+        place, way = complex(there[0]), complex(here.tangents(there)[0])
+        swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
         for other, size in cutting.cleared:
             low = other.cleared <= level + LEVEL
             swept.append((taken(other, low & near(other, place, radius + size)), size))
@@ -215,12 +210,12 @@ class _Judge:
         material = inside(self.boundary, points)
         for each, size in swept:
             if len(each) and np.any(material):
-                gone = distances(each, points[material]) < size - ROUNDING * radius
-                material[material] = ~np.any(gone, axis=1)
+                gone = distances(points[material], each) < size - ROUNDING * radius
+                material[material] = ~gone
         found = float(np.sum((ends[1:] - ends[:-1])[material]))
         return found if found > NOTHING else 0.0
 
-    def _before(self, piece: int, share: float, place: complex, level: float) -> Course:
+    def _before(self, piece: int, share: float, place: complex, level: float) -> Pieces:
         """What the cutter has run before, as low as here, and near enough to matter."""
         course = self.cutting.course
         earlier = slice(0, piece + 1)
@@ -231,12 +226,9 @@ class _Judge:
         found = taken(course, np.flatnonzero(low & close))
         if share <= 0.0:
             return found
-        ends, sweeps = found.ends.copy(), found.sweeps.copy()
-        ends[-1] = place
-        sweeps[-1] *= share
-        return Course(
-            found.starts, ends, sweeps, found.centres, found.from_z, found.to_z, found.moves
-        )
+        last = np.ones(len(found))
+        last[-1] = share
+        return found.between(np.zeros(len(found)), last)
 
     def refined(
         self, piece: int, shares: FloatArray, best: int, largest: float

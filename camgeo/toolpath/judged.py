@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Part
-from camgeo.toolpath.course import boundary_of, course_of
+from camgeo.toolpath.course import course_of, level
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
@@ -119,10 +118,9 @@ def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
     """The edges that cones take off the part on their exact courses."""
     for cut in cuts:
         if isinstance(cut, ContourCut) and cut.tool.kind == CHAMFER_MILL:
-            flat = boundary_of([cut.centre.arcs(tolerance, "fast").contour])
-            height = np.full(len(flat), cut.bottom)
+            course = level(cut.centre.arcs(tolerance, "fast").contour, cut.bottom)
             run = run_with(cut.tool, cut.name, (), (), None)
-            yield Chamfer(run, replace(flat, from_z=height, to_z=height), cut.top)
+            yield Chamfer(run, course, cut.top)
 
 
 def _contour(boundary: Boundary, tolerance: float) -> Contour:

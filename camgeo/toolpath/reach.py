@@ -13,9 +13,11 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined
-from camgeo.toolpath.course import Course, boundary_of, course_of, distances, inside
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
+from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Point
+from camgeo.toolpath.plane.crossings import inside
+from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.simulation import Run, Setup
 
 SHARES: Final = (0.5, 1.0)
@@ -59,7 +61,7 @@ def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
     whole = joined(courses)
     owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
     radii = np.array([run.radius for run in runs])[owners]
-    blank = boundary_of(setup.blank)
+    blank = Pieces.around(setup.blank)
     moving = np.flatnonzero(whole.lengths > 0.0)
     for first in range(0, len(moving), BATCH):
         yield from _of_pieces(
@@ -72,27 +74,23 @@ def _of_pieces(
     whole: Course,
     owners: np.ndarray[tuple[int], np.dtype[np.intp]],
     radii: FloatArray,
-    blank: Course,
+    blank: Pieces,
     top: float,
 ) -> Iterator[Depth]:
     """Of some pieces of the course, in their order."""
-    places, tips, around, numbers = [], [], [], []
-    for piece in pieces.tolist():
-        for share in SHARES:
-            place, along = whole.at(piece, share)
-            low, high = float(whole.to_z[piece]), float(whole.from_z[piece])
-            places.append(place)
-            tips.append(high + share * (low - high))
-            around.append(place + radii[piece] * along * SIDES)
-            numbers.append(piece)
-    looked = np.concatenate(around)
-    order = np.repeat(np.array(numbers), len(SIDES))
+    numbers = np.repeat(pieces, len(SHARES))
+    shares = np.tile(SHARES, len(pieces))
+    some = taken(whole, numbers)
+    places, tips = some.at(shares), some.from_z + shares * (some.to_z - some.from_z)
+    rims = radii[numbers] * some.tangents(places)
+    looked = (places[:, None] + rims[:, None] * SIDES).ravel()
+    order = np.repeat(numbers, len(SIDES))
     tops = np.where(inside(blank, looked), top, -np.inf)
     near = _near(whole, looked, radii)
     cleared = _cleared(whole, near, looked, order, radii)
-    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - np.array(tips)[:, None]
-    for k, piece in enumerate(numbers):
-        at = (float(places[k].real), float(places[k].imag), tips[k])
+    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
+    for k, piece in enumerate(numbers.tolist()):
+        at = (float(places[k].real), float(places[k].imag), float(tips[k]))
         ahead, beside = max(0.0, float(found[k, 0])), max(0.0, float(np.max(found[k])))
         yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, beside, at)
 
@@ -116,11 +114,8 @@ def _cleared(
 ) -> FloatArray:
     """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
     picked = np.flatnonzero(near)
-    some = Course(
-        whole.starts[picked], whole.ends[picked], whole.sweeps[picked], whole.centres[picked],
-        whole.from_z[picked], whole.to_z[picked], whole.moves[picked],
-    )  # fmt: skip
-    over = distances(some, places) < (1.0 - 2.0 * RIM) * radii[picked]
+    some = taken(whole, picked)
+    over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
     over &= picked[None, :] < order[:, None]
     found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
     return found

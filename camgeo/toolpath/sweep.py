@@ -105,35 +105,17 @@ def _once(course: Course) -> Course:
 
 def _chains(course: Course, fineness: float) -> list[ComplexArray]:
     """Points along the course, one array for each part without a gap."""
-    found: list[list[ComplexArray]] = []
-    end = complex(np.nan, np.nan)
-    for piece in range(len(course)):
-        start = complex(course.starts[piece])
-        if abs(start - end) > 0.0 or not found:
-            found.append([np.array([start])])
-        found[-1].append(_points(course, piece, fineness))
-        end = complex(course.ends[piece])
-    return [np.concatenate(each) for each in found]
+    piece, ends = course.chords(max(fineness, FINEST))
+    gaps = np.flatnonzero(course.starts[1:] != course.ends[:-1]) + 1
+    starts = course.starts[np.concatenate(([0], gaps))]
+    parts = np.split(ends, np.searchsorted(piece, gaps))
+    return [np.concatenate(([start], part)) for start, part in zip(starts, parts, strict=True)]
 
 
 def _in_parts(chain: ComplexArray) -> Iterator[ComplexArray]:
     """Parts of a chain, each from the end of the one before."""
     for first in range(0, max(len(chain) - 1, 1), LONGEST):
         yield chain[first : first + LONGEST + 1]
-
-
-def _points(course: Course, piece: int, fineness: float) -> ComplexArray:
-    """Points of one piece behind its start."""
-    sweep, end = float(course.sweeps[piece]), complex(course.ends[piece])
-    if sweep == 0.0:
-        return np.array([end])
-    centre = complex(course.centres[piece])
-    arm = complex(course.starts[piece]) - centre
-    step = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / abs(arm)))
-    count = max(1, int(np.ceil(abs(sweep) / step)))
-    points: ComplexArray = centre + arm * np.exp(1j * sweep * np.arange(1, count + 1) / count)
-    points[-1] = end
-    return points
 
 
 def _shape(chain: ComplexArray) -> Any:

@@ -7,12 +7,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray
-from camgeo.toolpath.course import boundary_of, course_of, distances, inside
+from camgeo.numeric.arrays import ComplexArray, taken
+from camgeo.toolpath.course import course_of
 from camgeo.toolpath.engagement import Cutting
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 
@@ -35,6 +35,13 @@ def line(*points: complex) -> tuple[Point, list[Move]]:
 
 def cutting(start: Point, moves: list[Move], *blank: Contour) -> Cutting:
     return Cutting(course_of(moves, start), RADIUS, blank or (BLANK,))
+
+
+def at(found: Cutting, piece: int, share: float) -> tuple[complex, complex]:
+    """Place and direction at a share of a piece."""
+    here = taken(found.course, [piece])
+    point = here.at(np.array([share]))
+    return complex(point[0]), complex(here.tangents(point)[0])
 
 
 def round_of(radius: float, turns: int = 1) -> tuple[Point, list[Move]]:
@@ -118,8 +125,8 @@ def test_a_small_circle_in_full_material() -> None:
     start, moves = round_of(1.0)
     found = cutting(start, moves, Contour.circle(50.0))
     count = np.linspace(0.0, math.pi, 2001)
-    way = found.course.at(0, 0.5)
-    circle = way[0] - 1j * way[1] * RADIUS * np.exp(1j * count)
+    point, way = at(found, 0, 0.5)
+    circle = point - 1j * way * RADIUS * np.exp(1j * count)
     before = np.exp(1j * np.linspace(0.0, 0.5 * math.pi, 501))
     free = np.min(np.abs(circle[:, None] - before), axis=1) >= RADIUS * (1.0 - 1e-9)
     assert found.angle(0, 0.5) == pytest.approx(math.pi * np.mean(free), abs=5e-3)
@@ -149,8 +156,7 @@ def walks(draw: st.DrawFn) -> tuple[Point, list[Move]]:
 
 
 def along(found: Cutting, piece: int, share: float, count: int) -> ComplexArray:
-    shares = np.linspace(0.0, share, count)
-    return np.array([found.course.at(piece, float(each))[0] for each in shares])
+    return taken(found.course, [piece] * count).at(np.linspace(0.0, share, count))
 
 
 @settings(max_examples=15)
@@ -163,37 +169,13 @@ def test_any_course_against_a_count_of_points(walk: tuple[Point, list[Move]], sh
     counts = [int(length / 0.05) + 2 for length in lengths]
     before = [along(found, piece, 1.0, counts[piece]) for piece in range(last)]
     before.append(along(found, last, share, counts[last]))
-    point, way = found.course.at(last, share)
+    point, way = at(found, last, share)
     circle = point + RADIUS * way * np.exp(1j * np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2000))
     free = np.min(np.abs(circle[:, None] - np.concatenate(before)), axis=1)
     within = (np.abs(circle) < 12.0) & (np.abs(circle - 5.0 - 1.0j) > 4.0)
     loose = math.pi * float(np.mean(within & (free > RADIUS * (1.0 - 1e-9))))
     tight = math.pi * float(np.mean(within & (free > RADIUS + 0.01)))
     assert tight - 0.01 <= found.angle(last, share) <= loose + 0.01
-
-
-@settings(max_examples=15)
-@given(walks(), st.lists(places, min_size=1, max_size=8))
-def test_distances_from_pieces(walk: tuple[Point, list[Move]], points: list[complex]) -> None:
-    found = cutting(*walk)
-    at = np.array(points)
-    sampled = [along(found, piece, 1.0, 400) for piece in range(len(found.course))]
-    expected = [np.min(np.abs(at[:, None] - each), axis=1) for each in sampled]
-    steps = found.course.lengths / 399.0
-    exact = distances(found.course, at)
-    for column, length in enumerate(steps):
-        assert np.all(exact[:, column] <= expected[column] + 1e-9)
-        assert np.all(exact[:, column] >= expected[column] - length)
-
-
-@given(places, st.floats(1.0, 10.0))
-@example(0j, 1.0)
-def test_inside_of_contours(point: complex, radius: float) -> None:
-    boundary = boundary_of([Contour.circle(radius), Contour.polygon(BLANK.vertices - 50.0 - 25.0j)])
-    if abs(abs(point) - radius) < 1e-9:
-        return
-    # Both together are the rectangle without the circle.
-    assert inside(boundary, np.array([point]))[0] == (abs(point) > radius)
 
 
 def test_what_another_cutter_cleared_is_air() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray
 from camgeo.toolpath.plane.track import Track
 
 CORNER = 1e-9
@@ -22,8 +21,8 @@ def grown(contour: Contour, by: float) -> Contour:
         With key "stock", if the contour is not convex.
     """
     contour = contour.counter_clockwise()
-    track = Track.around(contour)
-    leaving, arriving = _headings(track)
+    pieces = Track.around(contour).pieces
+    leaving, arriving = pieces.tangents(pieces.starts), pieces.tangents(pieces.ends)
     turns = np.angle(leaving * np.conj(np.roll(arriving, 1)))
     if np.any(turns < -CORNER) or np.any(contour.sweeps < 0.0):
         raise GeometryError("the outline of the blank must be convex", "stock")
@@ -40,13 +39,3 @@ def grown(contour: Contour, by: float) -> Contour:
         sweeps.append(float(contour.sweeps[k]))
         centres.append(complex(contour.centres[k]))
     return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
-
-
-def _headings(track: Track) -> tuple[ComplexArray, ComplexArray]:
-    """(n,) unit tangents with which each piece of a closed track leaves its start and arrives."""
-    chord = track.ends - track.starts
-    sign = 1j * np.sign(track.sweeps)
-    bent = track.sweeps != 0.0
-    leaving: ComplexArray = np.where(bent, sign * (track.starts - track.centres), chord)
-    arriving: ComplexArray = np.where(bent, sign * (track.ends - track.centres), chord)
-    return np.divide(leaving, np.abs(leaving)), np.divide(arriving, np.abs(arriving))

@@ -8,8 +8,9 @@ from typing import Self
 
 import numpy as np
 
-from camgeo.contour.contour import Contour, lengths_of, radii_of
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, grouped
+from camgeo.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, taken
+from camgeo.toolpath.plane.pieces import Pieces
 
 FLAT = 1e-9
 """An arc of a smaller sagitta [mm] is a line: far below what any program can state."""
@@ -59,14 +60,14 @@ class Track:
         return complex(self.vertices[-1])
 
     @property
-    def radii(self) -> FloatArray:
-        """(n,) [mm] radius of each arc; 0 for lines."""
-        return radii_of(self.starts, self.sweeps, self.centres)
+    def pieces(self) -> Pieces:
+        """Its lines and arcs."""
+        return Pieces.of(self)
 
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm] length of each piece."""
-        return lengths_of(self.starts, self.ends, self.sweeps, self.radii)
+        return self.pieces.lengths
 
     @property
     def length(self) -> float:
@@ -76,15 +77,9 @@ class Track:
     @property
     def headings(self) -> tuple[complex, complex]:
         """Unit tangents at its start and at its end, in its direction."""
-        return self._heading(0, self.start), self._heading(-1, self.end)
-
-    def _heading(self, piece: int, point: complex) -> complex:
-        sweep = float(self.sweeps[piece])
-        if sweep == 0.0:
-            along = complex(self.ends[piece] - self.starts[piece])
-        else:
-            along = (1j if sweep > 0.0 else -1j) * (point - complex(self.centres[piece]))
-        return along / abs(along)
+        pieces = taken(self.pieces, [0, -1])
+        first, last = pieces.tangents(np.array([self.start, self.end])).tolist()
+        return first, last
 
     @classmethod
     def around(cls, contour: Contour) -> Self:
@@ -109,33 +104,21 @@ class Track:
 
     def halved(self) -> Self:
         """The same with each arc in equal parts of at most half a turn."""
-        parts = np.maximum(1, np.ceil(np.abs(self.sweeps) / np.pi - 1e-12)).astype(np.intp)
-        index, step = grouped(parts)
-        vertices = np.append(self._points(index, step / parts[index]), self.vertices[-1])
-        return type(self)(vertices, self.sweeps[index] / parts[index], self.centres[index])
-
-    def _points(self, index: IntArray, share: FloatArray) -> ComplexArray:
-        """(m,) complex [mm] points at shares (m,) of the length of the pieces `index` (m,)."""
-        start, sweep, centre = self.starts[index], self.sweeps[index], self.centres[index]
-        turned = centre + (start - centre) * np.exp(1j * sweep * share)
-        straight = start + (self.ends[index] - start) * share
-        inner = np.where(sweep == 0.0, straight, turned)
-        found: ComplexArray = np.where(share == 0.0, start, inner)
-        return found
+        pieces = self.pieces
+        index, first, last = pieces.halves()
+        parts = taken(pieces, index).between(first, last)
+        vertices = np.append(parts.starts, self.vertices[-1])
+        return type(self)(vertices, parts.sweeps, parts.centres)
 
     def at(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """(m,) points [mm] and unit tangents at `distances` (m,) [mm] from its start along it."""
         stops = np.concatenate(([0.0], np.cumsum(self.lengths)))
         index = np.clip(np.searchsorted(stops, distances, "right") - 1, 0, len(self) - 1)
-        lengths = self.lengths[index]
+        pieces = taken(self.pieces, index)
+        lengths = pieces.lengths
         share = (distances - stops[index]) / np.where(lengths > 0.0, lengths, 1.0)
-        points = self._points(index, np.clip(share, 0.0, 1.0))
-        straight = self.ends[index] - self.starts[index]
-        round_about = 1j * np.sign(self.sweeps[index]) * (points - self.centres[index])
-        along = np.where(self.sweeps[index] == 0.0, straight, round_about)
-        size = np.abs(along)
-        tangents: ComplexArray = np.divide(along, np.where(size > 0.0, size, 1.0))
-        return points, tangents
+        points = pieces.at(np.clip(share, 0.0, 1.0))
+        return points, pieces.tangents(points)
 
     def between(self, start: float, end: float) -> Self:
         """The part from `start` to `end` [mm] along it, 0 <= start < end <= length."""

@@ -13,10 +13,12 @@ import numpy as np
 from camgeo.errors import SceneError
 from camgeo.product.product import Product
 from camgeo.toolpath.bench import Bench
-from camgeo.toolpath.course import boundary_of, course_of, distances
+from camgeo.toolpath.course import course_of
 from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.judged import setup_of
 from camgeo.toolpath.moves import Feed, Rapid, Stop
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.reach import Depth, depths
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, Setup, simulate
 from camgeo.toolpath.stages import Flaw
@@ -115,7 +117,7 @@ def _too_large(flaw: Flaw, tool: Tool, bench: Bench) -> str:
     """Whether the wall at the place of a flaw is too narrow for the tool; empty if not."""
     place = np.array([complex(*flaw.place[:2])])
     contours = [wall.boundary.arcs(ALLOWED, "fast").contour for wall in bench.part.walls]
-    away = [float(np.min(distances(boundary_of([each]), place))) for each in contours]
+    away = [float(distances(place, Track.around(each))[0]) for each in contours]
     return bench.too_large(tool, bench.part.walls[int(np.argmin(away))].boundary)
 
 
@@ -136,7 +138,7 @@ def _line(flaw: Flaw, each: Traced) -> int:
         [kind(run.moves[k], Rapid) == (flaw.name == "rapid") for k in course.moves.tolist()]
     )
     x, y, z = flaw.place
-    away = distances(course, np.array([complex(x, y)]))[0]
+    away = course.apart(np.full(len(course), complex(x, y)))
     away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
     if not np.any(np.isfinite(away)):
         return 0

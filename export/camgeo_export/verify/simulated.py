@@ -12,12 +12,12 @@ from typing import Final
 from camgeo.contour.spline import Arc
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
-from camgeo.toolpath.course import HALF_TURN
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.holding import Obstacle
 from camgeo.toolpath.judged import run_with, runs_of, setup_of
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
+from camgeo.toolpath.plane.pieces import HALF_TURN
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, simulate
 from camgeo.toolpath.tool import Tool
 from camgeo.toolpath.verdict import settled
