@@ -33,6 +33,12 @@ from camgeo.toolpath.tool import COMPUTED, CompensationWord, Rounds, Text, Tool,
 MOST_PASSES: Final = 10_000
 """Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
 
+SLACK: Final = 0.05
+"""Of the allowance, that a roughing path may deviate."""
+
+MOST_SLACK: Final = 0.02
+"""Largest deviation of a roughing path [mm], unless the program's tolerance is larger."""
+
 Size = Annotated[float, partial(number, least=0.0, unit="mm")]
 
 
@@ -99,12 +105,15 @@ class ContourCut(Cut):
 
     Attributes
     ----------
-    centre : the exact closed path of the cutter's centre, the allowance included. If it is a hole,
-        as inside a bore, climb milling runs it counter-clockwise, else clockwise.
+    centre : the exact closed path of the cutter's centre, the allowance included, and the slack,
+        so that what is left is no less than the allowance. If it is a hole, as inside a bore, climb
+        milling runs it counter-clockwise, else clockwise.
     right, left : names of the part's boundaries produced on either side of the cutter, seen in the
         direction of climb milling; empty where none is produced.
     room : largest radius of the arcs that lead onto and off the path [mm]; 0 for none, where the
         cutter enters along the path itself.
+    slack : by how much the path may be off, if that is more than the tolerance [mm]; 0 for a
+        finish.
     cleared : whether the material beside the path, as far as leads go, is gone down to the last
         depth: then the cutter may go straight down there.
     springs : rounds at the last depth after the first one there, which remove what deflection left.
@@ -124,6 +133,7 @@ class ContourCut(Cut):
     right: Annotated[Text, "toolpath"] = ""
     left: Annotated[Text, "toolpath"] = ""
     room: Annotated[Size, "toolpath"] = 0.0
+    slack: Annotated[Size, "toolpath"] = 0.0
     cleared: Annotated[Truth, "toolpath"] = False
     springs: Annotated[Rounds, "toolpath"] = 0
     contact: Annotated[Size, "toolpath"] = 0.0
@@ -207,6 +217,11 @@ class PointCut(Cut):
         if not points:
             raise GeometryError("needs a point", "toolpath", shown(points))
         hold(self, points=tuple(point("toolpath", each, "mm") for each in points))
+
+
+def slack_of(allowance: float) -> float:
+    """By how much the path of a roughing that leaves `allowance` [mm] may be off [mm]."""
+    return min(SLACK * allowance, MOST_SLACK)
 
 
 def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:

@@ -11,9 +11,8 @@ from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import Bench, flank_curve
-from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut, passes
+from camgeo.toolpath.cut import MOST_SLACK, AreaCut, ContourCut, PointCut, passes, slack_of
 from camgeo.toolpath.stock import ROUND
-from camgeo.toolpath.strategies.area import COARSEST
 from camgeo.toolpath.strategies.outside import spirals
 from camgeo.toolpath.tool import Tool, ToolError
 
@@ -26,7 +25,7 @@ usually, and at most, so that no core is left in them.
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
     """Around a wall in passes, in full material: the cutter enters along its path."""
-    boundary = wall.boundary
+    boundary, slack = wall.boundary, slack_of(allowance)
     return ContourCut(
         name=f"rough {boundary.name}",
         strategy="slot",
@@ -34,8 +33,9 @@ def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: fl
         top=top,
         depths=depths_of(tool, top, bench.bottom(wall)),
         allowance=allowance,
-        centre=boundary.offset(tool.radius + allowance),
+        centre=boundary.offset(tool.radius + allowance + slack),
         right=boundary.name,
+        slack=slack,
     )
 
 
@@ -60,7 +60,7 @@ def clear_outside(
     """All between a wall and the known outline of the blank; None if no spiral leads there."""
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
     made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
-    return made if spirals(made, wall.boundary, COARSEST) else None
+    return made if spirals(made, wall.boundary, MOST_SLACK) else None
 
 
 def loops_along(

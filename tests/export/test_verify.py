@@ -177,6 +177,22 @@ def test_program_without_comments_is_matched(design: Design) -> None:
     assert named == {"rough bore", "bore", "rough outline", "outline"}
 
 
+def test_a_roughing_may_be_off_by_its_slack_and_no_more(design: Design) -> None:
+    text = GCODE.write(design.disc, TOLERANCE).data.decode()
+    assert GCODE.measure(design.disc, text.encode()) <= TOLERANCE
+    cut = next(each for each in design.disc.milled.contour_cuts if each.name == "rough outline")
+    own = _checks(GCODE_VERIFIER, design.disc, text.encode())["deviation", cut.name]
+    assert isinstance(own.value, float)
+    assert TOLERANCE < own.value <= TOLERANCE + cut.slack
+    begin, end = text.index("(operation rough outline)"), text.index("(operation outline)")
+    # Arcs keep their centres, which are stated from their starts.
+    along = re.sub(r"X(\S+)", lambda word: f"X{float(word[1]) + 0.05:.4f}", text[begin:end])
+    moved = (text[:begin] + along + text[end:]).encode()
+    off = GCODE.measure(design.disc, moved)
+    assert 0.05 - 2.0 * cut.slack <= off <= 0.05 + TOLERANCE
+    assert _checks(GCODE_VERIFIER, design.disc, moved)["deviation", cut.name].ok is False
+
+
 def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
     text = GCODE.write(design.disc, TOLERANCE).data.decode()
     checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G17 G68 ").encode())

@@ -11,18 +11,12 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
-from camgeo.toolpath.cut import AreaCut
+from camgeo.toolpath.cut import AreaCut, slack_of
 from camgeo.toolpath.leads import flattest, started
 from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.spiral import Morph, paced
 from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track
-
-COARSEST: Final = 0.02
-"""Largest tolerance of a roughing path [mm]."""
-
-SHARE: Final = 0.05
-"""Of the allowance, that a roughing path may deviate."""
 
 SPENT: Final = 3.0
 """Tolerances by which a roughing path is moved off the wall: its last round deviates by one, the
@@ -41,7 +35,7 @@ EQUAL: Final = 1e-9
 
 def coarse(cut: AreaCut, tolerance: float) -> float:
     """Tolerance of roughing paths [mm], at least that of the program."""
-    return max(tolerance, min(SHARE * cut.allowance, COARSEST))
+    return max(tolerance, slack_of(cut.allowance))
 
 
 def limit_of(cut: AreaCut, tolerance: float) -> float:

@@ -1,6 +1,7 @@
 """Rounds along the closed path of the cutter's centre: finishes, slots, chamfers.
 
-The path is the exact parallel, fitted once within the tolerance; each round runs all of it.
+The path is the exact parallel, fitted once within the tolerance, or that of a roughing within its
+slack; each round runs all of it.
 """
 
 from __future__ import annotations
@@ -164,17 +165,21 @@ def contour_cut(cut: Cut) -> ContourCut:
 def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     """The cutter's path as lines and arcs within `tolerance` [mm], in the direction of cutting.
 
+    Within a larger slack of the cut it is fitted fast.
+
     Raises
     ------
     GeometryError
         With key "tool", if the cutter cannot reach the whole boundary.
     """
     try:
-        contour = cut.centre.arcs(tolerance, effort).contour
+        coarse = cut.slack > tolerance
+        fit = cut.centre.arcs(cut.slack, "fast") if coarse else cut.centre.arcs(tolerance, effort)
     except UndercutError as error:
         raise ToolError(
             f"the cutter is too large for the {cut.name}: a concave part of it is more tightly"
             f" curved than the cutter ({error.message})",
             cut.tool,
         ) from None
+    contour = fit.contour
     return contour if cut.centre.hole == cut.climb else contour.reversed()

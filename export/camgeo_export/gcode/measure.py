@@ -19,7 +19,8 @@ from camgeo_export.interpreter.run import Run, run_bytes
 def measure(product: Product, data: bytes) -> float:
     """Largest proved deviation [mm] of the cutter from its exact path.
 
-    Includes path blending, and how far the controller's own path departs from an arc.
+    That of a roughing counts beyond its slack. Includes path blending, and how far the
+    controller's own path departs from an arc.
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
@@ -39,7 +40,7 @@ def measure(product: Product, data: bytes) -> float:
         raise FileError(fault)
     gap = 0.0 if program.compensated is None else program.step
     program, rest = centred(cuts, program, machine)
-    centres = {cut.name: cut.centre for cut in cuts if isinstance(cut, ContourCut)}
+    along = {cut.name: cut for cut in cuts if isinstance(cut, ContourCut)}
     areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut)}
     loops = [loop for loop in program.loops(gap) if loop.operation not in areas]
     _check_complete(cuts, program, loops)
@@ -47,14 +48,17 @@ def measure(product: Product, data: bytes) -> float:
         of_area = [move for move in program.moves if move.operation == name]
         if (short := too_near(area, of_area)) > program.step:
             raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
-    deviations = (
-        loop.mismatch + centres[loop.operation].deviation(loop.contour.counter_clockwise())
-        for loop in loops
-    )
+    deviations = (_off(along[loop.operation], loop) for loop in loops)
     path = max(deviations, default=0.0)  # there may be a face or a drilled hole alone
     arcs = any(move.kind == "arc" for move in program.moves)
     own = machine.arcs.interpolation if arcs else 0.0
     return path + rest + program.blending + program.naive_cam + own
+
+
+def _off(cut: ContourCut, loop: Loop) -> float:
+    """Proved deviation [mm] of a closed path from the exact one; of a roughing beyond its slack."""
+    found = loop.mismatch + cut.centre.deviation(loop.contour.counter_clockwise())
+    return max(0.0, found - cut.slack)
 
 
 def bench_of(product: Product, machine: Machine) -> Bench:

@@ -164,6 +164,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
         checks.append(at_most("wall", short, tolerance, "mm", name))
     for cut in product.milled.contour_cuts:
         own = [loop for name, loop in loops if name == cut.name]
+        allowed = tolerance + cut.slack
         checks.append(_passes(cut, own, max(program.step, tolerance)))
         same: dict[bytes, list[Loop]] = {}
         for loop in own:
@@ -174,12 +175,12 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
             contour = alike[0].contour
             mismatch = extra + max(loop.mismatch for loop in alike)
             checks += contour_checks(
-                shapes[cut.name], contour, tolerance, extra=mismatch, where=where
+                shapes[cut.name], contour, allowed, extra=mismatch, where=where
             )
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
                 wanted = cut.cleared and cut.room > 0.0
                 checks += lead_checks(
-                    program, cut.name, contour, heights, tolerance, wanted=wanted,
+                    program, cut.name, contour, heights, allowed, wanted=wanted,
                     across=mode_of(cut) == CONTROL,
                 )  # fmt: skip
     for name, loop in loops:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.cut import ContourCut, slack_of
 from camgeo.toolpath.holding import Clamp, Tabs
 from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
 from camgeo.toolpath.plane.nearness import distances
@@ -102,6 +102,20 @@ def test_leads_of_compensation_begin_and_end_with_lines() -> None:
     assert isinstance(flat[2], ArcFeed)
     assert isinstance(flat[-1], Feed)
     assert isinstance(flat[-2], ArcFeed)
+
+
+def test_a_roughing_leaves_its_allowance_in_few_arcs() -> None:
+    """No less than the allowance, and at most two slacks more."""
+    allowance, slack = 0.5, slack_of(0.5)
+    centre = DISC.offset(TOOL.radius + allowance + slack)
+    cut = replace(SLOT, centre=centre, allowance=allowance, slack=slack)
+    moves = made(cut)
+    require_sound(moves)
+    ring = DISC.polyline(1e-4).contour.vertices
+    left = DensePath(ring).distances(dense(levels(moves, 0.0)[-8.0], 12)) - TOOL.radius
+    assert np.min(left) >= allowance - 1e-4
+    assert TOLERANCE < np.ptp(left) <= 2.0 * slack + 1e-4
+    assert len(moves) < 0.8 * len(made(replace(cut, slack=0.0)))
 
 
 def test_a_slot_comes_down_along_itself() -> None:
