@@ -184,7 +184,7 @@ def parse(text: str, file: str) -> Machine:
 
 def _build(kind: Any, table: Mapping[str, Any], faults: list[Fault]) -> Any:
     """An object of the dataclass `kind` from a table that fits the schema; None with `faults`."""
-    hints = get_type_hints(kind)
+    hints = _hints(kind)
     values: dict[str, Any] = {}
     for field in fields(kind):
         if field.name not in table:
@@ -205,3 +205,9 @@ def _build(kind: Any, table: Mapping[str, Any], faults: list[Fault]) -> Any:
     except GeometryError as error:
         faults.append(Fault(error.key, error.value, error.message))
         return None
+
+
+@functools.cache
+def _hints(kind: Any) -> dict[str, Any]:
+    """The types of the fields of a dataclass; a profile has many objects of some."""
+    return get_type_hints(kind)

@@ -13,7 +13,6 @@ from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import Bench, flank_curve
 from camgeo.toolpath.cut import MOST_SLACK, AreaCut, ContourCut, PointCut, passes, slack_of
 from camgeo.toolpath.stock import ROUND
-from camgeo.toolpath.strategies.outside import spirals
 from camgeo.toolpath.tool import Tool, ToolError
 
 LOOPS: Final = 0.5
@@ -58,6 +57,8 @@ def clear_outside(
     bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
 ) -> AreaCut | None:
     """All between a wall and the known outline of the blank; None if no spiral leads there."""
+    from camgeo.toolpath.strategies.outside import spirals  # few outlines of blanks are known
+
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
     made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
     return made if spirals(made, wall.boundary, MOST_SLACK) else None

@@ -8,10 +8,6 @@ from camgeo.contour.contour import Effort
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.moves import Heights, Move
-from camgeo.toolpath.strategies.face import face
-from camgeo.toolpath.strategies.inside import inside
-from camgeo.toolpath.strategies.outside import outside
-from camgeo.toolpath.strategies.ring import ring
 
 
 def clear(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
@@ -28,12 +24,20 @@ def clear(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[
     solids = [wall for wall in cut.walls if not wall.hole]
     match solids, holes:
         case [], []:
+            from camgeo.toolpath.strategies.face import face  # few programs clear areas
+
             return face(cut, heights, tolerance)
         case [solid], []:
+            from camgeo.toolpath.strategies.outside import outside
+
             return outside(cut, solid, heights, tolerance)
         case [], [hole]:
+            from camgeo.toolpath.strategies.inside import inside
+
             return inside(cut, hole, heights, tolerance)
         case [solid], [hole]:
+            from camgeo.toolpath.strategies.ring import ring
+
             return ring(cut, solid, hole, heights, tolerance)
     names = ", ".join(wall.name for wall in cut.walls)
     raise GeometryError("an area has at most one wall around it and one within it", "part", names)

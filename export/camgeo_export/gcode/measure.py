@@ -9,7 +9,6 @@ from camgeo.toolpath.machine import Machine, load
 from camgeo.units import MM_PER
 from camgeo.verifying.linting import Bench
 from camgeo_export.errors import FileError
-from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.compensated import centred, fault_of
 from camgeo_export.gcode.moves import Loop
@@ -45,6 +44,8 @@ def measure(product: Product, data: bytes) -> float:
     loops = [loop for loop in program.loops(gap) if loop.operation not in areas]
     _check_complete(cuts, program, loops)
     for name, area in areas.items():
+        from camgeo_export.gcode.areas import too_near  # few programs clear areas
+
         of_area = [move for move in program.moves if move.operation == name]
         if (short := too_near(area, of_area)) > program.step:
             raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
