@@ -13,11 +13,11 @@ from camgeo.contour.chords.arc_chords import (
     circle_count,
     circle_offset,
 )
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, Fit
 from camgeo.contour.counts import too_many
-from camgeo.contour.hausdorff import distance
+from camgeo.contour.hausdorff import ROUNDING, distance
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, grouped
+from camgeo.numeric.arrays import BoolArray, ComplexArray, IntArray, grouped
 
 MAX_CHORDS = 2_000_000
 """Chords at most."""
@@ -26,7 +26,7 @@ WIDEST = 1.6
 """Largest span of a chord [rad], however small the arc: a circle keeps four."""
 
 
-def chords_of(exact: Contour, tolerance: float) -> Contour:
+def chords_of(exact: Contour, tolerance: float) -> Fit:
     """Straight pieces with vertices on `exact`, at most `tolerance` [mm] off it."""
     radii = exact.radii
     largest = float(np.max(radii, initial=0.0))
@@ -39,10 +39,11 @@ def chords_of(exact: Contour, tolerance: float) -> Contour:
     index, number = grouped(counts.astype(np.intp))
     arm = exact.vertices[index] - exact.centres[index]
     turned = exact.centres[index] + arm * np.exp(1j * exact.sweeps[index] * number / counts[index])
-    return Contour.polygon(np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned))
+    vertices = np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned)
+    return _fit(exact, vertices, index, tolerance)
 
 
-def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
+def fewest_chords_of(exact: Contour, tolerance: float) -> Fit:
     """The fewest straight pieces within `tolerance` [mm] of `exact`, on both sides of it.
 
     Corners of `exact` are vertices; along its arcs vertices lie off them. A whole circle has no
@@ -67,15 +68,34 @@ def fewest_chords_of(exact: Contour, tolerance: float) -> Contour:
         turned = arc_angles(count, radius, abs(sweep), offset)[1:-1]
         arm = (1.0 + offset / radius) * (start - centre)
         found.append(np.append(start, centre + arm * np.exp(1j * np.sign(sweep) * turned)))
-    return Contour.polygon(np.concatenate(found))
+    index = np.repeat(np.arange(len(exact)), [len(each) for each in found])
+    return _fit(exact, np.concatenate(found), index, tolerance)
 
 
-def _chords_of_circle(exact: Contour, tolerance: float) -> Contour:
+def _chords_of_circle(exact: Contour, tolerance: float) -> Fit:
     centre, radius = complex(exact.centres[0]), float(exact.radii[0])
     count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
     arm = (1.0 + circle_offset(count, radius) / radius) * (complex(exact.vertices[0]) - centre)
     step = math.copysign(2.0 * math.pi / count, float(exact.sweeps[0]))
-    return Contour.polygon(centre + arm * np.exp(1j * step * np.arange(count)))
+    vertices = centre + arm * np.exp(1j * step * np.arange(count))
+    return _fit(exact, vertices, np.zeros(count, dtype=np.intp), tolerance)
+
+
+def _fit(exact: Contour, vertices: ComplexArray, index: IntArray, tolerance: float) -> Fit:
+    """The polygon of `vertices` (n,) [mm], whose chord i belongs to the piece `index[i]` (n,).
+
+    A chord and its part of an arc lie within the same angle about the centre, and along each ray
+    from there within the largest difference of their radii: at a vertex, or at the foot of the
+    perpendicular.
+    """
+    contour, centres, radii = Contour.polygon(vertices), exact.centres[index], exact.radii[index]
+    start, end = contour.vertices - centres, contour.ends - centres
+    along = (end - start) / np.where(end == start, 1.0, np.abs(end - start))
+    foot = np.abs((np.conj(along) * 0.5 * (start + end)).imag)
+    off = np.max(np.abs([np.abs(start) - radii, np.abs(end) - radii, radii - foot]), axis=0)
+    largest = float(np.max(off[radii > 0.0], initial=0.0))
+    rounding = 2.0 * ROUNDING * float(np.max(np.abs(vertices)))
+    return Fit(contour, largest + rounding, tolerance)
 
 
 def _checked(count: int, tolerance: float) -> int:

@@ -163,8 +163,7 @@ class ExactBoundary(Pickled):
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""
         chords = chords_of if effort == "fast" else fewest_chords_of
-        contour = chords(self.exact, tolerance).counter_clockwise()
-        return Fit(contour, self.deviation(contour), tolerance)
+        return chords(self.exact.counter_clockwise(), tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself, at either effort: lines and arcs already are strands."""

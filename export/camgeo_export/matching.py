@@ -12,12 +12,12 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Boundary
+from camgeo.product.drawn import TOPOLOGY_TOLERANCE
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 
 LOOSE = 1e-3
-"""Tolerance at which a boundary's area is computed, relative to the extent of the drawing: coarse
-enough to cost nothing, and the areas of nested boundaries differ by more."""
+"""Share of its extent within which the place of a contour is found."""
 
 ALIKE = 0.05
 """Areas that differ by less than this fraction do not show which is which: that of a small hole is
@@ -36,9 +36,8 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
         names = ", ".join(boundary.name for boundary in boundaries)
         found = counted(len(contours), "closed contour")
         raise FileError(f"{found}, expected {len(boundaries)}: {names}")
-    # A power of 2, so that all files of a part need the same polygons, which are computed once.
-    loose = LOOSE * 2.0 ** math.floor(math.log2(max(map(reach_of, contours))))
-    outlines = [boundary.polyline(loose, "fast").contour for boundary in boundaries]
+    # Those that the part was built with, where it has several boundaries.
+    outlines = [boundary.arcs(TOPOLOGY_TOLERANCE, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
     return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)
 

@@ -57,9 +57,11 @@ def _caught(exact: Contour, contour: Contour) -> float:
 @given(outlines, st.floats(-6.0, 0.0))
 def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
     tolerance = 10.0**size
-    chords = chords_of(exact, tolerance)
+    fit = chords_of(exact, tolerance)
+    chords = fit.contour
     assert chords.arc_count == 0
     found = _measured(exact, chords)
+    assert found <= fit.deviation <= 1.04 * found + NOTHING
     assert found <= tolerance * (1.0 + 1e-9) + 1e-14
     # Points between the samples lie (1/5)^2 of a sagitta further at 5 points a chord.
     assert distance_between(exact, chords) <= 1.04 * found + NOTHING
@@ -68,7 +70,7 @@ def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
 
 def test_chords_are_few() -> None:
     # Sagitta 0.001 on 8 mm: step 2 arccos(1 - 0.001/8) = 0.031624 rad, 100 to each half.
-    assert len(chords_of(PLAIN, 0.001)) == 2 * 100
+    assert len(chords_of(PLAIN, 0.001).contour) == 2 * 100
 
 
 def test_too_many_chords_are_refused() -> None:
@@ -102,7 +104,7 @@ def test_shifted_and_scaled_circles(size: float, angle: float, factor: float) ->
 def test_moved_vertex(
     exact: Contour, tolerance: float, index: int, size: float, angle: float
 ) -> None:
-    chords = chords_of(exact, tolerance)
+    chords = chords_of(exact, tolerance).contour
     vertices = chords.vertices.copy()
     vertices[index % len(vertices)] += 10.0**size * complex(np.cos(angle), np.sin(angle))
     _caught(exact, Contour(vertices, chords.sweeps, chords.centres))
@@ -111,7 +113,7 @@ def test_moved_vertex(
 @some
 @given(outlines, st.floats(0.005, 0.5), st.integers(0, 10**6), st.integers(1, 30))
 def test_left_out_vertices(exact: Contour, tolerance: float, start: int, count: int) -> None:
-    chords = chords_of(exact, tolerance)
+    chords = chords_of(exact, tolerance).contour
     keep = (np.arange(len(chords)) - start) % len(chords) >= min(count, len(chords) - 3)
     _caught(exact, Contour(chords.vertices[keep], chords.sweeps[keep], chords.centres[keep]))
 
@@ -188,7 +190,7 @@ def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
         assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
-    for plain in (PLAIN, chords_of(PLAIN, 0.001)):
+    for plain in (PLAIN, chords_of(PLAIN, 0.001).contour):
         assert _caught(SLOTTED, plain) > 2.0
         assert _caught(plain, SLOTTED) > 2.0
 
@@ -213,14 +215,16 @@ def test_twice_round_is_refused() -> None:
 @given(outlines, st.floats(-6.0, 0.0))
 def test_fewest_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
     tolerance = 10.0**size
-    chords = fewest_chords_of(exact, tolerance)
+    fit = fewest_chords_of(exact, tolerance)
+    chords = fit.contour
     assert chords.arc_count == 0
     found = _measured(exact, chords)
+    assert found <= fit.deviation <= found * (1.0 + 1e-9) + 2.0 * NOTHING
     assert found <= tolerance * (1.0 + 1e-9) + 1e-14
     # At the vertices, which are among the samples, the distance is as large as inside the chords.
     assert distance_between(exact, chords) <= found * (1.0 + 1e-9) + 2.0 * NOTHING
     assert distance_between(exact, chords.reversed()) >= found - 1e-14
-    assert len(chords) <= len(chords_of(exact, tolerance))
+    assert len(chords) <= len(chords_of(exact, tolerance).contour)
     if exact is SLOTTED:
         assert all(np.any(chords.vertices == corner) for corner in exact.vertices)
 
@@ -229,13 +233,13 @@ def test_fewest_chords_keep_their_tolerance(exact: Contour, size: float) -> None
 @given(outlines, st.floats(-6.0, 0.5), st.floats(0.3, 1.0))
 def test_counts_never_grow_with_the_tolerance(exact: Contour, size: float, share: float) -> None:
     tolerance = 10.0**size
-    tighter = fewest_chords_of(exact, share * tolerance)
-    assert len(fewest_chords_of(exact, tolerance)) <= len(tighter)
+    tighter = fewest_chords_of(exact, share * tolerance).contour
+    assert len(fewest_chords_of(exact, tolerance).contour) <= len(tighter)
 
 
 def test_fewest_chords_of_a_circle() -> None:
     # (r - u)/(r + u) = cos(pi/n) with u = 0.001, r = 8: pi/n = 0.0223581, n = 140.5.
-    chords = fewest_chords_of(PLAIN, 0.001)
+    chords = fewest_chords_of(PLAIN, 0.001).contour
     assert len(chords) == 141
     radius = float(np.abs(chords.vertices[0]))
     assert np.abs(chords.vertices) == pytest.approx(radius, rel=1e-15)
@@ -244,9 +248,9 @@ def test_fewest_chords_of_a_circle() -> None:
     assert RADIUS - inner == pytest.approx(radius - RADIUS, rel=1e-9)
     one = fewest_chords_of(
         Contour(np.array([8.0 + 0j]), np.array([-2.0 * np.pi]), np.zeros(1, np.complex128)), 1.0
-    )
+    ).contour
     assert one.area < 0.0
-    assert len(one) == len(fewest_chords_of(PLAIN, 1.0))
+    assert len(one) == len(fewest_chords_of(PLAIN, 1.0).contour)
 
 
 @pytest.mark.parametrize("exact", [PLAIN, SLOTTED])

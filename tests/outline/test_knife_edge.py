@@ -58,7 +58,7 @@ def test_on_a_polygon_the_edge_rides_along_its_sides() -> None:
     """The height of the polygon's side over the angle, exactly; no arcs about its vertices."""
     follower = TranslatingRoller(40.0, 0.0)
     curve = PitchCurve(MotionPlan((dwell(360),)), follower, 1)
-    polygon = chords_of(Contour.circle(40.0), 0.5)
+    polygon = chords_of(Contour.circle(40.0), 0.5).contour
     replay = replay_contour(curve, polygon, "inner")
     ends = polygon.vertices
     half = 0.5 * abs(ends[1] - ends[0])
