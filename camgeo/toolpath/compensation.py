@@ -93,7 +93,7 @@ def limit_of(operation: Operation) -> Limit | None:
     """The limit of an operation; None if nothing compensates for its cutter's radius.
 
     Either way the parallel must exist: the controller needs leads longer than its offset, arcs and
-    corners that it does not swallow, and clamps stay clear.
+    corners that it does not swallow; the cutter stays where the path's room is, clear of clamps.
 
     Raises
     ------
@@ -103,7 +103,8 @@ def limit_of(operation: Operation) -> Limit | None:
     cut = operation.cut
     if not side_of(cut):
         return None
-    least = math.inf
+    # Beside the path is no more room, and more allowance than that is not left for the wear.
+    least = cut.room if isinstance(cut, ContourCut) else math.inf
     for run in _runs(operation.moves):
         # Control itself takes the lead for the whole radius.
         lead = min(run[0].length, run[-1].length) / LEAD

@@ -153,6 +153,20 @@ def test_linuxcnc_runs_the_same_path(mode: str, off: float) -> None:
     assert difference(found, legs) < 1e-9
 
 
+def test_linuxcnc_runs_what_the_program_allows() -> None:
+    """With the largest offset of each operation, either way, it refuses nothing."""
+    if reason := rs274.absent():
+        pytest.skip(reason)
+    text = program("wear")
+    limits = re.findall(r"wear at most ([\d.]+) mm", text.replace(")\n(", " "))
+    assert len(limits) == len(FINISHES["wear"])
+    for sign in (2.0, -2.0):
+        worn = text
+        for limit in limits:
+            worn = worn.replace("G41 D4", f"G41.1 D{sign * float(limit):g}", 1)
+        assert rs274.run(worn)[1] == ""
+
+
 def test_the_words_are_those_of_each_machine() -> None:
     own = {
         "fanuc": ("wear", "G1 G41 D4 X", "G1 G40 X"),

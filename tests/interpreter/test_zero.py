@@ -188,3 +188,11 @@ def test_wrong_values_are_refused_with_their_key(keys: str, stock: str, fault: s
     with pytest.raises(SceneError) as caught:
         parse_scene(f"{CAM}{keys}\n{stock}{held}")
     assert f"output.gcode.{fault}" in str(caught.value)
+
+
+def test_a_program_is_run_in_the_blank_of_the_scene_from_its_zero() -> None:
+    disc, machine = product(zero="front-left", height="blank-top"), load("linuxcnc")
+    text = written(disc).encode()
+    assert VERIFIER.worked(disc, text, machine) == ()
+    other = product(zero="front-right", height="blank-top")
+    assert VERIFIER.worked(other, text, machine)

@@ -69,6 +69,14 @@ def test_the_wear_is_at_most_half_a_lead_and_smaller_than_any_arc(room: float) -
         at = end
 
 
+def test_the_wear_is_no_more_than_what_is_cleared_beside_the_path() -> None:
+    """As where a slot is wider than the cutter by its allowance."""
+    for room in (0.05, 0.3, 2.0):
+        limit = limit_of(operation("wear", room))
+        assert limit is not None
+        assert limit.most <= SHARE * room
+
+
 def test_a_clamp_beside_the_path_limits_the_wear() -> None:
     free = limit_of(operation("wear"))
     gap = 0.2

@@ -117,7 +117,8 @@ class GcodeVerifier:
             each.concerns in ("words", "path") for each in program.findings
         ):
             return ()
-        return work_findings(product, program)
+        zero = product.milled.zero
+        return work_findings(product, program.seen_from(zero.place, zero.z))
 
 
 def _compensation(
