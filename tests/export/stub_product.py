@@ -36,6 +36,7 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
 from camgeo.toolpath.plan import divided
@@ -339,13 +340,15 @@ def _moves(
     for depth in cut.depths:
         yield Rapid((entry.real, entry.imag, safe_height))
         yield Feed((entry.real, entry.imag, depth), tool.plunge_feed)
-        yield _arc(start, hinge, depth, turn, tool.feed)
+        yield _arc(start, hinge, depth, turn, tool)
         pieces = zip(contour.ends, contour.centres, contour.sweeps, strict=True)
         for end, hub, sweep in pieces:
-            yield _arc(complex(end), complex(hub), depth, bool(sweep > 0.0), tool.feed)
-        yield _arc(leave, hinge, depth, turn, tool.feed)
+            yield _arc(complex(end), complex(hub), depth, bool(sweep > 0.0), tool)
+        yield _arc(leave, hinge, depth, turn, tool)
         yield Rapid((leave.real, leave.imag, safe_height))
 
 
-def _arc(end: complex, hub: complex, depth: float, ccw: bool, feed: float) -> ArcFeed:
+def _arc(end: complex, hub: complex, depth: float, ccw: bool, tool: Tool) -> ArcFeed:
+    """In climb milling, with the wall around an arc that turns counter-clockwise."""
+    feed = centre_feed(tool.feed, abs(end - hub), tool.radius, inside=ccw)
     return ArcFeed((end.real, end.imag, depth), (hub.real, hub.imag), ccw, feed)

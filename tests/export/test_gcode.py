@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import replace
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -117,8 +118,12 @@ def test_feed_is_written_first_and_when_it_changes() -> None:
     cuts = [line for line in text.splitlines() if re.match("G[123] ", line)]
     feeds = [re.findall("F([0-9.]+)", line) for line in cuts]
     assert feeds[0] == ["100"]
-    assert feeds[1] == ["300"]
-    assert sum(map(len, feeds)) == 2 * 4  # plunge and path, for each pass
+    assert feeds[1] == ["144.83"]  # on an arc of 2.8 mm, with the wall 3 mm around it
+    # Once for all of the outline, which the cutter runs around the outside of.
+    around = [len(each) for line, each in zip(cuts, feeds, strict=True) if line.startswith("G2")]
+    assert around == [1] + 11 * [0] + [1] + 11 * [0]
+    stated = [feed for each in feeds for feed in each]
+    assert all(feed != before for before, feed in pairwise(stated))
 
 
 def test_decimals_follow_the_tolerance() -> None:
@@ -354,10 +359,11 @@ def test_the_controllers_own_arcs_count(tmp_path: Path) -> None:
 def test_the_machining_time_is_reported(tmp_path: Path) -> None:
     facts = WRITER.write(StubProduct(), 0.001).facts
     # Two passes round the bore of 7 mm and the outline of 35 mm at 5 mm/s; plunges from Z 5 to -4
-    # and to -8 at 5/3 mm/s; quarter circles of 2.8 and 3.5 mm into each pass and out of it.
-    rounds = 2.0 * 2.0 * math.pi * (7.0 + 35.0) / 5.0
+    # and to -8 at 5/3 mm/s; quarter circles of 2.8 and 3.5 mm into each pass and out of it. Inside,
+    # the contact, 3 mm farther out, runs at that feed.
+    rounds = 2.0 * 2.0 * math.pi * (7.0 + 3.0 + 35.0) / 5.0
     plunges = 2.0 * (9.0 + 13.0) / (5.0 / 3.0)
-    leads = 2.0 * 2.0 * 0.5 * math.pi * (2.8 + 3.5) / 5.0
+    leads = 2.0 * 2.0 * 0.5 * math.pi * (2.8 + 3.5 + 2.0 * 3.0) / 5.0
     least = rounds + plunges + leads
     # Eight traverses of 13 mm at most and 43 mm once, with 30 mm/s and 0.06 s to get there.
     assert least < float(facts["machining_time_s"]) < least + (8 * 13 + 43) / 30.0 + 9 * 0.06

@@ -107,7 +107,7 @@ def test_a_program_that_is_changed() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "check", "note"),
     [
-        ("F300", "F30000", "feed", "line 21"),
+        ("F144.83", "F14483", "feed", "line 21"),
         ("F100", "F1000", "plunge feed", "line 20"),
         ("S3000", "S30000", "spindle speed", "line 20"),
         ("T1 M6", "T9 M6", "tool", "line 20"),
@@ -116,7 +116,7 @@ def test_a_program_that_is_changed() -> None:
         ("(part eccentric)", "(part other)", "comments", "'part other' where 'part eccentric'"),
         ("depths -4", "depths -5", "comments", "depths -5.0000"),
         ("G0 Z5.0000", "G0 Z50.0000", "traverses", "line 15: a traverse to Z 50 mm, not 5 mm"),
-        ("X4.2000 Y2.8000 I-2.8000 J0.0000\nG0 Z5.0000\n(op", "X4.2000 Y2.8000 I-2.8000 J0\n(op",
+        ("I-2.8000 J0.0000 F144.83\nG0 Z5.0000\n(op", "I-2.8000 J0.0000 F144.83\n(op",
          "safety", "M5 at Z -8 mm, below the safe height"),
         ("G1 Z-4.0000 F100", "G1 Z-4.0000 F100\nG1 Z-4.5\nG1 Z-4.0000", "moves",
          "line 21: a cut at Z -4.5 mm, which is not one of its depths"),

@@ -135,14 +135,14 @@ def _drops(move: CutterMove) -> bool:
 
 
 def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: float) -> Check:
-    """That each move runs at the tool's feed, or slowed as on inner arcs and on the way down."""
+    """That the contact of each move runs at the tool's feed, no faster and no slower: the centre is
+    slowed where the wall lies around its arc, and on the way down.
+    """
     tool = cut.tool
     worst, line, value, wanted = 0.0, 0, tool.feed, tool.feed
     for move in moves:
         least, most = _allowed(cut, move, tolerance)
-        off = min(abs(move.feed - each) for each in (least, most))
-        if not move.sweep and least <= move.feed <= most:
-            off = 0.0
+        off = max(least - move.feed, move.feed - most, 0.0)
         off = max(0.0, off - SLOWED * most) if move.feed < tool.feed else off
         if off > worst:
             worst, line, value, wanted = off, move.line, move.feed, most
@@ -152,14 +152,20 @@ def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: fl
 
 
 def _allowed(cut: Cut, move: CutterMove, tolerance: float) -> tuple[float, float]:
-    """The feeds [mm/min] that a move may have: slowed, as the wall may lie around it, and not.
+    """The least and the largest feed [mm/min] that a move may have, one and the same on an arc.
 
+    The wall lies around an arc that turns to the free side, and around each one between two walls.
     A line may stand for a piece of an arc that is flat within `tolerance` [mm]; then its feed is
     slowed for any radius from the least one that is as flat.
     """
     tool, length = cut.tool, move.course.length
     radius = move.course.radius if move.sweep else length * length / (8.0 * tolerance)
-    feeds = (centre_feed(tool.feed, radius, cut.contact_radius, inside=True), tool.feed)
+    slow = centre_feed(tool.feed, radius, cut.contact_radius, inside=True)
+    both = isinstance(cut, ContourCut) and bool(cut.left)
+    around = both or (move.sweep > 0.0) == cut.climb
+    feeds = (slow if around or not move.sweep else tool.feed, tool.feed)
+    if move.sweep and around:
+        feeds = (slow, slow)
     if not _drops(move):
         return feeds
     drop = move.z_start - move.z_end
