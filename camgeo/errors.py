@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from camgeo.wording import counted
+from camgeo.wording import counted, told_apart
 
 
 class CamgeoError(Exception):
@@ -99,7 +99,8 @@ class ToleranceError(CamgeoError, ArithmeticError):
     """
 
     def __init__(self, message: str, asked: float, reached: float) -> None:
-        super().__init__(f"{message}: tolerance {asked:g} mm requested, {reached:g} mm reached")
+        least, most = told_apart(asked, reached)
+        super().__init__(f"{message}: tolerance {least} mm requested, {most} mm reached")
         self.reason = message
         self.asked = asked
         self.reached = reached

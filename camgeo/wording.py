@@ -22,6 +22,12 @@ def listed(words: Sequence[str], most: int | None = None) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
+def told_apart(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to see which is larger, six at least."""
+    found = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
+    return next((pair for pair in found if pair[0] != pair[1]), found[0])
+
+
 def cam_angle(angle: float, form: str = ".6g") -> str:
     """The cam angle `angle` [rad], in any turn, in degrees from 0 to below 360."""
     text = format(math.degrees(angle % TURN), form)

@@ -11,7 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.units import TURN
-from camgeo.wording import at_cam_angles, cam_angle, clock, counted, listed, over_cam_angles
+from camgeo.wording import (
+    at_cam_angles,
+    cam_angle,
+    clock,
+    counted,
+    listed,
+    over_cam_angles,
+    told_apart,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -73,3 +81,15 @@ def test_messages_count_with_counted(folder: str) -> None:
 )  # fmt: skip
 def test_times_to_the_second(seconds: float, text: str) -> None:
     assert clock(seconds) == text
+
+
+@given(st.floats(1e-9, 1e3), st.integers(0, 40))
+def test_numbers_that_differ_are_told_apart(one: float, steps: int) -> None:
+    """Down to neighbouring floating-point numbers, and no longer than they must be."""
+    other = one
+    for _ in range(steps):
+        other = math.nextafter(other, math.inf)
+    less, more = told_apart(one, other)
+    assert (float(less) < float(more)) == (one != other)
+    assert told_apart(0.005, 0.005000012) == ("0.005", "0.00500001")
+    assert told_apart(0.005, 0.0095) == ("0.005", "0.0095")

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+import shapely
+
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
@@ -14,6 +16,7 @@ from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, SCREWS, Clamp, Obstacle
 from camgeo.toolpath.moves import Heights
+from camgeo.toolpath.sweep import Area, polygon
 
 COARSE: Final = 0.01
 """Tolerance [mm] of the contours with which clamps are compared; it counts against them."""
@@ -150,25 +153,15 @@ def _moved(clamps: Sequence[Clamp], name: str) -> Iterator[str]:
 
 def _clears(cut: Cut, obstacle: Obstacle) -> None:
     """GeometryError with key "holding", if the cutter runs into the obstacle."""
-    import shapely
-
-    radius = cut.tool.radius
     body = _polygon(obstacle.outline)
+    touches = False
     if isinstance(cut, ContourCut):
-        contour = cut.centre.arcs(COARSE, "fast").contour
-        points = contour.points(COARSE)
-        ring = shapely.LinearRing([(point.real, point.imag) for point in points])
-        gap = float(shapely.distance(ring, body)) - radius - 2.0 * COARSE
+        ring = shapely.boundary(_polygon(cut.centre))
+        touches = float(shapely.distance(ring, body)) <= cut.tool.radius + 2.0 * COARSE
     elif isinstance(cut, AreaCut):
         area = _area(cut)
-        if area is None:
-            return
-        gap = float(shapely.distance(area, body)) - 2.0 * COARSE
-        if not shapely.intersects(area, body):
-            gap = max(gap, 1e-9)
-    else:
-        return
-    if gap <= 0.0:
+        touches = area is not None and bool(shapely.intersects(area, body))
+    if touches:
         raise GeometryError(
             f"{cut.name} with tool {cut.tool.number} runs into the {obstacle.name}; move it, or"
             " take it away before",
@@ -176,7 +169,7 @@ def _clears(cut: Cut, obstacle: Obstacle) -> None:
         )
 
 
-def _area(cut: AreaCut):  # type: ignore[no-untyped-def] # noqa: ANN202 - shapely has no types
+def _area(cut: AreaCut) -> Area | None:
     """The material that an area cut removes, as a polygon."""
     area = None if cut.stock is None else _polygon(cut.stock)
     for wall in cut.walls:
@@ -188,17 +181,12 @@ def _area(cut: AreaCut):  # type: ignore[no-untyped-def] # noqa: ANN202 - shapel
     return area
 
 
-def _polygon(boundary: Boundary):  # type: ignore[no-untyped-def] # noqa: ANN202 - no types
-    import shapely
-
-    points = boundary.arcs(COARSE, "fast").contour.points(COARSE)
-    return shapely.Polygon([(point.real, point.imag) for point in points])
+def _polygon(boundary: Boundary) -> Area:
+    return polygon([boundary.arcs(COARSE, "fast").contour], COARSE)
 
 
 def _holds(bench: Bench, cut: Cut, there: Sequence[Clamp]) -> None:
     """GeometryError with key "holding", if no clamp or screw that is set stands on the part."""
-    import shapely
-
     walls = cut.walls if isinstance(cut, AreaCut) else (bench.walls[_right(cut)].boundary,)
     part = [_polygon(wall) for wall in walls]
     for clamp in there:
