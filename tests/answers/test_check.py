@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -24,17 +25,60 @@ def lines_of(found: Check) -> list[str]:
     return text(found).splitlines()
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
-def test_documents_are_what_their_schema_says(scene: Path) -> None:
+@cache
+def checked(scene: Path) -> tuple[Design, Check, str]:
+    """The design of a scene, the answer and its text."""
     design = explained(scene)[0]
     found = check(design)
+    return design, found, text(found)
+
+
+by_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+
+
+@by_scene
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    design, found, shown = checked(scene)
     reported = document(found)
     assert len(reported["findings"]) == len(design.findings)
     assert {name: len(each) for name, each in reported["effects"].items()} == {
         name: len(design.effects.findings(name)) for name in design.scene.effects
     }
     assert list(reported["discs"]) == [each.name for each in design.discs]
-    assert text(found).count("\n") >= len(design.findings) - 1
+    assert shown.count("\n") >= len(design.findings) - 1
+
+
+@by_scene
+def test_every_effect_is_reported_in_finite_numbers(scene: Path) -> None:
+    design, found, shown = checked(scene)
+    assert list(found.effects) == list(design.scene.effects)
+    for name, findings in found.effects.items():
+        assert f"\n{name}:\n" in shown
+        for each in findings:
+            assert each.sentence
+            assert each.value is None or math.isfinite(each.value)
+    assert "nan" not in shown.lower().replace("resonan", "").replace("dominan", "")
+    findings = [*found.findings, *(each for many in found.effects.values() for each in many)]
+    bad = any(each.severity in ("broken", "no-disc") for each in findings)
+    assert found.exit_code == (1 if bad else 0)
+
+
+@pytest.mark.parametrize(
+    "scene", [each for each in SCENES if each.parent.name == "scenes"], ids=lambda path: path.stem
+)
+def test_fixtures_keep_their_limits(scene: Path) -> None:
+    design, found, shown = checked(scene)
+    trimmed = design.scene.limits.undercut == "trim"
+    assert found.exit_code == (1 if trimmed else 0)
+    # What a trimmed cam breaks is that it undercuts, and what comes with it.
+    broken = [line.split()[1] for line in shown.splitlines() if line.startswith("BROKEN")]
+    assert bool(broken) == trimmed
+    stated = (
+        *("undercut-", "global-undercut-", "lobe-", "lost-stroke-", "radius-ratio-"),
+        *("tangent-closure", "shock"),
+    )
+    assert all(name.startswith(stated) for name in broken)
+    assert "NO DISC" not in shown
 
 
 def test_text_asks_for_no_outline_that_the_findings_do_not_need(

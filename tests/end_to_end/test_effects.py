@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
-import math
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,6 @@ from camgeo.design import Design
 from camgeo.effects.registry import EFFECTS
 from camgeo.motion.time_course import in_time
 from tests.effects.scenes import SCENES
-from tests.findings import effect_findings
 
 FOLDER = SCENES.parent / "effects"
 
@@ -53,29 +50,6 @@ def column(text: str, name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]
 def test_all_effects_are_in_some_scene() -> None:
     named = {name for path in EFFECT_SCENES for name in load(path).scene.effects}
     assert named == set(EFFECTS)
-
-
-def test_check_reports_every_effect(scene: Path, subject: Design, capsys: Capture) -> None:
-    code = main(["check", str(scene)])
-    text = capsys.readouterr().out
-    bad = any(
-        each.severity in ("broken", "no-disc")
-        for each in (*subject.findings, *effect_findings(subject))
-    )
-    assert code == (1 if bad else 0)
-    for name in subject.scene.effects:
-        assert f"\n{name}:\n" in text
-    assert "nan" not in text.lower().replace("resonan", "").replace("dominan", "")
-
-
-def test_check_as_json(scene: Path, subject: Design, capsys: Capture) -> None:
-    main(["check", str(scene), "--json"])
-    document = json.loads(capsys.readouterr().out)
-    assert list(document["effects"]) == list(subject.scene.effects)
-    for found in document["effects"].values():
-        for each in found:
-            assert each["sentence"]
-            assert each["value"] is None or math.isfinite(each["value"])
 
 
 def test_table_has_the_columns_and_finite_numbers(
