@@ -152,8 +152,10 @@ def roughed(product: Product, diameter: float, limit: float) -> Roughed:
         except GeometryError as error:
             fault = fault or error
             continue
-        operation = next(each for each in whole.operations if isinstance(each.cut, AreaCut))
-        return Roughed(operation, whole, part, stock, holding)
+        cleared = [each for each in whole.operations if isinstance(each.cut, AreaCut)]
+        if cleared:
+            return Roughed(cleared[0], whole, part, stock, holding)
+        fault = fault or GeometryError("no spiral clears its hollows")
     assert fault is not None
     raise fault
 

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import camgeo
+from camgeo.cam.contact import Contact
 from camgeo.part.part import Part
 from camgeo.toolpath.course import course_of
 from camgeo.toolpath.engagement import Cutting
 from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import Toolpath
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.milling import MillingSpec, OperationSpec
+from camgeo.toolpath.moves import Stop, Toolpath
+from camgeo.toolpath.plan import plan_toolpath
 from camgeo.toolpath.simulation import Setup, Simulation, simulate
 from camgeo.toolpath.stock import Stock
+from tests.toolpath.milled import FIXTURE, HEIGHTS, part, sequence, tool
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 
@@ -31,9 +36,9 @@ def program(name: str) -> tuple[Toolpath, Part, MillingSpec]:
 
 def judged(name: str, stock: Stock | None = None, holding: Holding | None = None) -> Simulation:
     """With what the scene states unless another blank or holding is given."""
-    toolpath, part, spec = program(name)
+    toolpath, made, spec = program(name)
     return simulate(
-        started(toolpath, part, stock or spec.stock, holding or spec.holding), runs_of(toolpath)
+        started(toolpath, made, stock or spec.stock, holding or spec.holding), runs_of(toolpath)
     )
 
 
@@ -91,3 +96,28 @@ def test_a_second_time_the_same_way_is_air() -> None:
     again = Cutting(course_of(twice), outline.tool.radius, plate).engagement(20.0, second)
     assert again.peak == 0.0
     assert again.air_share == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("boundary", ["outline", "bore"])
+def test_a_chamfer_is_part_of_the_part(boundary: str) -> None:
+    """On its own: too deep a one is a gouge as deep as the cone is wider there."""
+    pointed = tool(8.0, kind="chamfer-mill", tip_angle=0.5 * math.pi)
+    chamfer = OperationSpec(kind="chamfer", boundary=boundary, tool=1, size=0.4)
+    cuts = sequence(Contact.INNER, pointed, operations=(chamfer,)).cuts
+    toolpath = plan_toolpath(cuts, HEIGHTS, load("linuxcnc").arcs, 0.01, "fast")
+    milled, blank = part(Contact.INNER), Stock(bore=2.0 * 12.5)
+    setup = started(toolpath, milled, blank, FIXTURE)
+    (run,) = runs_of(toolpath)
+    assert simulate(setup, [run]).flaws == ()
+    deeper = tuple(
+        replace(move, end=(*move.end[:2], move.end[2] - 0.15))
+        for move in run.moves
+        if not isinstance(move, Stop)
+    )
+    (gouge,) = simulate(setup, [replace(run, moves=deeper)]).of("gouge")
+    assert gouge.value == pytest.approx(0.15, abs=0.02)
+    # One that is not cut at all is left where it would be widest.
+    higher = replace(run, moves=run.moves[:1])
+    (rest,) = simulate(setup, [higher]).flaws
+    assert (rest.name, rest.watched) == ("rest", False)
+    assert 0.3 < rest.value < 0.4 + 0.02
