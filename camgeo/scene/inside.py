@@ -78,8 +78,10 @@ class Inside:
         self._known = known or {}
 
     def fault(self, path: Path, message: str, hint: str = "") -> None:
-        """Note a fault of the value at `path`, which need not exist."""
-        self.faults.append(self.values.scene.fault(path, message, hint))
+        """Note a fault of the value at `path`, which need not exist, once."""
+        found = self.values.scene.fault(path, message, hint)
+        if found not in self.faults:
+            self.faults.append(found)
 
     def read(self, key: Path) -> bytes | None:
         """The data that the scene names at `key`, at most one byte too many; None with a fault."""

@@ -128,17 +128,18 @@ class MillingBuilder:
         if earlier is not None:
             tools.append(earlier)
         known = {tool.number for tool in tools}
-        tools += [tool for tool in self._library() if tool.number not in known]
+        library = self._library()
+        tools += [tool for tool in library or () if tool.number not in known]
         stock: Stock | None = self._one("stock", stock_of)
         holding: Holding | None = self._one("holding", holding_of)
         operations: list[OperationSpec] = self.each("operation", operation_of)
         known = {tool.number for tool in tools}
         for k, each in enumerate(operations):
-            if each.tool not in known:
+            if library is not None and each.tool not in known:
                 numbers = ", ".join(str(number) for number in sorted(known)) or "none"
                 message = f"there is no such tool; there are {numbers}"
                 self._inside.fault(("operation", k, "tool"), message)
-        if len(self._inside.faults) > before:
+        if library is None or len(self._inside.faults) > before:
             return None
         return MillingSpec(
             tools=tuple(tools),
@@ -173,13 +174,15 @@ class MillingBuilder:
             self._inside.fault((*place, *key), error.message)
             return None
 
-    def _library(self) -> list[Tool]:
-        """The tools of the file that the scene names; faults in it are those of the key."""
+    def _library(self) -> list[Tool] | None:
+        """The tools of the file that the scene names; None if there are faults in it, which are
+        those of the key.
+        """
         if self._values.get(*LIBRARY) is None:
             return []
         data = self._inside.read(LIBRARY)
         if data is None:
-            return []
+            return None
         try:
             return tools_of(data)
         except SceneError as error:
@@ -187,7 +190,7 @@ class MillingBuilder:
                 where = "" if fault.line is None else f"line {fault.line}: "
                 what = f"{fault.key}: " if fault.key else ""
                 self._inside.fault(LIBRARY, f"{where}{what}{fault.message}", fault.hint)
-            return []
+            return None
 
 
 def _earlier_tool(program: GcodeSpec | None) -> Tool | None:

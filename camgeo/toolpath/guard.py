@@ -77,6 +77,39 @@ def guarded(bench: Bench, cuts: Sequence[Cut], heights: Heights) -> list[Cut]:
     return found
 
 
+def require_room(bench: Bench) -> None:
+    """That the blank contains the part, and the part what is left of it to hold it.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene.
+    """
+    import shapely
+
+    milling, layers = bench.milling, bench.part.layers
+    holding, thickness = milling.holding, layers[-1].z1 - layers[0].z0
+    heights = {} if holding is None else {"thickness": holding.skin}
+    if holding is not None and holding.tabs is not None:
+        heights["height"] = holding.tabs.height
+    for key, height in heights.items():
+        if height is not None and height >= thickness:
+            message = f"must be less than the thickness of the part, {thickness:g} mm"
+            raise GeometryError(message, f"holding.{key}", f"{height:g}")
+    if milling.stock.outline is None:
+        return
+    blank = _polygon(milling.stock.outline)
+    for boundary in bench.part.boundaries:
+        if not boundary.hole:
+            corners = shapely.points(shapely.get_coordinates(_polygon(boundary)))
+            lacking = float(max(shapely.distance(corners, blank)))
+            if lacking > 2.0 * COARSE:
+                raise GeometryError(
+                    f"the blank is too small: {lacking:.3g} mm are missing at one side of the part",
+                    "stock",
+                )
+
+
 def told_of_holding(bench: Bench, cuts: Sequence[Cut]) -> Iterator[Finding]:
     """What the holding leaves to be done, or to be watched."""
     holding = bench.milling.holding

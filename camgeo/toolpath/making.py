@@ -176,7 +176,7 @@ def drill_at(name: str, tool: Tool, top: float, bottom: float, place: complex) -
 def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
     """Z of equal passes [mm]; raises ToolError without a stepdown."""
     if tool.stepdown is None:
-        message = f"is missing: tool {tool.number} needs it to cut {top - bottom:g} mm deep"
+        message = f"tool {tool.number} states no stepdown to cut {top - bottom:g} mm deep"
         raise ToolError(message, tool, "stepdown")
     return passes(top, bottom, tool.stepdown)
 
@@ -184,6 +184,6 @@ def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
 def stepover_of(tool: Tool) -> float:
     """Between neighbouring paths [mm]; raises ToolError if it is not stated."""
     if tool.stepover is None:
-        message = f"is missing: tool {tool.number} needs it to clear an area; none is invented"
+        message = f"tool {tool.number} states no stepover to clear an area; none is invented"
         raise ToolError(message, tool, "stepover")
     return tool.stepover

@@ -9,7 +9,7 @@ from camgeo.check.finding import Finding
 from camgeo.part.part import Part
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.guard import guarded, told_of_holding
+from camgeo.toolpath.guard import guarded, require_room, told_of_holding
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.planned import planned_steps, told
@@ -47,6 +47,7 @@ def sequence_of(
     """
     part.require_heights()
     bench = Bench(part, milling, compensation)
+    require_room(bench)
     findings: list[Finding] = []
     if milling.operations:
         cuts = stated_cuts(bench)

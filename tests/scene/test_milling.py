@@ -221,3 +221,12 @@ def test_defaults_are_what_their_absence_stands_for() -> None:
     )
     assert stated.milling == scene.milling
     assert scene.with_values({"tool[1].kind": "end-mill"}).made == scene.made
+
+
+def test_a_library_that_cannot_be_read_is_one_fault(tmp_path: Path) -> None:
+    """Its tools are not told to be missing, too."""
+    stated = HEAD.replace('machine = "linuxcnc"', 'tools = "none.toml"')
+    operation = '[[operation]]\nkind = "rough"\nboundary = "outline"\ntool = 3\n'
+    with pytest.raises(SceneError) as caught:
+        parse_scene(stated + HOLDING + operation, str(tmp_path / "s.toml"))
+    assert [fault.key for fault in caught.value.faults] == ["output.gcode.tools"]

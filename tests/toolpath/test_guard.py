@@ -10,7 +10,7 @@ from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.stock import Stock
-from tests.toolpath.milled import THICKNESS, named, sequence, tool
+from tests.toolpath.milled import BORE, RIM, THICKNESS, named, sequence, tool
 
 INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE
 
@@ -92,3 +92,33 @@ def test_a_clamp_names_operations_that_there_are() -> None:
 def test_a_core_that_a_fixture_must_hold_is_told() -> None:
     (told,) = (each for each in sequence(OUTER).findings if each.name == "loose-core")
     assert told.severity == "warning"
+
+
+@pytest.mark.parametrize(
+    ("holding", "key"),
+    [
+        (Holding(kind="onion-skin", skin=THICKNESS), "holding.thickness"),
+        (Holding(kind="tabs", through=0.5, tabs=Tabs(4, 6.0, THICKNESS)), "holding.height"),
+    ],
+)
+def test_what_is_left_to_hold_the_part_is_lower_than_it(holding: Holding, key: str) -> None:
+    with pytest.raises(GeometryError, match="must be less than the thickness") as caught:
+        sequence(INNER, holding=holding)
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(
+    "stock",
+    [
+        Stock(shape="round", diameter=130.0, centre=20.0),
+        Stock(length=200.0, width=90.0),
+        Stock(length=130.0, width=200.0, centre=20.0 + 3.0j),
+    ],
+)
+def test_the_blank_contains_the_part(stock: Stock) -> None:
+    """A part out of a plate is no smaller than one from the round, whatever is cut around it."""
+    with pytest.raises(GeometryError, match="the blank is too small") as caught:
+        sequence(INNER, stock=stock)
+    assert caught.value.key == "stock"
+    found = sequence(GROOVE, stock=Stock(shape="round", diameter=RIM, bore=BORE), holding=None)
+    assert found.cuts

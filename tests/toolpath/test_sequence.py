@@ -170,7 +170,7 @@ def test_the_rim_is_that_of_the_blank_or_cut_out_of_it() -> None:
 
 
 def test_what_nobody_states_is_not_invented() -> None:
-    with pytest.raises(GeometryError, match="tool 1 needs it") as caught:
+    with pytest.raises(GeometryError, match="tool 1 states no stepdown") as caught:
         sequence(INNER, tool(12.0, stepdown=None))
     assert caught.value.key == "tool.stepdown"
     with pytest.raises(GeometryError, match="none is invented") as caught:
