@@ -58,8 +58,8 @@ def test_every_effect_is_reported_in_finite_numbers(scene: Path) -> None:
             assert each.sentence
             assert each.value is None or math.isfinite(each.value)
     assert "nan" not in shown.lower().replace("resonan", "").replace("dominan", "")
-    findings = [*found.findings, *(each for many in found.effects.values() for each in many)]
-    bad = any(each.severity in ("broken", "no-disc") for each in findings)
+    every = [*found.findings, *(each for many in found.effects.values() for each in many)]
+    bad = any(each.severity in ("broken", "no-disc") for each in every)
     assert found.exit_code == (1 if bad else 0)
 
 
