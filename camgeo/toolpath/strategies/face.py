@@ -58,11 +58,8 @@ def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
     circle = Track.arc(turned.end, middle, morph.sense * 2.0 * np.pi)
     level = chained((entry, turned, circle))
     walk = Walk(cut, heights)
-    for number, z in enumerate(cut.depths):
-        if number:
-            walk.follow(Track.line(walk.place, level.start))
-        else:
-            walk.above(level.start)
+    for z in cut.depths:
+        walk.over(level.start)
         walk.down(z)
         walk.follow(level)
     walk.up()

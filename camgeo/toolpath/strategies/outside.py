@@ -13,7 +13,6 @@ from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
 from camgeo.toolpath.leads import Beside, begun, lead_at
 from camgeo.toolpath.moves import Heights, Move
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.parallel import grown
 from camgeo.toolpath.plane.spiral import Morph, engagements, fitted
 from camgeo.toolpath.plane.star import Star
@@ -65,11 +64,7 @@ def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) ->
             morph = _continued(cut, morph, walk.place, fine)
         track = _level(cut, morph, path, fine)
         require_clear(track, wall, cut, fine)
-        link = Track.line(walk.place, track.start)
-        if number and least_distance(link, Track.around(path)) > 0.0:
-            walk.follow(link)
-        else:
-            walk.above(track.start)
+        walk.over(track.start, Track.around(path))
         walk.down(z)
         walk.follow(track)
     walk.up()

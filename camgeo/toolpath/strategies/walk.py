@@ -68,6 +68,16 @@ class Walk:
             self._to(Rapid, self.place, self.heights.clearance)
         self._to(Rapid, place, self.heights.clearance)
 
+    def over(self, place: complex, around: Track | None = None) -> None:
+        """To `place` for the next depth: straight there through what this one has cleared, or above
+        it at the beginning, and where the way would cross the path `around` the part.
+        """
+        link = Track.line(self.place, place)
+        if self.moves and (around is None or least_distance(link, around) > 0.0):
+            self.follow(link)
+        else:
+            self.above(place)
+
     def down(self, z: float, feed: float | None = None) -> None:
         """Straight down through air, or where the tool may plunge: fast only above the blank."""
         if self.z > self.heights.retract > z:
