@@ -1,4 +1,5 @@
-"""Programs of the fixture scenes for every profile: nothing is found in them, and they verify.
+"""Programs of the fixture scenes for every profile: nothing is found in them, they verify, and no
+cutter is lifted before the end of its operation, unless it drills.
 
 Six scenes, of which one is verified; in the long form all of them, verified, at the tolerance of
 the scene and at finer ones as well.
@@ -6,6 +7,8 @@ the scene and at finer ones as well.
 
 from __future__ import annotations
 
+from collections import Counter
+from itertools import groupby
 from pathlib import Path
 from typing import Final
 
@@ -17,7 +20,7 @@ from camgeo.toolpath.machine import load, names
 from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import run_bytes
+from camgeo_export.interpreter.run import Run, run_bytes
 from camgeo_export.verify.gcode import VERIFIER
 from tests.judges.programs import (
     FIXTURES,
@@ -51,6 +54,13 @@ def written(product: Product, asked: float) -> tuple[bytes, float]:
     return WRITER.write(product, reached).data, reached
 
 
+def lifted(program: Run) -> set[str]:
+    """Operations that do not make all their cuts one after the other."""
+    parts = groupby(program.moves, lambda move: (move.operation, move.kind == "rapid"))
+    counts = Counter(name for (name, rapid), _ in parts if not rapid)
+    return {name for name, count in counts.items() if count > 1}
+
+
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("machine", names())
 @pytest.mark.parametrize("scene", milled_scenes() if LONG else SIX)
@@ -60,7 +70,9 @@ def test_programs_are_clean_and_verify(
     profile = load(machine)
     for product in products(folder, scene, machine):
         data, kept = written(product, tolerance or product.scene.output.tolerance)
-        assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
+        found = run_bytes(data, profile, bench_of(product, profile))
+        assert found.findings == ()
+        assert lifted(found) <= {cut.name for cut in product.milled.cuts if cut.strategy == "drill"}
         if not (LONG or scene == SIX[0]):  # to measure the path takes half a second
             continue
         checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), kept)
