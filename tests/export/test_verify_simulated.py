@@ -109,6 +109,7 @@ def test_a_program_of_someone_else() -> None:
     """Whole circles, no comments, and after a traverse home a place that nobody has stated."""
     (sound,) = checks(PRODUCT, FOREIGN.format(tool=1))
     assert sound.ok
+    assert sound.value == "1 operation"  # in two parts
     (drilled,) = checks(PRODUCT, FOREIGN.format(tool=1).replace("X0 Y-5", "X0 Y-12"))
     assert "tool 1: the cutter goes 5 mm into the part" in drilled.note
     runs = runs_in(PRODUCT, run(FOREIGN.format(tool=1), load("linuxcnc")))
