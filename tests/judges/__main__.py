@@ -11,12 +11,30 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
+import camgeo
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import bad, chromium, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges import (
+    bad,
+    chromium,
+    freecad,
+    grbl,
+    grbl_planner,
+    lib3mf_reader,
+    librecad,
+    prusa,
+    rs274,
+)
 from tests.judges.files import Given, files, scenes, sheets
 from tests.judges.paths import Leg, difference
-from tests.judges.programs import SIX, milled_scenes, programs, random_program, workshop
+from tests.judges.programs import (
+    SIX,
+    milled_scenes,
+    programs,
+    random_program,
+    scene_of,
+    workshop,
+)
 
 
 @dataclass(frozen=True)
@@ -84,6 +102,12 @@ def read(judge: Callable[[Given], float], kinds: dict[str, str], extent: Extent)
     return ", ".join(told)
 
 
+def timed(extent: Extent) -> str:
+    """What Grbl's planner says of machining times."""
+    apart = [grbl_planner.judge(camgeo.load(scene_of(name))) for name in extent.milled]
+    return f"times of operations of {len(apart)} scenes within {max(apart):.1e}"
+
+
 def shown(extent: Extent) -> str:
     """What becomes of the setup sheets."""
     with tempfile.TemporaryDirectory() as name:
@@ -107,6 +131,7 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
         grbl.absent,
         lambda extent: compared("grbl", grbl.run, extent, absolute_centres=False),
     ),
+    ("Grbl 1.1, its planner", grbl_planner.absent, timed),
     ("FreeCAD", freecad.missing, partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME})),
     ("LibreCAD", librecad.missing, partial(read, librecad.judge, {"dxf": SIZE})),
     ("PrusaSlicer", prusa.missing, partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME})),

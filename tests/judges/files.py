@@ -18,7 +18,7 @@ from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from tests.judges.programs import FIXTURES, JOBS, TOLERANCE
+from tests.judges.programs import FIXTURES, TOLERANCE, scene_of
 
 WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF}
 
@@ -66,12 +66,9 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
 def sheets(into: Path, names: list[str]) -> Iterator[Path]:
     """The pages of setup sheets of scenes."""
     for name in names:
-        (scene,) = (
-            path for path in (FIXTURES / f"{name}.toml", JOBS / f"{name}.toml") if path.exists()
-        )
         page = into / f"{name}.html"
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-            main(["setup", str(scene), "-o", str(page)])
+            main(["setup", str(scene_of(name)), "-o", str(page)])
         yield page
 
 

@@ -43,6 +43,11 @@ def milled_scenes() -> list[str]:
     return [path.stem for path in paths if camgeo.load(path).scene.milling is not None]
 
 
+def scene_of(name: str) -> Path:
+    """The file of a fixture scene."""
+    return next(path for each in (FIXTURES, JOBS) if (path := each / f"{name}.toml").exists())
+
+
 def products(folder: Path, scene: str, machine: str) -> list[Product]:
     """The discs of a scene in a `workshop`, for a machine; none if that cannot change its tools."""
     design = camgeo.load(folder / f"{scene}.toml")

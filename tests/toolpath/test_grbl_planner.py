@@ -6,8 +6,6 @@ is absent, the times that it gave are compared: gnea/grbl at bfb67f0, compiled b
 
 from __future__ import annotations
 
-import os
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -15,20 +13,13 @@ import pytest
 
 import camgeo
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.toolpath.look_ahead import block_times
 from camgeo.toolpath.machine import load
 from camgeo.toolpath.machining_time import blocks_of
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid
+from tests.judges.grbl_planner import FLOAT, MACHINE, absent, planned, times_of
 
-PLANNER = os.environ.get("CAMGEO_GRBL_PLANNER", "")
-
-MACHINE = Dynamics(500.0, 8000.0, look_ahead=14, junction_deviation=0.02)
-"""Grbl's buffer has 16 places, of which 15 are used: one block runs, 14 are planned. The other
-values are those of its X-Carve (grbl/defaults.h)."""
-
-FLOAT = 1e-6
-"""Grbl computes in single precision: a time may be off by some 2^-24 of itself for each of a dozen
-operations."""
+planner = pytest.mark.skipif(bool(absent()), reason=absent() or "is there")
 
 PLACES = 2e-6
 """[s] Grbl's places, too, are floats of 24 bits: at 100 mm lengths are off by 8e-6 mm, and the time
@@ -44,18 +35,6 @@ def run(*moves: Move) -> FloatArray:
 def judged(*moves: Move) -> FloatArray:
     """Seconds of each block by Grbl's planner."""
     return planned(blocks_of(moves, START), START)
-
-
-def planned(blocks: Blocks, start: Point) -> FloatArray:
-    """Seconds of each line by Grbl's planner."""
-    lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}"]
-    lines.append(" ".join(map(repr, (*start, 0))))
-    ends = np.array(start) + np.cumsum(blocks.lengths[:, None] * blocks.starts, axis=0)
-    feeds = np.where(np.isinf(blocks.feeds), 0.0, SECONDS * blocks.feeds)
-    for end, feed in zip(ends.tolist(), feeds.tolist(), strict=True):
-        lines.append(" ".join(map(repr, (*end, feed))))
-    done = subprocess.run([PLANNER], input="\n".join(lines), text=True, capture_output=True)
-    return np.array([float(line) for line in done.stdout.split()])
 
 
 def random_moves(seed: int, step: float, count: int = 120) -> tuple[Move, ...]:
@@ -97,7 +76,7 @@ def test_the_time_is_that_of_grbls_planner(name: str) -> None:
     assert np.sum(run(*moves)) == pytest.approx(seconds, rel=FLOAT)
 
 
-@pytest.mark.skipif(not PLANNER, reason="CAMGEO_GRBL_PLANNER names no build of Grbl's planner")
+@planner
 @pytest.mark.parametrize("name", RECORDED)
 def test_each_block_takes_as_long_in_grbls_planner(name: str) -> None:
     moves, seconds = RECORDED[name]
@@ -106,17 +85,12 @@ def test_each_block_takes_as_long_in_grbls_planner(name: str) -> None:
     assert np.sum(other) == pytest.approx(seconds, rel=FLOAT)
 
 
-@pytest.mark.skipif(not PLANNER, reason="CAMGEO_GRBL_PLANNER names no build of Grbl's planner")
+@planner
 @pytest.mark.parametrize("name", ["setzhub", "groove", "inch"])
 def test_each_operation_of_a_program_takes_as_long(name: str) -> None:
     """Its arcs in the chords that Grbl makes of them."""
-    chord, dynamics = load("grbl").arcs.interpolation, load("grbl").dynamics
-    assert dynamics == MACHINE
+    assert load("grbl").dynamics == MACHINE
     design = camgeo.load(Path(__file__).parents[2] / "fixtures" / "scenes" / f"{name}.toml")
-    for operation in design.disc.milled.toolpath(0.01).operations:
-        first, *moves = operation.travel
-        blocks = blocks_of(moves, first.end, chord=chord)
-        own, other = block_times(blocks, MACHINE)[0], planned(blocks, first.end)
-        places = 8e-6 / np.min(blocks.feeds)  # as PLACES, at its plunge feed
-        assert np.max(np.abs(own - other)) < FLOAT * np.max(own) + places
-        assert np.sum(other) == pytest.approx(np.sum(own), rel=FLOAT)
+    for times in times_of(design):
+        assert np.max(np.abs(times.own - times.other)) < FLOAT * np.max(times.own) + times.places
+        assert np.sum(times.other) == pytest.approx(np.sum(times.own), rel=FLOAT)

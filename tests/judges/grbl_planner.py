@@ -1,0 +1,87 @@
+"""Grbl's planner, where the variable names a program made of it: the time of each block.
+
+tests/toolpath/grbl/driver.c is what the program reads and prints.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from camgeo.design import Design
+from camgeo.numeric.arrays import FloatArray
+from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.machining_time import blocks_of
+from camgeo.toolpath.moves import Point
+from tests.judges.programs_of_others import Refusal
+
+VARIABLE: Final = "CAMGEO_GRBL_PLANNER"
+
+MACHINE: Final = Dynamics(500.0, 8000.0, look_ahead=14, junction_deviation=0.02)
+"""Grbl's buffer has 16 places, of which 15 are used: one block runs, 14 are planned. The other
+values are those of its X-Carve (grbl/defaults.h)."""
+
+FLOAT: Final = 1e-6
+"""Grbl computes in single precision: a time may be off by some 2^-24 of itself for each of a dozen
+operations."""
+
+TOLERANCE: Final = 0.01
+
+
+@dataclass(frozen=True)
+class Times:
+    """Seconds of each block of an operation: ours, and those of Grbl's planner.
+
+    `places` is by how much a time may be off because places are floats.
+    """
+
+    own: FloatArray
+    other: FloatArray
+    places: float
+
+
+def absent() -> str:
+    """Why it cannot judge here; empty if it can."""
+    named = os.environ.get(VARIABLE, "")
+    if not named:
+        return f"{VARIABLE} names no build of Grbl's planner"
+    return "" if Path(named).is_file() else f"{named} is not there"
+
+
+def planned(blocks: Blocks, start: Point) -> FloatArray:
+    """Seconds of each block by Grbl's planner."""
+    lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}"]
+    lines.append(" ".join(map(repr, (*start, 0))))
+    ends = np.array(start) + np.cumsum(blocks.lengths[:, None] * blocks.starts, axis=0)
+    feeds = np.where(np.isinf(blocks.feeds), 0.0, SECONDS * blocks.feeds)
+    for end, feed in zip(ends.tolist(), feeds.tolist(), strict=True):
+        lines.append(" ".join(map(repr, (*end, feed))))
+    done = subprocess.run(
+        [os.environ[VARIABLE]], input="\n".join(lines), text=True, capture_output=True, check=True
+    )
+    return np.array([float(line) for line in done.stdout.split()])
+
+
+def times_of(design: Design) -> Iterator[Times]:
+    """The times of the operations of a design, its arcs in the chords that Grbl makes of them."""
+    chord = load("grbl").arcs.interpolation
+    for operation in design.disc.milled.toolpath(TOLERANCE).operations:
+        first, *moves = operation.travel
+        blocks = blocks_of(moves, first.end, chord=chord)
+        places = 8e-6 / float(np.min(blocks.feeds))  # lengths are off by 8e-6 mm at 100 mm
+        yield Times(block_times(blocks, MACHINE)[0], planned(blocks, first.end), places)
+
+
+def judge(design: Design) -> float:
+    """The largest relative difference of the time of an operation; Refusal if it is too large."""
+    apart = [abs(np.sum(each.other) / np.sum(each.own) - 1.0) for each in times_of(design)]
+    if max(apart) > FLOAT:
+        raise Refusal(f"{design.name}: an operation takes {max(apart):.1e} of its time more")
+    return float(max(apart))
