@@ -156,10 +156,10 @@ def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
     allowance = bench.allowance(tool, wall)
     rough = rough_outside(bench, wall, tool, 0.0, allowance)
     yield rough
-    # A slot is wider than the cutter by the allowance: leads have no more room.
-    room = allowance
     if isinstance(rough, AreaCut):
         room = bench.room_outside(tool, bench.compensation)
+    else:  # in a slot as wide as the cutter they begin where it runs
+        room = rough.allowance + rough.slack
     yield finish_along(bench, wall, tool, 0.0, room)
 
 

@@ -255,9 +255,9 @@ class _Stated:
             half = abs(flank_curve(wall).distance)
             if all(each in slots and slots[each].tool.diameter >= half for each in FLANKS):
                 return 0.5 * max(0.0, half - tool.radius)
-        # The slot is as wide as its cutter, and begins at its allowance.
+        # The slot is as wide as its cutter, and begins at its allowance, or a slack beside it.
         wider = 2.0 * (slots[name].tool.radius - tool.radius)
-        spare = slots[name].allowance - self.spec.allowance
+        spare = slots[name].allowance + slots[name].slack - self.spec.allowance
         return max(0.0, spare + wider) if wider >= 0.0 else None
 
     def _beside_loops(self, cut: AreaCut) -> float:

@@ -12,7 +12,7 @@ import pytest
 from camgeo.cam.contact import Contact
 from camgeo.errors import GeometryError
 from camgeo.part.spec import Keyway
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
 from camgeo.toolpath.holding import Holding, Tabs
 from camgeo.toolpath.milling import OperationSpec
 from camgeo.toolpath.moves import ArcFeed
@@ -208,7 +208,8 @@ def test_leads_stay_in_the_slot_that_roughing_has_made(
     cut = named(made)["outline"]
     assert isinstance(cut, ContourCut)
     assert cut.cleared == cleared
-    assert cut.room == pytest.approx(room)
+    slack = slack_of(0.3) if cleared else 0.0  # by which the slot runs farther off
+    assert cut.room == pytest.approx(room + slack)
 
 
 def test_the_strategy_of_a_slot_may_be_stated() -> None:
