@@ -156,15 +156,6 @@ def _operation(scene: str, name: str, count: str) -> str:
     return _quoted("text", [*lines[start : start + int(count)], "..."])
 
 
-def _worn(scene: str, name: str, count: str) -> str:
-    """The first lines of an operation that is compensated for wear."""
-    text = _text(scene).replace("[output.gcode]\n", '[output.gcode]\ncompensation = "wear"\n')
-    Path(_path("worn")).write_text(text, encoding="utf-8")
-    code, lines = said("build", _path("worn"), "-o", "out/worn")
-    assert code == 0, lines
-    return _operation("worn", name, count)
-
-
 def _jobs() -> str:
     rows = [f"| `{scene}.toml` | {what} |\n" for scene, what in JOBS]
     return "| scene | holding and what else |\n|---|---|\n" + "".join(rows)
@@ -202,7 +193,6 @@ GIVERS: Final[dict[str, Callable[..., str]]] = {
     "scene": _scene,
     "setup": _setup,
     "tools": _tools,
-    "worn": _worn,
 }
 """What the texts may ask for."""
 
