@@ -6,15 +6,20 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import zip_longest
+from typing import Final
+
+import numpy as np
 
 from camgeo.errors import ToleranceError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.compensation import Limit, mode_of, side_of
-from camgeo.toolpath.cut import ContourCut, Cut, PointCut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import Heights
+from camgeo.toolpath.plane.nearness import distances
+from camgeo.toolpath.plane.track import Track
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.gcode.blocks import FEED_DECIMALS, Grid, budget
@@ -27,6 +32,9 @@ from camgeo_export.gcode.comments import (
 )
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of a wall by which the two halves of a loop are told apart."""
 
 SLOWED = 1e-3
 """Share by which a feed that depends on a radius or a slope may be off: both are printed rounded,
@@ -140,8 +148,10 @@ def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: fl
     """
     tool = cut.tool
     worst, line, value, wanted = 0.0, 0, tool.feed, tool.feed
-    for move in moves:
+    back = _on_the_way_back(cut, moves)
+    for move, free in zip(moves, back, strict=True):
         least, most = _allowed(cut, move, tolerance)
+        most = tool.feed if free else most
         off = max(least - move.feed, move.feed - most, 0.0)
         off = max(0.0, off - SLOWED * most) if move.feed < tool.feed else off
         if off > worst:
@@ -149,6 +159,23 @@ def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: fl
     ok = worst <= rounding
     note = "" if ok else f"line {line}"
     return Check("feed", cut.name, float(value), float(wanted), rounding, "mm/min", ok, note)
+
+
+def _on_the_way_back(cut: Cut, moves: Sequence[CutterMove]) -> list[bool]:
+    """Which arcs of a trochoidal slot lead back to the wall, mostly through what loops have swept:
+    where there is no contact the centre runs at the tool's feed.
+    """
+    if not isinstance(cut, AreaCut) or not cut.slot:
+        return [False] * len(moves)
+    wall = Track.around(cut.walls[0].arcs(COARSE, "fast").contour)
+    starts, ends = (
+        distances(np.array([getattr(move.course, end) for move in moves]), wall)
+        for end in ("start", "end")
+    )
+    return [
+        bool(move.sweep) and move.course.radius < cut.tool.radius and not _drops(move) and near
+        for move, near in zip(moves, (ends < starts - COARSE).tolist(), strict=True)
+    ]
 
 
 def _allowed(cut: Cut, move: CutterMove, tolerance: float) -> tuple[float, float]:
