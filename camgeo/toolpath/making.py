@@ -41,10 +41,12 @@ def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: fl
 def rough_outside(
     bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
 ) -> AreaCut | ContourCut:
-    """Around a wall that cuts the part free: from a round blank all beside it is cleared, from a
-    plate, and where no spiral leads there, a slot is cut.
+    """Around a wall that cuts the part free: from a round blank all beside it is cleared; from a
+    plate, where no spiral leads there, and where tabs need a frame to hold on to, a slot is cut.
     """
-    if bench.milling.stock.shape != ROUND or wall.boundary.hole:
+    holding = bench.milling.holding
+    framed = holding is not None and holding.tabs is not None
+    if framed or bench.milling.stock.shape != ROUND or wall.boundary.hole:
         return rough_around(bench, wall, tool, top, allowance)
     cleared = clear_outside(bench, wall, tool, top, allowance)
     if cleared is not None:

@@ -11,6 +11,8 @@ SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 
 ROUGH = '\n[[operation]]\nkind = "rough"\nboundary = "outline"\ntool = 1\nallowance = 0.4\n'
 FINISH = '\n[[operation]]\nkind = "finish"\nboundary = "outline"\ntool = 1\n'
+STEPS = "stepdown = 3\nstepover = 4\nramp_angle = 10"
+
 BORE = """
 [[operation]]
 kind = "rough"
@@ -53,3 +55,12 @@ def test_a_planned_program_must_leave_no_rest() -> None:
     thick = camgeo.loads(setzhub("").replace("[holding]", "[stock]\ntop = 1\n[holding]"))
     (rest,) = (each for each in thick.disc.milled.flaws(toolpath, 0.01) if each.name == "rest")
     assert not rest.watched
+
+
+def test_tabs_hold_the_part_in_a_round_blank() -> None:
+    """A spiral would clear away the frame that they hold on to."""
+    tabs = 'kind = "tabs"\ncount = 4\nwidth = 5\nheight = 1.5\n'
+    text = setzhub("").replace('kind = "fixture"\n', tabs).replace("stepdown = 3", STEPS)
+    blank = '[stock]\nshape = "round"\ndiameter = 140\n[holding]'
+    found = findings(text.replace("[holding]", blank))
+    assert not any(each.severity == "broken" for each in found), found
