@@ -224,7 +224,9 @@ def test_what_is_told_of_the_wear_holds_and_not_much_more() -> None:
     for name, most in (("bore", bore), ("outline", outline)):
         own = [check for check in checks("wear", "linuxcnc", program("wear")) if check.of == name]
         assert any(f"{float(most):g} mm" in check.note for check in own)
-    thrice = program("wear").replace(outline, f"{3.0 * float(outline):.3f}")
+    said = f"wear at most {outline} mm"
+    assert said in program("wear")
+    thrice = program("wear").replace(said, f"wear at most {3.0 * float(outline):.3f} mm")
     assert bad("wear", "linuxcnc", thrice)[0] == "compensation"
 
 
