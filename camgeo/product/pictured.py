@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -73,10 +73,12 @@ class PicturedCam(Pickled):
     ----------
     cam : the cam.
     returning : the follower on the return disc of a conjugate pair; None if there is none.
+    known : pages that a writer has drawn: its formats show the same.
     """
 
     cam: Cam
     returning: Follower | None
+    known: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def curve(self, what: str, phi: FloatArray) -> FloatArray:
         """(n, 2) [mm] points of "pitch", "inner" or "outer" at `phi` (n,) [rad]."""

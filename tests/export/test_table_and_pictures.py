@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import matplotlib as mpl
 import pytest
@@ -10,11 +11,14 @@ import pytest
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.errors import UnknownNameError
+from camgeo.figure.model import Figure
 from camgeo.figure.plots import OWN, find, stacked
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.product.product import Product
 from camgeo.product.value_table import Table
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
+from camgeo_export.picture import writer as pictures
 from camgeo_export.picture.writer import PNG, SVG, PictureWriter
 from camgeo_export.plots.render import render
 from camgeo_export.table.writer import WRITER as CSV
@@ -78,6 +82,22 @@ def test_pictures_are_the_same_each_time(writer: PictureWriter) -> None:
     data = writer.write(product, 0.001).data
     assert data == writer.write(product, 0.001).data
     writer.measure(product, data)
+
+
+def test_both_pictures_are_of_one_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawn once, and saved as if it were the only one, whichever is first."""
+    alone = {each: each.write(StubProduct(groove=True), 0.001).data for each in (SVG, PNG)}
+    made: list[Sequence[str]] = []
+
+    def counted(product: Product, wanted: Sequence[str]) -> Figure:
+        made.append(wanted)
+        return stacked(product, wanted)
+
+    monkeypatch.setattr(pictures, "stacked", counted)
+    for order in ((SVG, PNG), (PNG, SVG)):
+        product = StubProduct(groove=True)
+        assert all(each.write(product, 0.001).data == alone[each] for each in order)
+    assert made == [["cam"], ["cam"]]
 
 
 @pytest.mark.parametrize("name", OWN)

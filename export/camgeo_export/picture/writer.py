@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from camgeo.figure.plots import stacked
 from camgeo.formats import plain
 from camgeo.formats.format import Format
 from camgeo.product.product import Product
 from camgeo.writing.writer import Written
-from camgeo_export.plots.render import render
+from camgeo_export.plots.render import drawn, saved
+
+PAGE: Final = "picture"
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +28,10 @@ class PictureWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The picture; no tolerance applies to it."""
-        return Written(render(stacked(product, ["cam"]), self.format.suffix))
+        known = product.pictured.known
+        if PAGE not in known:
+            known[PAGE] = drawn(stacked(product, ["cam"]))
+        return Written(saved(known[PAGE], self.format.suffix))
 
     def measure(self, product: Product, data: bytes) -> None:
         """None: a picture is not meant to be measured."""

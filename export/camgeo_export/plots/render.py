@@ -43,6 +43,7 @@ RC: Any = {
     "legend.fancybox": False,
     "axes.unicode_minus": True,
     "svg.fonttype": "path",
+    "svg.hashsalt": "camgeo",
 }
 
 RESOLUTION = 150
@@ -64,27 +65,38 @@ def render(figure: Figure, suffix: str) -> bytes:
     ValueError
         If `suffix` is not ".svg", ".png" or ".pdf".
     """
+    return saved(drawn(figure), suffix)
+
+
+def drawn(figure: Figure) -> Page:
+    """The figure as a page, to be saved in any kind of file."""
+    with rc_context(RC):
+        return page(figure)
+
+
+def saved(made: Page, suffix: str) -> bytes:
+    """A page as a file of kind `suffix`; raises like `render`."""
     kind = suffix.removeprefix(".")
     if kind not in METADATA:
         raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
-    with rc_context({**RC, "svg.hashsalt": "camgeo"}):
+    with rc_context(RC):
         stream = io.BytesIO()
-        page(figure).savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
+        made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
     return stream.getvalue()
 
 
 def page(figure: Figure) -> Page:
     """The figure as a matplotlib figure."""
-    drawn = Page(figsize=figure.size)
-    FigureCanvasAgg(drawn)
+    made = Page(figsize=figure.size)
+    FigureCanvasAgg(made)
     if figure.rows:
         heights = [row.size[1] for row in figure.rows]
-        places = drawn.subfigures(len(heights), 1, height_ratios=heights, hspace=0.0, squeeze=False)
+        places = made.subfigures(len(heights), 1, height_ratios=heights, hspace=0.0, squeeze=False)
         for row, place in zip(figure.rows, places[:, 0], strict=True):
             _fill(place, row)
     else:
-        _fill(drawn, figure)
-    return drawn
+        _fill(made, figure)
+    return made
 
 
 def _fill(place: Page | SubFigure, figure: Figure) -> None:
