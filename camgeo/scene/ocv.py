@@ -34,7 +34,7 @@ RANGES: Final[dict[Kind, tuple[float, float, str]]] = {
     "place": (-1e9, 1e9, "a length, -1e9 to 1e9 mm"),
     "deflection": (-90.0, 90.0, "a number from -90 to 90 (degrees)"),
     "free": (-1e9, 1e9, "a number, -1e9 to 1e9"),
-    "step": (1e-4, 90.0, "a number from 0.0001 to 90 (degrees)"),
+    "step": (1e-3, 90.0, "a number from 0.001 to 90 (degrees)"),
     "choice": (1.0, 2.0, "1 for the first or 2 for the second answer"),
     "unused": (0.0, 0.0, "0: opticurv 1.0.3 leaves it empty, so another program wrote this"),
 }

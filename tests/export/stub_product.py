@@ -36,6 +36,7 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath import machine
 from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.engaged import Engaged
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
@@ -288,6 +289,10 @@ class StubProduct(Product):
         return (self.cuts,)
 
     def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
+        return ()
+
+    def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
+        """No roughing."""
         return ()
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:

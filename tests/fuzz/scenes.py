@@ -25,7 +25,7 @@ from tests.fuzz.drawn import WHOLE, edit, table
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
-FOLDERS: Final = ("scenes", "effects", "refused", "found")
+FOLDERS: Final = ("scenes", "effects", "milling", "refused", "found")
 
 
 @cache
@@ -57,6 +57,7 @@ def _others(rng: Random) -> list[Step]:
         ("table", SCENE, "--step", rng.choice(("1", "0.5", "7", "90"))),
         ("explain", SCENE, rng.choice(tuple(GOALS))),
         ("replay", SCENE, "--step", "1"),
+        ("setup", SCENE, "-o", "setup.html"),
     ]
 
 
@@ -135,7 +136,7 @@ def output(rng: Random, values: dict[str, Any]) -> dict[str, Any]:
         "formats": formats,
         "tolerance": float(f"{10.0 ** rng.uniform(-5.0, -1.0):.2g}"),
     }
-    if "gcode" in formats:
+    if "gcode" in formats and ("tool" not in values or rng.random() < 0.3):
         values["tool"] = [
             {
                 "number": 1,

@@ -97,7 +97,7 @@ def test_views_travel_in_pickles_and_answer_the_same() -> None:
     "step", [*map(Decimal, ("0", "-1", "NaN", "100")), 0, -1.0, 91, math.inf, "1", True]
 )
 def test_a_table_has_a_step_of_the_scene_s_range(step: Any) -> None:
-    message = "must be a number from 0.0001 to 90 "
+    message = "must be a number from 0.001 to 90 "
     with pytest.raises(GeometryError, match=message) as caught:
         camgeo.load(SCENE).tabulated.table(step)
     assert caught.value.key == "output.csv.step"

@@ -158,7 +158,7 @@ def test_every_number_is_checked(place: int, number: float) -> None:
         (6, 0.0, "a positive length"),
         (8, 90.1, "from -90 to 90"),
         (13, -7.0, "a positive length"),
-        (18, 0.0, "from 0.0001 to 90"),
+        (18, 0.0, "from 0.001 to 90"),
         (19, 0.0, "1 for the first or 2 for the second"),
         (23, 1.5, "1 for the first or 2 for the second"),
         (24, 1.0, "another program wrote this"),
