@@ -1,6 +1,10 @@
 """Grbl's planner, where the variable names a program made of it: the time of each block.
 
-tests/toolpath/grbl/driver.c is what the program reads and prints.
+The program reads the acceleration [mm/s^2] and the rapid feed [mm/min] of the axes and the junction
+deviation [mm], then a line for each block: its end x, y, z [mm] and its feed [mm/min], 0 for a
+traverse. The first block is the place of the start. It keeps the planner's buffer full, as while a
+program is streamed, and prints the seconds of each block but the first, those of the ramps which
+st_prep_buffer (grbl/stepper.c) makes of its entry, exit and nominal speed.
 """
 
 from __future__ import annotations

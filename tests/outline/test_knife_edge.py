@@ -16,7 +16,7 @@ from camgeo.contour.exact import chords_of
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.design import Design
-from camgeo.errors import GeometryError
+from camgeo.errors import SceneError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.outline import real_outline
@@ -100,9 +100,9 @@ def test_a_concave_corner_is_drawn_and_no_cutter_makes_it() -> None:
     assert fit.deviation <= 1e-3
     corner = complex(design.cam.disc.pitch_curve.point(np.array([math.radians(100.0)]))[0])
     assert np.min(np.abs(fit.contour.vertices - corner)) <= 1e-12
-    with pytest.raises(GeometryError, match="a concave part of it") as caught:
+    with pytest.raises(SceneError, match="a concave part of it") as caught:
         design.disc.milled.toolpath(1e-3)
-    assert caught.value.key == "tool"
+    assert [fault.key for fault in caught.value.faults] == ["tool[1]"]
 
 
 def test_the_check_states_that_any_curvature_fits() -> None:

@@ -1,7 +1,7 @@
 """The plan of speeds against Grbl's own planner, compiled.
 
-`CAMGEO_GRBL_PLANNER` names the program; tests/toolpath/grbl/driver.c says how to build it. Where it
-is absent, the times that it gave are compared: gnea/grbl at bfb67f0, compiled by gcc for x86-64.
+`CAMGEO_GRBL_PLANNER` names a program made of it (`tests.judges.grbl_planner`). Where it is absent,
+the times that it gave are compared: gnea/grbl at bfb67f0, compiled by gcc for x86-64.
 """
 
 from __future__ import annotations
