@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import SplineContour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
@@ -49,17 +51,21 @@ def measure(product: Product, data: bytes) -> float:
         of_area = [move for move in program.moves if move.operation == name]
         if (short := too_near(area, of_area)) > program.step:
             raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
-    deviations = (_off(along[loop.operation], loop) for loop in loops)
+    deviations = (
+        loop.mismatch + beyond_slack(along[loop.operation], loop.contour.counter_clockwise())
+        for loop in loops
+    )
     path = max(deviations, default=0.0)  # there may be a face or a drilled hole alone
     arcs = any(move.kind == "arc" for move in program.moves)
     own = machine.arcs.interpolation if arcs else 0.0
     return path + rest + program.blending + program.naive_cam + own
 
 
-def _off(cut: ContourCut, loop: Loop) -> float:
-    """Proved deviation [mm] of a closed path from the exact one; of a roughing beyond its slack."""
-    found = loop.mismatch + cut.centre.deviation(loop.contour.counter_clockwise())
-    return max(0.0, found - cut.slack)
+def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
+    """Proved deviation [mm] of a counter-clockwise path from the exact one of a cut; of a roughing
+    beyond its slack.
+    """
+    return max(0.0, cut.centre.deviation(contour) - cut.slack)
 
 
 def bench_of(product: Product, machine: Machine) -> Bench:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
@@ -28,7 +29,7 @@ from camgeo_export.errors import FileError
 from camgeo_export.gcode.areas import too_near
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.compensated import centred, fault_of
-from camgeo_export.gcode.measure import bench_of
+from camgeo_export.gcode.measure import bench_of, beyond_slack
 from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, notes_of, run_bytes
 from camgeo_export.verify.cutting import cutting_checks
@@ -153,7 +154,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
     exact = shapes_of(centres, product.drawn.base_radius, tolerance)
     # The area within a cutter's path is of no interest.
     shapes = {
-        cut.name: replace(shape, name=cut.name, area=None)
+        cut.name: replace(shape, name=cut.name, deviation=partial(beyond_slack, cut), area=None)
         for cut, shape in zip(product.milled.contour_cuts, exact, strict=True)
     }
     areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut)}
@@ -176,7 +177,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
             contour = alike[0].contour
             mismatch = extra + max(loop.mismatch for loop in alike)
             checks += contour_checks(
-                shapes[cut.name], contour, allowed, extra=mismatch, where=where
+                shapes[cut.name], contour, tolerance, extra=mismatch, where=where
             )
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
                 wanted = cut.cleared and cut.room > 0.0
