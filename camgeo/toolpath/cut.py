@@ -112,6 +112,8 @@ class ContourCut(Cut):
         direction of climb milling; empty where none is produced.
     room : largest radius of the arcs that lead onto and off the path [mm]; 0 for none, where the
         cutter enters along the path itself.
+    rest : what earlier operations have left beside the path [mm]: a cutter that must not plunge
+        comes down no nearer to the path.
     slack : by how much the path may be off, if that is more than the tolerance [mm]; 0 for a
         finish.
     cleared : whether the material beside the path, as far as leads go, is gone down to the last
@@ -133,6 +135,7 @@ class ContourCut(Cut):
     right: Annotated[Text, "toolpath"] = ""
     left: Annotated[Text, "toolpath"] = ""
     room: Annotated[Size, "toolpath"] = 0.0
+    rest: Annotated[Size, "toolpath"] = 0.0
     slack: Annotated[Size, "toolpath"] = 0.0
     cleared: Annotated[Truth, "toolpath"] = False
     springs: Annotated[Rounds, "toolpath"] = 0

@@ -7,15 +7,16 @@ which a line may run, for a controller that offsets the path while it enters.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
-from camgeo.toolpath.plane.nearness import least_distance
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.toolpath.plane.nearness import distances, least_distance
 from camgeo.toolpath.plane.track import Track, chained
 
 SMALLEST_SHARE = 1.0 / 64.0
@@ -28,7 +29,19 @@ NEAR = 1.0 / 32.0
 """Share of a lead next to the path that its curvature decides on; the rest is measured."""
 
 LEAST_TURN = math.radians(15.0)
-"""A lead turns by no less, however narrow its room: it is then made of a smaller arc."""
+"""A lead turns by no less off a straight path, however narrow its room: its arc is then smaller."""
+
+SMALLEST_TURN = 0.1 * LEAST_TURN
+"""No lead turns by less, off whatever path."""
+
+CLOSE = 1e-6
+"""The end of a lead is as far off the path as the room is, or it is not, within this [mm]."""
+
+STEPS = 32
+"""Into which the turns are divided among which that of a lead is looked for."""
+
+LEAST_STEP = 1e-10
+"""Turns [rad] that differ by less are equal: by far less than `CLOSE` at the end of any lead."""
 
 ASIDE = 2.5
 """Length of a line in which a controller takes up all of a cutter's radius, in radii."""
@@ -59,6 +72,8 @@ class Beside:
     aside : that offset [mm], if it is the cutter's radius: the lines are then long enough for it,
         whatever room they take, and begin and end as far beside themselves as the programmed path.
     avoid : tracks, and how near [mm] the leads may come to them.
+    least : how near [mm] to the path leads may end: where the cutter comes down there it must not
+        meet the allowance that is left on the wall.
     """
 
     free: int
@@ -66,6 +81,7 @@ class Beside:
     straight: bool = False
     aside: float = 0.0
     avoid: Sequence[tuple[Track, float]] = ()
+    least: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +163,8 @@ def joined(
 
     Parameters
     ----------
-    room : how far the leads go off the path [mm], above 0.
+    room : how far the leads go off the path [mm], above 0; half of it, and so on, where they do not
+        fit, but no less than `beside.least`.
     place : the only place for leads, as a distance [mm] along the path; None for any.
 
     Raises
@@ -160,7 +177,7 @@ def joined(
     places = [started(path, index) for index in flattest(path)]
     if place is not None:
         places = [begun(path, place)]
-    while size >= SMALLEST_SHARE * room:
+    while size >= max(SMALLEST_SHARE * room, beside.least - CLOSE):
         for there in places:
             lead = lead_at(there, size, beside)
             if lead is not None:
@@ -181,14 +198,25 @@ def joined(
 
 
 def lead_at(path: Contour, room: float, beside: Beside) -> Lead | None:
-    """Leads where the path begins, as of `joined`; None if they do not fit."""
+    """Leads where the path begins, as of `joined`; None if they do not fit.
+
+    Their ends are as far off the path as the room is, within `CLOSE`; less only where the path
+    itself is too tight for that, and never less than `beside.least`.
+    """
     track = Track.around(path)
-    bend = max(_bend(path, piece, beside.free) for piece in (0, -1))
-    lead = _lead(track, room, bend, beside)
-    if lead is None or not _keeps_off(lead, beside.avoid):
+    along = track.headings[0]
+    off = _way(track, along, room, _bend(path, 0, beside.free), beside)
+    back = replace(beside, free=-beside.free)
+    into = _way(track, -along, room, _bend(path, -1, beside.free), back)
+    if off is None or into is None:
         return None
-    near = [min(NEAR * lead.off.length, 0.5 * float(path.lengths[k])) for k in (0, -1)]
-    ways = (lead.off, near[0]), (lead.into.reversed(), near[1])
+    lead = Lead(into.reversed(), off)
+    if not _keeps_off(lead, beside.avoid):
+        return None
+    ways = [
+        (way, min(NEAR * way.length, 0.5 * float(path.lengths[k])))
+        for way, k in ((off, 0), (into, -1))
+    ]
     fits = all(_is_clear(path, track, way, skip, beside.free) for way, skip in ways)
     return lead if fits else None
 
@@ -199,14 +227,13 @@ def _bend(path: Contour, piece: int, free: int) -> float:
     return math.copysign(1.0, free * sweep) / float(path.radii[piece]) if sweep else 0.0
 
 
-def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead | None:
-    """Leads at the beginning of the path that go `room` [mm] off it, or a quarter turn; None if
-    they need more.
+def _way(path: Track, along: complex, room: float, bend: float, beside: Beside) -> Track | None:
+    """The way from the beginning of the closed path, in the direction `along` and with the free
+    side of `beside` seen in it, that ends `room` [mm] off the path; None if there is none.
 
-    `bend` is the curvature [1/mm] of the path there, positive towards the free side: then they go
+    `bend` is the curvature [1/mm] of the path there, positive towards the free side: then it goes
     up to half its radius off it, by as much of a turn as that takes.
     """
-    point, along, free = path.start, path.headings[0], beside.free
     if bend > 0.0:
         room = min(room, FARTHEST / bend)
     lift = room - ASIDE * beside.aside if beside.aside else room * (0.5 if beside.straight else 1.0)
@@ -221,25 +248,62 @@ def _lead(path: Track, room: float, bend: float, beside: Beside) -> Lead | None:
     flat = math.acos(max(1.0 - lift / radius, 0.0))
     line = ASIDE * beside.aside if beside.aside else (room - lift) / math.sin(flat)
     # The end of the line is so far from the middle of the arc, and so much farther round it.
-    arm, ahead = math.hypot(radius, line), math.atan2(line, radius)
-    cosine, most = (radius - room) / arm, 0.5 * math.pi
+    arm = complex(radius + beside.aside, line)
+    centre = path.start + beside.free * 1j * along * radius
+    start = _turn(radius, arm, room, bend)
+
+    def ends(turns: FloatArray) -> ComplexArray:
+        spoke = arm if beside.free > 0 else arm.conjugate()
+        found: ComplexArray = centre - beside.free * 1j * along * spoke * np.exp(
+            1j * beside.free * turns
+        )
+        return found
+
+    turn = _turned(path, ends, room, start)
+    away = float(distances(ends(np.array([turn])), path)[0])
+    if away > room + CLOSE or away < beside.least - CLOSE:
+        return None
+    arc = Track.arc(path.start, centre, beside.free * turn)
+    if not line:
+        return arc
+    across = -beside.free * 1j * beside.aside
+    return chained((arc, Track.line(arc.end, arc.end + (line + across) * arc.headings[1])))
+
+
+def _turn(radius: float, arm: complex, room: float, bend: float) -> float:
+    """By how much an arc of `radius` [mm] turns [rad] until the end of `arm`, seen from its centre
+    along its spoke, is `room` [mm] off a path that keeps the curvature `bend` [1/mm].
+    """
+    length, ahead = abs(arm), math.atan2(arm.imag, arm.real)
+    cosine, most = (radius - room) / length, 0.5 * math.pi
     if bend:
         # Off a round path of radius p, negative where it bends away: by the triangle with sides
         # p - r, the arm and p - room.
         side, far = 1.0 / bend - radius, 1.0 / bend - room
-        cosine = (far * far - side * side - arm * arm) / (2.0 * side * arm)
+        cosine = (far * far - side * side - length * length) / (2.0 * side * length)
         most = math.pi if bend > 0.0 else most
     turn = math.acos(min(max(cosine, -1.0), 1.0)) - ahead
-    turn = min(max(turn, 0.1 * LEAST_TURN), most)
-    centre = point + free * 1j * along * radius
-    off = Track.arc(point, centre, free * turn)
-    into = Track.arc(point, centre, -free * turn).reversed()
-    if not line:
-        return Lead(into, off)
-    onto, away, across = into.headings[0], off.headings[1], -free * 1j * beside.aside
-    before = Track.line(into.start - (line - across) * onto, into.start)
-    behind = Track.line(off.end, off.end + (line + across) * away)
-    return Lead(chained((before, into)), chained((off, behind)))
+    return min(max(turn, SMALLEST_TURN), most)
+
+
+def _turned(
+    path: Track, ends: Callable[[FloatArray], ComplexArray], room: float, start: float
+) -> float:
+    """The turn [rad] next to `start` after which the end is `room` [mm] off the path as it is; if
+    there is none, `start`.
+    """
+    if abs(float(distances(ends(np.array([start])), path)[0]) - room) <= CLOSE:
+        return start
+    low, high = SMALLEST_TURN, math.pi
+    while high - low > LEAST_STEP:
+        turns = np.linspace(low, high, STEPS + 1)
+        beyond = distances(ends(turns), path) > room
+        passed = np.flatnonzero(beyond[1:] != beyond[:-1])
+        if not len(passed):
+            return start
+        k = passed[np.argmin(np.abs(0.5 * (turns[passed] + turns[passed + 1]) - start))]
+        low, high = float(turns[k]), float(turns[k + 1])
+    return 0.5 * (low + high)
 
 
 def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -> bool:

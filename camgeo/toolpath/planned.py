@@ -85,7 +85,7 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
         yield clear_area(bench, "rough bore", "bore", tool, 0.0, bottom, (bore,), allowance)
     else:
         yield rough_around(bench, wall, tool, 0.0, allowance)
-    yield finish_along(bench, wall, tool, 0.0, room, note=keyway)
+    yield finish_along(bench, wall, tool, 0.0, room, rest=allowance, note=keyway)
 
 
 def _drills(tool: Tool, diameter: float) -> bool:
@@ -127,10 +127,11 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
         yield slot_between(bench, inner, outer, tool, 0.0)
         return
     side = half - tool.radius
-    for wall in (outer, inner):
-        yield rough_around(bench, wall, tool, 0.0, min(bench.allowance(tool, wall), 0.5 * side))
-    for wall in (outer, inner):
-        yield finish_along(bench, wall, tool, 0.0, 0.5 * side)
+    walls = [(wall, min(bench.allowance(tool, wall), 0.5 * side)) for wall in (outer, inner)]
+    for wall, allowance in walls:
+        yield rough_around(bench, wall, tool, 0.0, allowance)
+    for wall, allowance in walls:
+        yield finish_along(bench, wall, tool, 0.0, 0.5 * side, rest=allowance)
 
 
 def as_wide(tool: Tool, half: float) -> bool:
@@ -160,7 +161,7 @@ def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
         room = bench.room_outside(tool, bench.compensation)
     else:  # in a slot as wide as the cutter they begin where it runs
         room = rough.allowance + rough.slack
-    yield finish_along(bench, wall, tool, 0.0, room)
+    yield finish_along(bench, wall, tool, 0.0, room, rest=allowance)
 
 
 def told(name: str, sentence: str) -> Finding:

@@ -222,6 +222,7 @@ class _Stated:
             tool,
             self.top,
             room or 0.0,
+            rest=self._rest(wall, bottom) if cleared else 0.0,
             depths=depths,
             cleared=cleared,
             springs=self.spec.springs,
@@ -259,6 +260,20 @@ class _Stated:
         wider = 2.0 * (slots[name].tool.radius - tool.radius)
         spare = slots[name].allowance + slots[name].slack - self.spec.allowance
         return max(0.0, spare + wider) if wider >= 0.0 else None
+
+    def _rest(self, wall: Wall, bottom: float) -> float:
+        """What earlier operations down to `bottom` have left beside the path [mm]."""
+        name = wall.boundary.name
+        left = [
+            cut.allowance
+            for cut in self.before
+            if cut.bottom <= bottom
+            and (
+                (isinstance(cut, AreaCut) and name in _names(cut.walls))
+                or (isinstance(cut, ContourCut) and cut.right == name)
+            )
+        ]
+        return max(0.0, min(left, default=0.0) - self.spec.allowance)
 
     def _beside_loops(self, cut: AreaCut) -> float:
         """As `_room`; the loops begin slightly beside the allowance."""

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.leads import (
+    CLOSE,
     SMALLEST_SHARE,
     Beside,
     Lead,
@@ -20,10 +26,13 @@ from camgeo.toolpath.leads import (
     started,
 )
 from camgeo.toolpath.plane.nearness import distances, least_distance
-from camgeo.toolpath.plane.track import Track
+from camgeo.toolpath.plane.track import Track, biarcs
 from tests.contour.cams import outline
 from tests.contour.paths import cut_off_lobe, swallow_tail
 from tests.toolpath.plane.tracks import dense
+
+ROUNDING = 1e-10
+"""Of distances [mm] from arcs as flat as the random paths have."""
 
 HALF_WIDTH = 1.0
 
@@ -128,6 +137,86 @@ def test_leads_go_as_far_off_a_round_path_as_the_room_is(
     off = (radius - abs(lead.off.end)) * free
     assert off == pytest.approx(share * radius)
     assert abs(lead.into.start) == pytest.approx(abs(lead.off.end))
+
+
+def wavy(count: int, two: float, three: float, phase: float) -> Contour:
+    """Round a curve of radius 30 (1 + two cos 2 a + three cos (3 a + phase)) [mm], in tangent arcs,
+    counter-clockwise.
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, count + 1)
+    waves = 30.0 * two * np.exp(2j * angles), 30.0 * three * np.exp(1j * (3.0 * angles + phase))
+    radii = 30.0 + waves[0].real + waves[1].real
+    slopes = -2.0 * waves[0].imag - 3.0 * waves[1].imag
+    points, ways = radii * np.exp(1j * angles), (slopes + 1j * radii) * np.exp(1j * angles)
+    points[-1], ways[-1] = points[0], ways[0]
+    track = biarcs(points, ways / np.abs(ways))
+    return Contour(track.starts, track.sweeps, track.centres)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    path=st.one_of(
+        st.builds(
+            wavy,
+            st.integers(9, 40),
+            st.floats(0.0, 0.12),
+            st.floats(0.0, 0.06),
+            st.floats(0.0, 2.0 * math.pi),
+        ),
+        st.floats(6.0, 20.0).map(
+            lambda scale: Contour(scale * SLOT.vertices, SLOT.sweeps, scale * SLOT.centres)
+        ),
+    ),
+    place=st.floats(0.0, 1.0),
+    room=st.floats(0.05, 2.0),
+    usual=st.floats(1.0, 6.0),
+    free=st.sampled_from((1, -1)),
+    straight=st.booleans(),
+)
+def test_leads_end_as_far_off_the_path_as_the_room_is(
+    path: Contour, place: float, room: float, usual: float, free: int, straight: bool
+) -> None:
+    """Whatever pieces the path has there, of one bend or of several."""
+    there = begun(path, place * path.length)
+    lead = lead_at(there, room, Beside(free=free, usual=usual, straight=straight, least=room))
+    assert lead is not None
+    checked(there, lead, free)
+    off = distances(np.array([lead.into.start, lead.off.end]), Track.around(there))
+    assert np.max(np.abs(off - room)) <= CLOSE + ROUNDING
+
+
+@pytest.mark.parametrize("straight", [False, True])
+@pytest.mark.parametrize("joint", range(4))
+def test_each_end_goes_by_its_own_side_of_a_joint(joint: int, straight: bool) -> None:
+    """Outside, between a line and a round: with one bend for both sides one end is far off."""
+    path, room = SLOT.reversed().rolled(joint), 0.2
+    lead = lead_at(path, room, Beside(free=1, usual=3.0, straight=straight))
+    assert lead is not None
+    checked(path, lead, 1)
+    off = distances(np.array([lead.into.start, lead.off.end]), Track.around(path))
+    assert off == pytest.approx(room, abs=CLOSE)
+
+
+def test_leads_of_a_controller_that_offsets_end_where_the_cutter_does() -> None:
+    """Beside the programmed line by the cutter's radius, and as far off the path as the room is."""
+    circle, room, aside = Contour.circle(20.0).reversed(), 4.0, 1.0
+    lead = lead_at(circle, room, Beside(free=1, usual=2.0, straight=True, aside=aside))
+    assert lead is not None
+    for end in (lead.into.start, lead.off.end):
+        assert abs(end) - 20.0 == pytest.approx(room, abs=CLOSE)
+
+
+def test_no_lead_ends_in_what_is_left_on_the_wall() -> None:
+    """Half as large ones fit between two obstacles; the cutter would come down into material."""
+    path = started(SLOT, 0)
+    track = Track.around(path)
+    body = Track.line(-10 - 0.75j, 10 - 0.75j)
+    beside = Beside(free=1, usual=0.1, avoid=((body, 0.1),))
+    place = 0.5 * float(SLOT.lengths[0])
+    _, lead = joined(SLOT, 0.2, beside, place=place)
+    assert distances(np.array([lead.off.end]), track)[0] == pytest.approx(0.1)
+    with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
+        joined(SLOT, 0.2, replace(beside, least=0.18), place=place)
 
 
 def test_leads_keep_off_what_they_must() -> None:

@@ -95,6 +95,7 @@ def test_a_hook_is_cut_out_of_a_round_blank_by_a_slot(stated: bool) -> None:
     assert "no spiral clears its hollows" in rough.note
     assert isinstance(finish, ContourCut)
     assert finish.room == pytest.approx(rough.allowance + rough.slack)
+    assert finish.rest == rough.allowance
     assert rough.slack > 0.0
     wide = replace(stock, diameter=200.0)
     spiral = sequence(INNER, mill, stock=wide, operations=operations if stated else ())

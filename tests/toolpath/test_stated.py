@@ -210,6 +210,7 @@ def test_leads_stay_in_the_slot_that_roughing_has_made(
     assert cut.cleared == cleared
     slack = slack_of(0.3) if cleared else 0.0  # by which the slot runs farther off
     assert cut.room == pytest.approx(room + slack)
+    assert cut.rest == (0.3 if cleared else 0.0)
 
 
 def test_the_strategy_of_a_slot_may_be_stated() -> None:

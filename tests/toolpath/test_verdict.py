@@ -64,3 +64,12 @@ def test_tabs_hold_the_part_in_a_round_blank() -> None:
     blank = '[stock]\nshape = "round"\ndiameter = 140\n[holding]'
     found = findings(text.replace("[holding]", blank))
     assert not any(each.severity == "broken" for each in found), found
+
+
+def test_finishes_with_tabs_begin_in_the_slot() -> None:
+    """Where its path begins, between two arcs, neither of which says where the slot runs."""
+    tabs = 'kind = "tabs"\ncount = 4\nwidth = 5\nheight = 1.5\n'
+    text = setzhub(ROUGH.replace("0.4", "1.4") + FINISH)
+    text = text.replace('kind = "fixture"\n', tabs).replace("stepdown = 3", STEPS)
+    found = findings(text)
+    assert not any(each.severity == "broken" for each in found), found

@@ -47,6 +47,7 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
         straight=bool(side),
         aside=cut.tool.radius if cut.compensation == CONTROL else 0.0,
         avoid=walk.avoid(cut.bottom),
+        least=0.0 if cut.tool.plunges else cut.rest,
     )
     place = None if cut.tabs is None else farthest_along_x(path)
     try:

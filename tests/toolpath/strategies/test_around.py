@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
 from camgeo.toolpath.cut import ContourCut, slack_of
 from camgeo.toolpath.holding import Clamp, Tabs
 from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
@@ -82,6 +83,27 @@ def test_the_feed_at_the_contact_is_held() -> None:
             slower = radius / (radius + TOOL.radius) if move.ccw else 1.0
             assert move.feed == pytest.approx(TOOL.feed * slower)
     assert any(isinstance(move, ArcFeed) and move.feed < 0.95 * TOOL.feed for move in moves)
+
+
+def test_a_finish_comes_down_beside_what_is_left_on_the_wall() -> None:
+    """Beside a clamp only smaller leads fit, which end in that, unless the cutter may plunge."""
+    ring = DISC.polyline(1e-4).contour.vertices
+
+    def off(cut: ContourCut) -> FloatArray:
+        moves = made(cut)
+        ends = np.array([complex(*moves[k].end[:2]) for k in (0, -1)])
+        found: FloatArray = DensePath(ring).distances(ends) - TOOL.radius
+        return found
+
+    cut = replace(FINISH, tabs=TABS, room=0.6, rest=0.5)
+    assert off(cut) == pytest.approx(cut.room, abs=TOLERANCE + 1e-4)
+    edge = float(np.max(ring.real)) + 2.0 * TOOL.radius + 0.45
+    clamp = Clamp(place=complex(edge + 2.0, 0.0), length=4.0, width=80.0, height=6.0)
+    beside = replace(cut, obstacles=(clamp.obstacle,))
+    with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
+        made(beside)
+    small = off(replace(beside, tool=replace(TOOL, plunges=True)))
+    assert small == pytest.approx(0.5 * cut.room, abs=TOLERANCE + 1e-4)
 
 
 def test_depths_of_a_finish_stay_down() -> None:
