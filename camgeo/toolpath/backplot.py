@@ -77,7 +77,19 @@ def plotted(
 def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
     """Traces of feed moves; neighbours of one kind that join are one."""
     course = cutting.course
-    kinds = [_kind(cutting, piece) for piece in range(len(course))]
+    places = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
+    which = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+    known: dict[int, Kind] = {}
+    kinds: list[Kind] = []
+    for piece in range(len(course)):
+        if course.to_z[piece] < course.from_z[piece]:
+            kinds.append("entry")
+            continue
+        # In the plane further rounds are drawn over the first one, which cuts if any does.
+        same = int(which[piece])
+        if same not in known:
+            known[same] = _kind(cutting, piece)
+        kinds.append(known[same])
     gaps = np.concatenate(([0], np.cumsum(course.starts[1:] != course.ends[:-1]))).astype(int)
     keys = list(zip(kinds, gaps.tolist(), strict=False))
     for (kind, _), group in groupby(range(len(course)), key=lambda piece: keys[piece]):
@@ -86,10 +98,7 @@ def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
 
 
 def _kind(cutting: Cutting, piece: int) -> Kind:
-    course = cutting.course
-    if course.to_z[piece] < course.from_z[piece]:
-        return "entry"
-    if course.lengths[piece] == 0.0:
+    if cutting.course.lengths[piece] == 0.0:
         return "air"
     return "cut" if any(cutting.angle(piece, share) for share in JUDGED) else "air"
 
