@@ -14,6 +14,7 @@ from typing import Annotated, Final
 import numpy as np
 
 from camgeo.errors import GeometryError
+from camgeo.mechanism.values import Radius
 from camgeo.numeric.checked import (
     array,
     check_fields,
@@ -40,6 +41,7 @@ MOST_SLACK: Final = 0.02
 """Largest deviation of a roughing path [mm], unless the program's tolerance is larger."""
 
 Size = Annotated[float, partial(number, least=0.0, unit="mm")]
+"""A share or a difference of lengths, which may be as near to 0 as doubles are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,7 +141,7 @@ class ContourCut(Cut):
     slack: Annotated[Size, "toolpath"] = 0.0
     cleared: Annotated[Truth, "toolpath"] = False
     springs: Annotated[Rounds, "toolpath"] = 0
-    contact: Annotated[Size, "toolpath"] = 0.0
+    contact: Annotated[Radius, "toolpath"] = 0.0
     tabs: Tabs | None = None
     compensation: Annotated[CompensationWord, "toolpath"] = COMPUTED
 
@@ -182,7 +184,7 @@ class AreaCut(Cut):
     stock: Boundary | None = None
     cleared: tuple[Boundary, ...] = ()
     stepover: Annotated[float, positive, "toolpath"]
-    slot: Annotated[Size, "toolpath"] = 0.0
+    slot: Annotated[Radius, "toolpath"] = 0.0
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)

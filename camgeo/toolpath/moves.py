@@ -53,8 +53,7 @@ class Feed:
     def __post_init__(self) -> None:
         _require(self.end, 3)
         positive("toolpath", self.feed, "mm/min")
-        if self.switch:
-            one_of("toolpath", self.switch, SWITCHES)
+        one_of("toolpath", self.switch, SWITCHES)
 
 
 @dataclass(frozen=True, slots=True)

@@ -151,8 +151,8 @@ SIGNED = {
 """Numbers that may be negative; all others are above 0, or 0 as the radius of a knife edge."""
 
 NOT_NEGATIVE = {
-    "room", "allowance", "smallest_radius", "largest_radius", "radius_tolerance", "interpolation",
-    "share", "smallest", "largest", "spin_up", "junction_deviation",
+    "room", "allowance", "rest", "slack", "smallest_radius", "largest_radius", "radius_tolerance",
+    "interpolation", "share", "smallest", "largest", "spin_up", "junction_deviation",
     "velocity_jump", "block_time",
 }  # fmt: skip
 """Numbers that may be as near to 0 as doubles are."""
