@@ -165,6 +165,9 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6))
     wanted = parser.parse_args(words)
+    # Started in the background of a shell, or with nohup, all processes here would ignore these.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     print(f"{wanted.count} cases, --seed {wanted.seed}", flush=True)  # noqa: T201 - a program
     for case in range(wanted.count):
         source = random.Random(f"{wanted.seed} {case}")
