@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen, taken
-from camgeo.toolpath.machining_time import arc_sweep
+from camgeo.toolpath.machining_time import arc_sweeps
 from camgeo.toolpath.moves import ArcFeed, Move, Point, Rapid, Stop
 from camgeo.toolpath.plane.pieces import Pieces
 
@@ -98,19 +97,28 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     ----------
     at : where the cutter stands before; None if the first move is a traverse.
     """
-    rows: list[tuple[complex, complex, float, complex, float, float, int]] = []
+    points: list[Point] = []
+    rows: list[tuple[int, float, float, float]] = []  # of the move, its centre, its direction
     for number, move in enumerate(moves):
         if isinstance(move, Stop):
             continue
         if at is not None and not isinstance(move, Rapid):
-            start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
-            sweep, centre = 0.0, 0j
+            points += (at, move.end)
             if isinstance(move, ArcFeed):
-                centre = complex(*move.centre)
-                sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
-            rows.append((start, end, sweep, centre, at[2], move.end[2], number))
+                rows.append((number, *move.centre, 1.0 if move.ccw else -1.0))
+            else:
+                rows.append((number, 0.0, 0.0, 0.0))
         at = move.end
-    columns: Any = zip(*rows, strict=True) if rows else np.empty((7, 0))
-    whole = Course(*columns)
+    ends = np.array(points, dtype=np.float64).reshape(-1, 2, 3)
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 4)
+    flat = ends[:, :, 0] + 1j * ends[:, :, 1]
+    centres = columns[:, 1] + 1j * columns[:, 2]
+    sweeps = np.zeros(len(columns))
+    arcs = np.flatnonzero(columns[:, 3])
+    if len(arcs):
+        arms = flat[arcs] - centres[arcs, None]
+        sweeps[arcs] = arc_sweeps(arms[:, 0], arms[:, 1], columns[arcs, 3])
+    z, numbers = ends[:, :, 2], columns[:, 0].astype(np.intp)
+    whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)

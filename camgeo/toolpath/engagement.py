@@ -27,7 +27,7 @@ from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, taken
 from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Operation
-from camgeo.toolpath.plane.crossings import crossings, inside, near
+from camgeo.toolpath.plane.crossings import crossings, inside
 from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.tool import END_MILL
@@ -179,26 +179,53 @@ class Cutting:
         )
 
 
+class _Low:
+    """The pieces of a course that have been run as low as one height."""
+
+    def __init__(self, course: Course, level: float) -> None:
+        self.numbers = np.flatnonzero(course.cleared <= level + LEVEL)
+        found = taken(course, self.numbers)
+        self._middles = 0.5 * (found.starts + found.ends)
+        self._halves = 0.5 * np.abs(found.ends - found.starts)
+
+    def near(self, place: complex, reach: float, before: int | None = None) -> IntArray:
+        """(n,) those that may come closer than `reach` [mm] to `place`, and are `before` one."""
+        last = None if before is None else int(np.searchsorted(self.numbers, before))
+        close = np.abs(self._middles[:last] - place) < self._halves[:last] + reach
+        return self.numbers[:last][close]
+
+
 class _Judge:
     """Angles of one cutting, with its boundary made once."""
 
     def __init__(self, cutting: Cutting) -> None:
         self.cutting = cutting
         self.boundary = Pieces.around(cutting.blank)
+        self._lowest = cutting.course.lowest
+        self._low: dict[tuple[int, float], _Low] = {}
+
+    def _low_of(self, number: int, level: float) -> _Low:
+        """What a cutter that ran before, or of number -1 the own one, has run at one height."""
+        key = (number, level)
+        if key not in self._low:
+            cutting = self.cutting
+            course = cutting.course if number < 0 else cutting.cleared[number][0]
+            self._low[key] = _Low(course, level)
+        return self._low[key]
 
     def angle(self, piece: int, share: float) -> float:
         cutting, radius = self.cutting, self.cutting.radius
         course = cutting.course
-        level = float(course.lowest[piece])
+        level = float(self._lowest[piece])
         if level >= cutting.top:
             return 0.0
         here = taken(course, [piece])
         there = here.at(np.array([share]))
         place, way = complex(there[0]), complex(here.tangents(there)[0])
         swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
-        for other, size in cutting.cleared:
-            low = other.cleared <= level + LEVEL
-            swept.append((taken(other, low & near(other, place, radius + size)), size))
+        for number, (other, size) in enumerate(cutting.cleared):
+            close = self._low_of(number, level).near(place, radius + size)
+            swept.append((taken(other, close), size))
         edges = [crossings(self.boundary, place, radius, 0.0)]
         edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
         # Angles from the direction of travel, of the leading half.
@@ -218,14 +245,10 @@ class _Judge:
     def _before(self, piece: int, share: float, place: complex, level: float) -> Pieces:
         """What the cutter has run before, as low as here, and near enough to matter."""
         course = self.cutting.course
-        earlier = slice(0, piece + 1)
-        low = course.cleared[earlier] <= level + LEVEL
-        low[-1] = True  # its own way down a ramp
-        close = near(taken(course, earlier), place, 2.0 * self.cutting.radius)
-        close[-1] = share > 0.0
-        found = taken(course, np.flatnonzero(low & close))
+        close = self._low_of(-1, level).near(place, 2.0 * self.cutting.radius, piece)
         if share <= 0.0:
-            return found
+            return taken(course, close)
+        found = taken(course, np.append(close, piece))  # its own way, down a ramp too
         last = np.ones(len(found))
         last[-1] = share
         return found.between(np.zeros(len(found)), last)

@@ -14,7 +14,7 @@ from camgeo.toolpath.course import course_of, level
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
-from camgeo.toolpath.simulation import Chamfer, Run, Setup
+from camgeo.toolpath.setup import Chamfer, Run, Setup
 from camgeo.toolpath.stages import Body
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, Tool
@@ -159,7 +159,8 @@ def _blank(
         return outline, (outline, inner)
     else:
         ends = [course_of(run.moves, run.start).ends for run in runs]
-        reach = max((max(abs(p.real), abs(p.imag)) for each in ends for p in each), default=0.0)
+        both = [np.abs(part) for each in ends for part in (each.real, each.imag)]
+        reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in runs), default=0.0)
         corner, centre = (reach + wide) * (1.0 + 1.0j), 0j
     outline = _rectangle(corner, centre)

@@ -69,7 +69,7 @@ def left_flaws(
     Parameters
     ----------
     part : in each slab.
-    held, joined, fixture : as in `camgeo.toolpath.simulation.Setup`.
+    held, joined, fixture : as in `camgeo.toolpath.setup.Setup`.
     allowed : thickness [mm] that may be left.
     corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
     """

@@ -229,6 +229,13 @@ def _plane(points: FloatArray) -> ComplexArray:
     return found
 
 
+def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
+    """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
+    found = np.angle(ends / starts) * turns
+    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
+    return turns * np.maximum(found, 0.0)
+
+
 def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
     """Signed angle [rad] from arm `start` to arm `end`, at most half a turn in that direction.
 

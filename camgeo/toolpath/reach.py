@@ -18,7 +18,7 @@ from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Point
 from camgeo.toolpath.plane.crossings import inside
 from camgeo.toolpath.plane.pieces import Pieces
-from camgeo.toolpath.simulation import Run, Setup
+from camgeo.toolpath.setup import Run, Setup
 
 SHARES: Final = (0.5, 1.0)
 """Of each piece, where the cutter is judged."""

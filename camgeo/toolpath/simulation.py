@@ -12,7 +12,7 @@ of cones and rounded corners at heights between which slabs are thin.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Final
@@ -20,13 +20,13 @@ from typing import Final
 import numpy as np
 import shapely
 
-from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import FloatArray, taken
+from camgeo.numeric.arrays import taken
 from camgeo.toolpath.course import Course, below, course_of
 from camgeo.toolpath.left import left_flaws
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
-from camgeo.toolpath.stages import Body, Flaw, Slab, Stage, areas, flaw
-from camgeo.toolpath.sweep import NOTHING, Area, grown, parts, place_in, polygon, swept
+from camgeo.toolpath.setup import Run, Setup
+from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once, flaw
+from camgeo.toolpath.sweep import NOTHING, Area, grown, parts, place_in, polygon, swept, swept_below
 
 FINENESS: Final = 1e-3
 """Deviation of chords [mm] unless stated."""
@@ -35,102 +35,11 @@ ALLOWED: Final = 0.02
 """[mm] by which part and path may overlap or miss each other unless stated: far above what the
 polygons are off, and not seen on a part."""
 
-SLICES: Final = 4
-"""Slabs of a point or of rounded corners at their lowest."""
-
 STEP: Final = 5e-3
 """Of the radii that a point has on slopes [mm]: they are rounded, against the program."""
 
 LEVEL: Final = 1e-6
 """Heights [mm] that differ by less are one, unless stated."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Run:
-    """What one tool does: an operation.
-
-    Attributes
-    ----------
-    name : of the operation.
-    moves : in order, halts among them.
-    radius : of the cutter [mm].
-    point : height [mm] of its point or its rounded corners, below the full radius.
-    rounded : whether that is a rounded corner, and not a cone.
-    plunges : whether it may go straight down into material.
-    shank : radius above the cutting edges, and their length [mm]; None if not known.
-    obstacles : that no move may touch below their tops.
-    start : where it stands before; None if the first move is a traverse.
-    """
-
-    name: str
-    moves: tuple[Move | Stop, ...]
-    radius: float
-    point: float = 0.0
-    rounded: bool = False
-    plunges: bool = True
-    shank: tuple[float, float] | None = None
-    obstacles: tuple[Body, ...] = ()
-    start: Point | None = None
-
-    def radius_at(self, height: FloatArray) -> FloatArray:
-        """(n,) radius [mm] at heights (n,) above the tip, that of the tip below it."""
-        if self.point <= 0.0:
-            return np.full(len(height), self.radius)
-        up = np.clip(height, 0.0, self.point)
-        if self.rounded:
-            return self.radius - self.point + np.sqrt(up * (2.0 * self.point - up))
-        return self.radius * up / self.point
-
-    def slices(self, tip: float, top: float) -> list[float]:
-        """Z [mm] from a tip up to a `top` between which the radius changes by equal steps or so."""
-        share = np.arange(1, SLICES + 1) / SLICES
-        if self.rounded:
-            share = 1.0 - np.cos(0.5 * np.pi * share)
-        high = self.point if self.rounded else min(self.point, max(top - tip, 0.0))
-        return (tip + high * share).tolist() if high > 0.0 else []
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Chamfer:
-    """An edge of the part that a cone takes off.
-
-    Attributes
-    ----------
-    run : of the cone; its moves do not matter.
-    course : exact, of its tip, all at one height.
-    top : Z above which it is to take nothing off [mm].
-    """
-
-    run: Run
-    course: Course
-    top: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Setup:
-    """What a program starts from, and what must come of it.
-
-    Attributes
-    ----------
-    blank : contours, of which a point of it is within an odd number.
-    top, bottom : of the blank, Z [mm].
-    part : what must be left.
-    held : outlines within which the blank is held; None if that is not to be judged.
-    fixture : whether a fixture below all of the blank is to hold what nothing else holds.
-    chamfers : edges that the part lacks.
-    lowest : Z below which no tip may go but for its point [mm]; None for no limit.
-    joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
-    """
-
-    blank: tuple[Contour, ...]
-    top: float
-    bottom: float
-    part: tuple[Body, ...] = ()
-    held: tuple[tuple[Contour, ...], ...] | None = None
-    fixture: bool = False
-    chamfers: tuple[Chamfer, ...] = ()
-    lowest: float | None = None
-    joined: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,7 +85,7 @@ def simulate(
         Slab(z0, z1, whole if setup.bottom < 0.5 * (z0 + z1) < setup.top else NOTHING)
         for z0, z1 in pairwise(heights)
     )
-    part = tuple(_section(setup, slab.middle, fineness) for slab in slabs)
+    part = tuple(_sections(setup, slabs, fineness))
     bench = _Bench(setup, slabs, part, fineness, allowed, level)
     stages, flaws = [], []
     for run in runs:
@@ -219,6 +128,19 @@ def _lowest(run: Run) -> list[float]:
     return [float(np.min(lowest))] if len(lowest) else []
 
 
+def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[Area]:
+    """The area of the part in each slab; one object in all slabs that lie in the same bodies."""
+    known: dict[tuple[bool, ...], Area] = {}
+    for z in (slab.middle for slab in slabs):
+        key = tuple(body.z0 < z < body.z1 for body in setup.part)
+        if any(z < each.top for each in setup.chamfers):
+            yield _section(setup, z, fineness)
+            continue
+        if key not in known:
+            known[key] = _section(setup, z, fineness)
+        yield known[key]
+
+
 def _section(setup: Setup, z: float, fineness: float) -> Area:
     """The area of the part at one height."""
     bodies = [polygon(body.contours, fineness) for body in setup.part if body.z0 < z < body.z1]
@@ -254,7 +176,7 @@ class _Bench:
     ) -> None:
         self.setup, self.slabs, self.part = setup, slabs, part
         self.fineness, self.allowed, self.level = fineness, allowed, level
-        self.kernels = [grown(area, -allowed) for area in part]
+        self.kernels = each_once(lambda area: grown(area, -allowed), part)
 
     def run(self, run: Run) -> list[Flaw]:
         """The flaws of one operation, the worst of each kind."""
@@ -306,13 +228,16 @@ class _Bench:
         if not len(course):
             return
         yield from self._clear(run, course)
-        yield from self._gouges(run, course)
-        self.slabs = tuple(
-            slab.without(
-                _passed(run, below(course, slab.z0 + self.level), slab.middle, self.fineness)
-            )
-            for slab in self.slabs
-        )
+        reached, cleared = self._swept(run, course)
+        yield from self._gouges(run, course, reached)
+        left: dict[tuple[int, int], Area] = {}  # slabs of one section are cut once
+        slabs = []
+        for slab, area in zip(self.slabs, cleared, strict=True):
+            both = (id(slab.material), id(area))
+            if both not in left:
+                left[both] = slab.without(area).material
+            slabs.append(replace(slab, material=left[both]))
+        self.slabs = tuple(slabs)
         if run.shank is not None:
             radius, length = run.shank
             yield from self._meets(
@@ -323,6 +248,32 @@ class _Bench:
                 "the shank is {:.3g} mm deep in material".format,
                 length,
             )
+
+    def _swept(self, run: Run, course: Course) -> tuple[list[Area], list[Area]]:
+        """What a cutter reaches in each slab at most, where there is part, and what it clears at
+        least, where there is material; nothing elsewhere.
+        """
+        level = self.level
+        tops = [
+            -np.inf if kernel.is_empty else slab.z1 - 2.0 * level
+            for slab, kernel in zip(self.slabs, self.kernels, strict=True)
+        ]
+        bottoms = [-np.inf if slab.material.is_empty else slab.z0 + level for slab in self.slabs]
+        if run.point <= 0.0:
+            heights = sorted({*tops, *bottoms})
+            areas = swept_below(course, heights, run.radius, self.fineness)
+            at = dict(zip(heights, areas, strict=True))
+            return [at[z] for z in tops], [at[z] for z in bottoms]
+        middles = [slab.middle for slab in self.slabs]
+        reached = [
+            _passed(run, below(course, top), z, self.fineness, most=True)
+            for top, z in zip(tops, middles, strict=True)
+        ]
+        cleared = [
+            _passed(run, below(course, bottom), z, self.fineness)
+            for bottom, z in zip(bottoms, middles, strict=True)
+        ]
+        return reached, cleared
 
     def _meets(
         self,
@@ -345,14 +296,17 @@ class _Bench:
                 depth = slab.z1 - above - tip
                 yield flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
 
-    def _gouges(self, run: Run, course: Course) -> Iterator[Flaw]:
-        for slab, kernel, part in zip(self.slabs, self.kernels, self.part, strict=True):
-            if kernel.is_empty:
-                continue
-            low = below(course, slab.z1 - 2.0 * self.level)
-            reached = _passed(run, low, slab.middle, self.fineness, most=True)
-            touched = shapely.intersection(reached, kernel)
+    def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
+        known: dict[tuple[int, int], Area] = {}
+        for slab, kernel, part, area in zip(
+            self.slabs, self.kernels, self.part, reached, strict=True
+        ):
+            both = (id(area), id(kernel))
+            if both not in known:
+                known[both] = shapely.intersection(area, kernel)
+            touched = known[both]
             if parts(touched):
+                low = below(course, slab.z1 - 2.0 * self.level)
                 points = shapely.points(shapely.get_coordinates(touched))
                 depths = shapely.distance(points, shapely.boundary(part))
                 deepest = int(np.argmax(depths))

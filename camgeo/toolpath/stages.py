@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import shapely
@@ -106,3 +106,11 @@ def flaw(
 def areas(slabs: Iterable[Slab]) -> list[Area]:
     """The material of each."""
     return [slab.material for slab in slabs]
+
+
+def each_once(found: Callable[[Area], Area], several: Iterable[Area]) -> list[Area]:
+    """What is `found` of each of `several`, once for those that are the same object."""
+    several = list(several)
+    known = {id(area): area for area in several}
+    made = {key: found(area) for key, area in known.items()}
+    return [made[id(area)] for area in several]

@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray, taken
-from camgeo.toolpath.course import Course
+from camgeo.numeric.arrays import ComplexArray, IntArray, taken
+from camgeo.toolpath.course import Course, below
 
 Area = Any
 """A polygon or several, of shapely, which has no types."""
@@ -47,6 +47,30 @@ def swept(course: Course, radius: float, fineness: float) -> Area:
     chains = (part for chain in _chains(_once(course), fineness) for part in _in_parts(chain))
     shapes = [_shape(part) for part in chains]
     return shapely.union_all(shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness)))
+
+
+def swept_below(
+    course: Course, heights: Iterable[float], radius: float, fineness: float
+) -> list[Area]:
+    """What a circle of `radius` [mm] passes over with its tip not above each of `heights` [mm],
+    which ascend.
+
+    What is new at a height is added to the area at the one before; where nothing is new, both are
+    the same object.
+    """
+    same = _alike(course)
+    highest, lowest = course.highest, course.lowest
+    done = np.zeros(len(course), dtype=np.bool_)
+    area: Area = NOTHING
+    found = []
+    for z in heights:
+        fresh = (lowest <= z) & ~done[same]
+        if np.any(fresh):
+            more = swept(below(taken(course, fresh), z), radius, fineness)
+            area = more if area.is_empty else shapely.union(area, more)
+            done[same[highest <= z]] = True
+        found.append(area)
+    return found
 
 
 def disc(place: complex, radius: float, fineness: float) -> Area:
@@ -98,9 +122,17 @@ def _once(course: Course) -> Course:
     """The course without pieces that it repeats: further rounds of a path sweep nothing more, and
     what overlaps itself takes GEOS far longer.
     """
+    first = _alike(course) == np.arange(len(course))
+    return course if np.all(first) else taken(course, first)
+
+
+def _alike(course: Course) -> IntArray:
+    """(n,) the first piece that is the same in the plane as each."""
     rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
-    _, first = np.unique(rows, axis=0, return_index=True)
-    return taken(course, np.sort(first)) if len(first) < len(course) else course
+    size = rows.dtype.itemsize * rows.shape[1]
+    first: dict[bytes, int] = {}
+    keys = np.ascontiguousarray(rows).view(f"V{size}")[:, 0].tolist()
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)], dtype=np.intp)
 
 
 def _chains(course: Course, fineness: float) -> list[ComplexArray]:

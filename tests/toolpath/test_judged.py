@@ -19,7 +19,8 @@ from camgeo.toolpath.machine import load
 from camgeo.toolpath.milling import MillingSpec, OperationSpec
 from camgeo.toolpath.moves import Stop, Toolpath
 from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.simulation import Setup, Simulation, simulate
+from camgeo.toolpath.setup import Setup
+from camgeo.toolpath.simulation import Simulation, simulate
 from camgeo.toolpath.stock import Stock
 from tests.toolpath.milled import FIXTURE, HEIGHTS, part, sequence, tool
 

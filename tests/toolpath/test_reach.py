@@ -6,7 +6,7 @@ import pytest
 
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.reach import Depth, depths
-from camgeo.toolpath.simulation import Run, Setup
+from camgeo.toolpath.setup import Run, Setup
 from tests.toolpath.test_simulation import FEED, PLATE, RADIUS
 
 

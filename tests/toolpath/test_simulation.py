@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from camgeo.contour.contour import Contour
 from camgeo.toolpath.course import course_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.toolpath.simulation import Chamfer, Run, Setup, Simulation, simulate
+from camgeo.toolpath.setup import Chamfer, Run, Setup
+from camgeo.toolpath.simulation import Simulation, simulate
 from camgeo.toolpath.stages import Body, Flaw
 
 RADIUS = 3.0

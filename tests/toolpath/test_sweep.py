@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
-from camgeo.toolpath.course import course_of
+from camgeo.toolpath.course import below, course_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
-from camgeo.toolpath.sweep import NOTHING, parts, place_in, polygon, rings, swept
+from camgeo.toolpath.sweep import NOTHING, parts, place_in, polygon, rings, swept, swept_below
 
 FEED = 100.0
 
@@ -61,3 +61,24 @@ def test_further_rounds_sweep_nothing_more(rounds: int) -> None:
     again = swept(course_of(ARC * rounds, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
     assert again.equals(once)
     assert len(again.exterior.coords) == len(once.exterior.coords)
+
+
+def test_what_is_new_at_each_height_is_added() -> None:
+    """Rounds at several depths, down a ramp each: as if each height were swept afresh."""
+    fineness, step = 1e-3, 2.0
+    moves: list[Move] = []
+    for depth in (step, 2.0 * step):
+        moves += [
+            ArcFeed((-30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+            ArcFeed((30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+            ArcFeed((-30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+        ]
+        moves.append(Feed((30.0, 0.0, -depth), FEED))
+    course = course_of(moves, (30.0, 0.0, 0.0))
+    heights = [-5.0, -4.0, -3.1, -2.0, -1.3, 0.0, 1.0]
+    found = swept_below(course, heights, RADIUS, fineness)
+    for z, area in zip(heights, found, strict=True):
+        afresh = swept(below(course, z), RADIUS, fineness)
+        assert area.symmetric_difference(afresh).area < 4.0 * fineness * 4.0 * math.pi * 33.0
+    assert found[0].is_empty
+    assert found[-1] is found[-2]  # nothing is new there

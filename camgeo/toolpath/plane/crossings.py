@@ -8,14 +8,6 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.toolpath.plane.pieces import Pieces
 
 
-def near(pieces: Pieces, place: complex, reach: float) -> BoolArray:
-    """(n,) whether a piece may come closer than `reach` [mm] to `place`."""
-    middle = 0.5 * (pieces.starts + pieces.ends)
-    half = 0.5 * np.abs(pieces.ends - pieces.starts)
-    found: BoolArray = np.abs(middle - place) < half + reach
-    return found
-
-
 def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:
     """(k,) whether `places` (k,) lie within an odd number of the closed contours of `boundary`."""
     q = places[:, None]

@@ -20,7 +20,8 @@ from camgeo.toolpath.moves import Feed, Rapid, Stop
 from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.reach import Depth, depths
-from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, Setup, simulate
+from camgeo.toolpath.setup import Run, Setup
+from camgeo.toolpath.simulation import ALLOWED, FINENESS, simulate
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.tool import END_MILL, Tool
 from camgeo.toolpath.verdict import settled

@@ -18,7 +18,8 @@ from camgeo.toolpath.judged import run_with, runs_of, setup_of
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.plane.pieces import HALF_TURN
-from camgeo.toolpath.simulation import ALLOWED, FINENESS, Run, simulate
+from camgeo.toolpath.setup import Run
+from camgeo.toolpath.simulation import ALLOWED, FINENESS, simulate
 from camgeo.toolpath.tool import Tool
 from camgeo.toolpath.verdict import settled
 from camgeo.verifying.verification import Check, failed, reported

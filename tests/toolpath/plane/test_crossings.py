@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
-from camgeo.toolpath.plane.crossings import crossings, inside, near
+from camgeo.toolpath.plane.crossings import crossings, inside
 from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.pieces import Pieces
 from tests.toolpath.plane.tracks import any_track
@@ -43,5 +43,3 @@ def test_a_circle_passes_a_distance_at_its_crossings_only(seed: int, distance: f
     off = distances((place + radius * np.exp(1j * angles)).ravel(), pieces)
     farther = (off > distance).reshape(angles.shape)
     assert np.all(farther == farther[:, :1])
-    reached = pieces.apart(np.full(len(pieces), place)) < radius
-    assert np.all(near(pieces, place, radius)[reached])
