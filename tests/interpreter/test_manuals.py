@@ -289,3 +289,11 @@ def test_every_controller_has_examples() -> None:
     for each in EXAMPLES:
         counts[each.machine] += 1
     assert min(counts.values()) >= 3
+
+
+def test_a_block_means_the_same_each_time_it_is_there() -> None:
+    """A dwell is at the line of each, and not a moment shorter."""
+    lines = ["G21 G90 G94", *["G4 P2"] * 3, "M2"]
+    ran = run("\n".join(lines), load("linuxcnc"))
+    dwells = [(each.line, each.seconds) for each in ran.events if each.kind == "dwell"]
+    assert dwells == [(2, 2.0), (3, 2.0), (4, 2.0)]

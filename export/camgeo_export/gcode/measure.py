@@ -94,10 +94,11 @@ def _check_complete(cuts: tuple[Cut, ...], program: Run, loops: list[Loop]) -> N
         if move.kind != "rapid" and move.tool != wanted:
             raise FileError(f"{move.operation!r} is cut with tool {move.tool}, not {wanted}")
     for cut in cuts:
-        own = [move for move in program.moves if move.operation == cut.name]
-        heights = [move.z_end for move in own if move.kind != "rapid"]
         if isinstance(cut, ContourCut):
-            heights = [loop.z for loop in loops if loop.operation == cut.name]
+            heights = {loop.z for loop in loops if loop.operation == cut.name}
+        else:
+            cutting = (move for move in program.moves if move.kind != "rapid")
+            heights = {move.z_end for move in cutting if move.operation == cut.name}
         for depth in cut.depths:
             if not any(abs(height - depth) <= program.step for height in heights):
                 what = "closed path" if isinstance(cut, ContourCut) else "cut"

@@ -53,6 +53,20 @@ class Block:
     names: dict[str, str] = field(default_factory=dict)
     broken: bool = False
 
+    def at_line(self, line: int) -> Block:
+        """The same block at another line, with values of its own."""
+        return Block(
+            line,
+            self.codes,
+            self.actions,
+            dict(self.values),
+            self.words,
+            self.relative,
+            self.arc,
+            self.names,
+            self.broken,
+        )
+
     def value(self, letter: str, default: float = 0.0) -> float:
         """The value of a word, or `default` if it is not there."""
         number = self.values.get(letter)

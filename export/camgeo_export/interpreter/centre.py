@@ -37,7 +37,7 @@ def centres(moves: Sequence[CutterMove], radius: Radius) -> tuple[CutterMove, ..
             found += _displaced(run, size)
         if after is not None:
             begins = found[-1].end if run and size else after.start
-            found.append(replace(after, start=begins))
+            found.append(after if begins == after.start else replace(after, start=begins))
     return tuple(found)
 
 

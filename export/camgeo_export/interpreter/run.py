@@ -14,6 +14,7 @@ from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.loops import closed_paths
 from camgeo_export.gcode.moves import CutterMove, Event, Loop
+from camgeo_export.interpreter.block import Block
 from camgeo_export.interpreter.centre import Radius, centres
 from camgeo_export.interpreter.controller import Controller, controller_of
 from camgeo_export.interpreter.decode import decode
@@ -166,6 +167,10 @@ def notes_of(text: str) -> list[str]:
     return [(inside or after).strip() for inside, after in NOTE.findall(text)]
 
 
+KEPT: Final = 20_000
+"""Blocks of which the words are kept for later lines with the same text."""
+
+
 class _Program:
     """A program while it is read."""
 
@@ -186,6 +191,7 @@ class _Program:
         self._percent = 0
         self._blocks = 0
         self._said_after = False
+        self._known: dict[str, Block] = {}  # sound ones by their text: depths repeat their path
 
     def read(self, number: int, line: str) -> None:
         """Read one line and run its block."""
@@ -242,11 +248,18 @@ class _Program:
             what = "a block that a switch of the controller skips"
             self._findings.add(number, "unsupported", what)
             block = block.lstrip("/0123456789 ")
+        if (known := self._known.get(block)) is not None:
+            self._executor.run(known.at_line(number))
+            return
+        before = len(self._findings.found)
         words = words_of(number, block, self._controller.extended, self._findings)
         if words is None:
             return
         check_number(words, self._findings)
-        self._executor.run(decode(words, self._controller, self._findings))
+        decoded = decode(words, self._controller, self._findings)
+        if len(self._findings.found) == before and len(self._known) < KEPT:
+            self._known[block] = decoded.at_line(number)
+        self._executor.run(decoded)
 
     def _note(self, note: str, alone: bool) -> None:
         """What a comment says of the program."""
