@@ -32,6 +32,11 @@ QUANTILE: Final = 0.995
 SAMPLES: Final = 1000
 """About so many places of an operation are judged."""
 
+PIECES: Final = 300
+"""Pieces of a longer course that are judged, evenly chosen: a place of a spiral of many turns takes
+milliseconds, for each is held against all turns that are near.
+"""
+
 SPACING: Final = 0.5
 """Least distance of such places [mm]."""
 
@@ -116,7 +121,9 @@ def _engaged(cut: AreaCut, cutting: Cutting) -> Engaged:
     chosen = ~entries(course) & (course.lowest <= np.min(course.lowest, initial=np.inf) + LEVEL)
     length = float(np.sum(course.lengths[chosen]))
     spacing = max(SPACING, length / SAMPLES)
-    made = cutting.engagement(spacing, course.moves[chosen].tolist())
+    moves = course.moves[chosen]
+    judged = moves[:: math.ceil(len(moves) / PIECES) or 1]
+    made = cutting.engagement(spacing, judged.tolist())
     place = complex(made.places[np.argmax(made.largest)]) if len(made.largest) else 0j
     limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - cut.stepover / cut.tool.radius))
     return Engaged(

@@ -137,15 +137,16 @@ def output(rng: Random, values: dict[str, Any]) -> dict[str, Any]:
         "tolerance": float(f"{10.0 ** rng.uniform(-5.0, -1.0):.2g}"),
     }
     if "gcode" in formats and ("tool" not in values or rng.random() < 0.3):
+        diameter = float(f"{rng.uniform(0.5, 12.0):.2g}")
         values["tool"] = [
             {
                 "number": 1,
-                "diameter": float(f"{rng.uniform(0.5, 12.0):.2g}"),
+                "diameter": diameter,
                 "spindle_speed": 3000,
                 "feed": 300,
                 "plunge_feed": 100,
                 "stepdown": float(f"{10.0 ** rng.uniform(-0.5, 1.5):.2g}"),
-                "stepover": 0.4,
+                "stepover": float(f"{diameter * rng.uniform(0.05, 0.6):.2g}"),
             }
         ]
         values["holding"] = {"kind": "fixture", "through": rng.choice([0, 0.5])}

@@ -276,6 +276,12 @@ def test_there_are_values_enough() -> None:
 
 def answer(call: Callable[[], object]) -> str:
     """Fault of the refusal of a value; empty if there is none."""
+    found = _answer(call)
+    # What is measured is the memory of all threads, of which pytest-xdist has one of its own.
+    return _answer(call) if found.startswith("AssertionError") else found
+
+
+def _answer(call: Callable[[], object]) -> str:
     try:
         bounded(call)
     except GeometryError as error:
