@@ -18,10 +18,9 @@ from camgeo.numeric.arrays import (
     grouped,
     taken,
 )
+from camgeo.units import TURN
 
-HALF_TURN = np.pi
-
-TURN = 2.0 * np.pi
+HALF_TURN = 0.5 * TURN
 
 
 class Run(Protocol):

@@ -29,7 +29,7 @@ PER_TURN = 720
 EASE = 0.25
 """Turns over which the spiral eases into the curve on which it ends."""
 
-MOST_TURNS = 10_000
+MOST_TURNS = 500
 """More is a stepover far too small for the stock."""
 
 NEARLY = 0.01
@@ -176,7 +176,7 @@ def paced(
 
     best = _shortest(plain, MOST_TURNS, holds)
     if best is None:
-        message = "is too small for any cut of the roughing spiral"
+        message = f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it"
         raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
     for slowing in SLOWINGS:
         shorter = replace(best, turns=best.turns - WORTH, slowing=slowing)

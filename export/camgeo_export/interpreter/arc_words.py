@@ -5,11 +5,11 @@ from __future__ import annotations
 import cmath
 import math
 
+from camgeo.units import TURN
 from camgeo_export.interpreter.arcs import (
     AMBIGUOUS,
     NEARLY_FULL,
     NO_ARC,
-    TURN,
     Arc,
     by_radius,
     swept,

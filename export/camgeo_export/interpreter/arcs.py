@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.numeric.arrays import phase
-
-TURN: Final = 2.0 * math.pi
+from camgeo.units import TURN
 
 NO_ARC: Final = 5e-7
 """Sweep [rad] up to which Grbl makes a full circle of an arc (ARC_ANGULAR_TRAVEL_EPSILON in its

@@ -5,12 +5,10 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Final
 
 from camgeo.numeric.arrays import phase
+from camgeo.units import TURN
 from camgeo_export.gcode.moves import CutterMove
-
-TURN: Final = 2.0 * math.pi
 
 
 @dataclass(frozen=True, slots=True)
