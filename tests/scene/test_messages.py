@@ -79,7 +79,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [('"ccw"', '"CCW"')], r'must be one of "cw", "ccw" \(did you mean "ccw"\?\)'),
     (PLATE, [('"mm"', '"cm"')], 'units.length = "cm": must be one of "mm", "inch"'),
     (PLATE, [("[cam]", "[[cam]]")], r"line 5: cam: must be a table"),
-    (PLATE, [("ratio = 0.7", "ratio = 1.5")], "must be a number above 0 to 1$"),
+    (PLATE, [("ratio = 0.7", "ratio = 1.5")], "must be a number from 1e-09 to 1$"),
     (PLATE, [("angle = 60", "angle = 91")], r"must be a number above 0 to 90 \(degrees\)"),
     # the follower
     (

@@ -10,7 +10,7 @@ import cmath
 import math
 from dataclasses import dataclass, field
 
-from camgeo.errors import ToleranceError
+from camgeo.errors import GeometryError, ToleranceError
 from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.machine_tables import ArcLimits, NumberForm
 from camgeo.toolpath.machining_time import arc_sweep
@@ -203,7 +203,9 @@ class Speller:
         scale = self.grid.mm_per_unit * (self.numbers.inch_feed if inches else 1.0)
         text = number(feed / scale, self.numbers.feed_decimals)
         if float(text) <= 0.0:
-            raise ValueError(f"a feed of {feed} mm/min cannot be written")
+            places = self.numbers.feed_decimals
+            message = f"a feed of {feed:.3g} mm/min is 0 in the {places} decimals of the program"
+            raise GeometryError(message, "tool.feed", f"{feed:.3g}")
         pointed = self.numbers.point == "required" or self.numbers.feed_increment is not None
         return f"{text}." if pointed and "." not in text else text
 
