@@ -40,8 +40,8 @@ HELP: Final = frozenset(("-h", "--help", "--version"))
 MOST_CPU: Final = 10.0
 """Seconds of a command."""
 
-LONG: Final = {"accuracy": 60.0, "stability": 60.0}
-"""Seconds of those that compute many designs."""
+LONG: Final = {"accuracy": 60.0, "stability": 60.0, "build": 20.0, "verify": 20.0}
+"""Seconds of those that compute many designs, and that write or read programs of any length."""
 
 PATIENCE: Final = 5.0
 """Times that CPU, in which the step must have used `AWAKE` of it; else it sleeps.
