@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, taken
-from camgeo.toolpath.course import Course, course_of
+from camgeo.toolpath.course import Course, alike, course_of
 from camgeo.toolpath.engagement import Cutting, cleared_by
 from camgeo.toolpath.moves import Operation, Rapid, Stop, Toolpath
 
@@ -77,8 +77,7 @@ def plotted(
 def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
     """Traces of feed moves; neighbours of one kind that join are one."""
     course = cutting.course
-    places = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
-    which = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+    first = alike(course)
     known: dict[int, Kind] = {}
     kinds: list[Kind] = []
     for piece in range(len(course)):
@@ -86,7 +85,7 @@ def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
             kinds.append("entry")
             continue
         # In the plane further rounds are drawn over the first one, which cuts if any does.
-        same = int(which[piece])
+        same = int(first[piece])
         if same not in known:
             known[same] = _kind(cutting, piece)
         kinds.append(known[same])

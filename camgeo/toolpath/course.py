@@ -122,3 +122,12 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
+
+
+def alike(course: Course) -> IntArray:
+    """(n,) the first piece that is the same in the plane as each."""
+    rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
+    size = rows.dtype.itemsize * rows.shape[1]
+    first: dict[bytes, int] = {}
+    keys = np.ascontiguousarray(rows).view(f"V{size}")[:, 0].tolist()
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)], dtype=np.intp)

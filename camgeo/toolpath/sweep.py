@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray, IntArray, taken
-from camgeo.toolpath.course import Course, below
+from camgeo.numeric.arrays import ComplexArray, taken
+from camgeo.toolpath.course import Course, alike, below
 
 Area = Any
 """A polygon or several, of shapely, which has no types."""
@@ -58,7 +58,7 @@ def swept_below(
     What is new at a height is added to the area at the one before; where nothing is new, both are
     the same object.
     """
-    same = _alike(course)
+    same = alike(course)
     highest, lowest = course.highest, course.lowest
     done = np.zeros(len(course), dtype=np.bool_)
     area: Area = NOTHING
@@ -122,17 +122,8 @@ def _once(course: Course) -> Course:
     """The course without pieces that it repeats: further rounds of a path sweep nothing more, and
     what overlaps itself takes GEOS far longer.
     """
-    first = _alike(course) == np.arange(len(course))
+    first = alike(course) == np.arange(len(course))
     return course if np.all(first) else taken(course, first)
-
-
-def _alike(course: Course) -> IntArray:
-    """(n,) the first piece that is the same in the plane as each."""
-    rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
-    size = rows.dtype.itemsize * rows.shape[1]
-    first: dict[bytes, int] = {}
-    keys = np.ascontiguousarray(rows).view(f"V{size}")[:, 0].tolist()
-    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)], dtype=np.intp)
 
 
 def _chains(course: Course, fineness: float) -> list[ComplexArray]:

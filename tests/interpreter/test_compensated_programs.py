@@ -20,21 +20,13 @@ from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.interpreter.test_stated_milling import CAM
+from tests.interpreter.test_stated_milling import CAM, TABBED
 from tests.judges import rs274
 from tests.judges.paths import difference
 
 TOLERANCE: Final = 0.02
 
 HAVE: Final = tuple(name for name in names() if load(name).compensation is not None)
-
-TABBED: Final = """[holding]
-kind = "tabs"
-through = 0.3
-count = 3
-width = 5
-height = 1.5
-"""
 
 CHUCKED: Final = """[stock]
 shape = "round"
