@@ -106,11 +106,14 @@ class Bends:
         places = np.arange(-1.0, len(self.speed) + 1.0)
         fine = (np.arange(FINER * len(self.speed)) + 0.5) / FINER - 0.5
 
-        def over(values: FloatArray) -> FloatArray:
+        def over(values: FloatArray, least: float = -math.inf) -> FloatArray:
             before, after = 2.0 * values[0] - values[1], 2.0 * values[-1] - values[-2]
-            return np.interp(fine, places, np.concatenate(([before], values, [after])))
+            ends = max(before, least), max(after, least)
+            return np.interp(fine, places, np.concatenate((ends[:1], values, ends[1:])))
 
-        return Bends(*map(over, (self.speed, self.curvature, self.slope, self.regularity)))
+        # A speed that triples within a cell would be extrapolated below zero.
+        signed = (self.curvature, self.slope, self.regularity)
+        return Bends(over(self.speed, 0.0), *map(over, signed))
 
 
 def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:

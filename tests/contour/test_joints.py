@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.joints import APART, joints_apart, require_regular
+from camgeo.contour.joints import APART, Bends, joints_apart, require_regular
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import UndercutError
@@ -57,3 +57,12 @@ def test_joints_of_a_regular_curve_all_stay() -> None:
     curve = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
     joints = np.linspace(1.1, 3.1, 100_000)
     assert joints_apart(curve, joints) is joints
+
+
+def test_refined_bends_are_linear_and_no_speed_is_negative() -> None:
+    """At the end of a steep move the speed grows more than threefold from cell to cell."""
+    steep, even = np.array([1e-3, 1e2, 1e4]), np.array([-1.0, 0.0, 1.0])
+    fine = Bends(steep, even, even, even).refined()
+    assert np.min(fine.speed) >= 0.0
+    # Eight cells for one: in the outer half cells the straight line is carried on.
+    np.testing.assert_allclose(fine.slope, (np.arange(24) - 11.5) / 8.0, atol=1e-15)
