@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
+from camgeo.contour.nearness import least_distance
 from camgeo.contour.spline import Arc
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.machine_options import Compensation
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Point, Stop
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.tool import COMPUTED, CONTROL
 

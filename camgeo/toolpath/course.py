@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen, taken
 from camgeo.toolpath.machining_time import arc_sweeps
 from camgeo.toolpath.moves import ArcFeed, Move, Point, Rapid, Stop
-from camgeo.toolpath.plane.pieces import Pieces
 
 
 @dataclass(frozen=True, slots=True, eq=False)

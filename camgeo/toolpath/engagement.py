@@ -24,12 +24,12 @@ from typing import Final
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, taken
 from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Operation
 from camgeo.toolpath.plane.crossings import crossings, inside
-from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.tool import END_MILL
 
 ROUNDING: Final = 1e-10

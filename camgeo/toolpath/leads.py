@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances, least_distance
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.toolpath.plane.nearness import distances, least_distance
 from camgeo.toolpath.plane.track import Track, chained
 
 SMALLEST_SHARE = 1.0 / 64.0

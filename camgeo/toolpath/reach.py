@@ -13,11 +13,11 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.toolpath.course import Course, course_of
 from camgeo.toolpath.moves import Point
 from camgeo.toolpath.plane.crossings import inside
-from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.setup import Run, Setup
 
 SHARES: Final = (0.5, 1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Wall
 from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
@@ -34,7 +35,6 @@ from camgeo.toolpath.milling import (
     TROCHOIDAL,
     OperationSpec,
 )
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.trochoid import NARROWEST
 from camgeo.toolpath.tool import CHAMFER_MILL, COMPUTED, DRILL, END_MILL, Tool

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
 from camgeo.contour.simple import winding_number
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track
 
 BEHIND = 1e-4

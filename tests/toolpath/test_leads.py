@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances, least_distance
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.toolpath.leads import (
@@ -25,7 +26,6 @@ from camgeo.toolpath.leads import (
     lead_at,
     started,
 )
-from camgeo.toolpath.plane.nearness import distances, least_distance
 from camgeo.toolpath.plane.track import Track, biarcs
 from tests.contour.cams import outline
 from tests.contour.paths import cut_off_lobe, swallow_tail

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
 from camgeo.part.spec import Keyway
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
 from camgeo.toolpath.holding import Holding, Tabs
 from camgeo.toolpath.milling import OperationSpec
 from camgeo.toolpath.moves import ArcFeed
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.strategies import STRATEGIES

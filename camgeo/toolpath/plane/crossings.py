@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
-from camgeo.toolpath.plane.pieces import Pieces
 
 
 def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:

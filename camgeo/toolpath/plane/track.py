@@ -9,8 +9,8 @@ from typing import Self
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, taken
-from camgeo.toolpath.plane.pieces import Pieces
 
 FLAT = 1e-9
 """An arc of a smaller sagitta [mm] is a line: far below what any program can state."""

@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut, slack_of
 from camgeo.toolpath.leads import flattest, started
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.spiral import Morph, paced
 from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track

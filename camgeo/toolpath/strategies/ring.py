@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
 from camgeo.toolpath.leads import begun, flattest, started
 from camgeo.toolpath.moves import Heights, Move
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.area import SPENT, along, coarse, off_joints, require_clear, star_of
 from camgeo.toolpath.strategies.around import descent

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 
 RAMP = math.radians(3.0)

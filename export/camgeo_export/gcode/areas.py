@@ -7,8 +7,8 @@ from itertools import groupby
 
 import numpy as np
 
+from camgeo.contour.nearness import least_distance
 from camgeo.toolpath.cut import AreaCut
-from camgeo.toolpath.plane.nearness import least_distance
 from camgeo.toolpath.plane.track import Track
 from camgeo_export.gcode.moves import CutterMove
 

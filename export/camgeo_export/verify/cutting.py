@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.contour.nearness import distances
 from camgeo.errors import ToleranceError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
@@ -18,7 +19,6 @@ from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.toolpath.feeds import centre_feed
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.moves import Heights
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Check, failed

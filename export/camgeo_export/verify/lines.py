@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.contour.nearness import distances
 from camgeo.errors import SceneError
 from camgeo.product.product import Product
 from camgeo.toolpath.bench import Bench
@@ -17,7 +18,6 @@ from camgeo.toolpath.course import course_of
 from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.judged import setup_of
 from camgeo.toolpath.moves import Feed, Rapid, Stop
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.reach import Depth, depths
 from camgeo.toolpath.setup import Run, Setup

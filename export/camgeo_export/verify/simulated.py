@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
 
+from camgeo.contour.pieces import HALF_TURN
 from camgeo.contour.spline import Arc
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
@@ -17,7 +18,6 @@ from camgeo.toolpath.holding import Obstacle
 from camgeo.toolpath.judged import run_with, runs_of, setup_of
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
-from camgeo.toolpath.plane.pieces import HALF_TURN
 from camgeo.toolpath.setup import Run
 from camgeo.toolpath.simulation import ALLOWED, FINENESS, simulate
 from camgeo.toolpath.tool import Tool

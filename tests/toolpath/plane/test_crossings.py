@@ -8,9 +8,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
+from camgeo.contour.pieces import Pieces
 from camgeo.toolpath.plane.crossings import crossings, inside
-from camgeo.toolpath.plane.nearness import distances
-from camgeo.toolpath.plane.pieces import Pieces
 from tests.toolpath.plane.tracks import any_track
 
 RECTANGLE = Contour.polygon(np.array([-50.0 - 25.0j, 50.0 - 25.0j, 50.0 + 25.0j, -50.0 + 25.0j]))

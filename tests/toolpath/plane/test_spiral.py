@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.spiral import Morph, engagements, fitted, paced
 from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
-from camgeo.toolpath.plane.nearness import distances
+from camgeo.contour.nearness import distances
 from camgeo.toolpath.plane.star import Star
 from camgeo.toolpath.plane.track import Track
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
-from camgeo.toolpath.plane.nearness import distances
+from camgeo.contour.nearness import distances
 from camgeo.toolpath.plane.track import Track, biarcs, chained
 from tests.toolpath.plane.tracks import any_track, dense
 

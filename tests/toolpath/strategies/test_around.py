@@ -10,12 +10,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.toolpath.cut import ContourCut, slack_of
 from camgeo.toolpath.holding import Clamp, Tabs
 from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.tool import ToolError
 from tests.measuring import DensePath
 from tests.toolpath.cutting import levels

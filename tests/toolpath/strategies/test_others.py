@@ -10,13 +10,13 @@ import pytest
 import shapely
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut, PointCut
 from camgeo.toolpath.moves import Feed, Rapid
-from camgeo.toolpath.plane.nearness import distances
 from tests.contour.cams import dwell, move, translating
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense

@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.toolpath.moves import ArcFeed, Rapid
-from camgeo.toolpath.plane.nearness import distances
 from tests.contour.cams import curves
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense

@@ -11,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import distances
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
@@ -18,7 +19,6 @@ from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
 from camgeo.toolpath.moves import ArcFeed, Rapid
-from camgeo.toolpath.plane.nearness import distances
 from camgeo.toolpath.plane.track import Track, chained
 from camgeo.toolpath.strategies.trochoid import NARROWEST, ahead, engaged
 from tests.contour.cams import curves

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.toolpath.plane.nearness import distances, least_distance
+from camgeo.contour.nearness import distances, least_distance
 from camgeo.toolpath.plane.track import Track
 from tests.toolpath.plane.tracks import any_track, dense, scattered, through
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.contour.pieces import HALF_TURN, Pieces, Run
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, taken
-from camgeo.toolpath.plane.pieces import HALF_TURN, Pieces, Run
-from camgeo.toolpath.plane.track import Track
 
 BLOCK = 500_000
 """Pairs that are computed at once."""
@@ -33,21 +32,28 @@ def distances(points: ComplexArray, run: Run) -> FloatArray:
     return np.concatenate(found)
 
 
-def least_distance(one: Track, other: Track) -> float:
-    """The distance [mm] between two chains; 0 if they meet."""
+def least_distance(one: Run, other: Run) -> float:
+    """The distance [mm] between two chains, each piece beginning where the one before it ends; 0 if
+    they meet.
+    """
     least = min(
-        float(np.min(distances(one.vertices, other))), float(np.min(distances(other.vertices, one)))
+        float(np.min(distances(_ends(one), other))), float(np.min(distances(_ends(other), one)))
     )
-    a, b = one.pieces, other.pieces
+    a, b = Pieces.of(one), Pieces.of(other)
     (of_a, reach_a), (of_b, reach_b) = _bounds(a), _bounds(b)
-    step = max(1, BLOCK // len(other))
-    for k in range(0, len(one), step):
-        rows = np.arange(k, min(k + step, len(one)))
+    step = max(1, BLOCK // len(b))
+    for k in range(0, len(a), step):
+        rows = np.arange(k, min(k + step, len(a)))
         off = np.abs(of_a[rows, None] - of_b) - reach_a[rows, None] - reach_b
         row, column = np.nonzero(off < least)
         if len(row):
             least = min(least, _between(taken(a, rows[row]), taken(b, column)))
     return least
+
+
+def _ends(chain: Run) -> ComplexArray:
+    """(n + 1,) complex [mm], the ends of its n pieces."""
+    return np.append(chain.starts, chain.ends[-1:])
 
 
 def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:

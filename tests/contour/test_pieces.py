@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import taken
-from camgeo.toolpath.plane.pieces import Pieces
 from camgeo.toolpath.plane.track import Track, chained
 from tests.toolpath.plane.tracks import any_track, scattered
 
