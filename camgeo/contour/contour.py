@@ -166,6 +166,19 @@ class Contour:
         return cls(vertices, np.zeros(len(vertices)), np.zeros_like(vertices))
 
     @classmethod
+    def through(cls, vertices: ComplexArray, sweeps: FloatArray) -> Self:
+        """Pieces between `vertices` (n,) [mm] that turn by `sweeps` (n,) [rad], as in files.
+
+        The centres follow from both, so that each arc passes through its end points; one that is
+        straight except for rounding is a line.
+        """
+        ends = np.roll(vertices, -1)
+        straight = is_straight(vertices, ends, sweeps)
+        half = np.tan(0.5 * np.where(straight, 1.0, sweeps))
+        middles = vertices + 0.5 * (ends - vertices) * (1.0 + 1j / half)
+        return cls(vertices, np.where(straight, 0.0, sweeps), np.where(straight, 0.0, middles))
+
+    @classmethod
     def circle(cls, radius: float, centre: complex = 0j) -> Self:
         """A full circle [mm] as two half arcs, counter-clockwise."""
         vertices = np.array([centre + radius, centre - radius])

@@ -13,7 +13,6 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.contour.spline import Arc, SplineContour
 from camgeo.numeric.arrays import ComplexArray
-from camgeo_export.chain import chain
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon
 
@@ -112,7 +111,7 @@ def test_winding_number(contour: Contour, share: float, angle: float) -> None:
 def test_the_area_beside_flat_arcs(bulge: float) -> None:
     """Each arc adds two thirds of chord times sagitta, however large its circle is."""
     square: ComplexArray = np.array([5.0, 5j, -5.0, -5j], dtype=np.complex128)
-    flat = chain(square, np.full(4, 4.0 * math.atan(bulge)))
+    flat = Contour.through(square, np.full(4, 4.0 * math.atan(bulge)))
     beside = 4.0 * 50.0 * bulge / 3.0
     assert flat.area - 50.0 == pytest.approx(beside, rel=1e-6, abs=1e-13)
     arcs = zip(flat.vertices, flat.ends, flat.sweeps, flat.centres, strict=True)

@@ -15,7 +15,6 @@ from camgeo.contour.hausdorff import ROUNDING, SHARPNESS
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.build import bore_outline
 from camgeo.part.spec import Keyway
-from camgeo_export.chain import chain
 from tests.contour.cams import outline
 from tests.long_form import examples
 
@@ -151,7 +150,7 @@ def test_a_moved_corner_counts_as_much_as_it_is_moved(
     arcs = SLOTTED.split(math.pi)
     vertices = arcs.vertices.copy()
     vertices[corner] += step * way
-    moved = distance_between(SLOTTED, chain(vertices, arcs.sweeps))
+    moved = distance_between(SLOTTED, Contour.through(vertices, arcs.sweeps))
     # Half a turn on the chord moves its middle by up to as much as its end, and rounds as the
     # vertex itself does.
     assert moved <= 1.001 * step + 2.0 * NOTHING
@@ -168,9 +167,9 @@ def test_the_distance_is_a_continuous_function(
     rough = np.random.default_rng(index).normal(size=(3, len(arcs))) * 10.0**size
     vertices = arcs.vertices + rough[0] + 1j * rough[1]
     sweeps = np.where(arcs.sweeps == 0.0, 0.1 * rough[2], 0.99 * arcs.sweeps)
-    before = distance_between(exact, chain(vertices, sweeps))
+    before = distance_between(exact, Contour.through(vertices, sweeps))
     vertices[index % len(vertices)] += step * complex(np.cos(angle), np.sin(angle))
-    after = distance_between(exact, chain(vertices, sweeps))
+    after = distance_between(exact, Contour.through(vertices, sweeps))
     assert abs(after - before) <= 1.001 * step + SHARPNESS * after + NOTHING
 
 
@@ -181,7 +180,7 @@ def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
     sweeps = SLOTTED.sweeps.copy()
     sweeps[straight] = 4.0 * math.atan(bulge)
     sagitta = 0.5 * bulge * SLOTTED.lengths[straight]
-    found = distance_between(SLOTTED, chain(SLOTTED.vertices, sweeps))
+    found = distance_between(SLOTTED, Contour.through(SLOTTED.vertices, sweeps))
     assert found == pytest.approx(sagitta, rel=2e-9, abs=NOTHING)
 
 

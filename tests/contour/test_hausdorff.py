@@ -13,7 +13,6 @@ from camgeo.contour import hausdorff
 from camgeo.contour.contour import Contour
 from camgeo.contour.hausdorff import SHARPNESS, distance
 from camgeo.numeric.arrays import ComplexArray
-from camgeo_export.chain import chain
 from tests.contour.cams import outline
 from tests.long_form import examples
 
@@ -33,7 +32,7 @@ def contours(draw: st.DrawFn) -> Contour:
     points = np.exp(2j * math.pi * np.arange(count) / count)
     points = points * chance.uniform(5.0, 10.0, count) + draw(st.floats(-3.0, 3.0))
     sizes = 10.0 ** chance.uniform(-12.0, math.log10(math.pi), count)
-    return chain(points, chance.choice([-1.0, 0.0, 1.0], count) * sizes)
+    return Contour.through(points, chance.choice([-1.0, 0.0, 1.0], count) * sizes)
 
 
 @some
@@ -61,7 +60,7 @@ def test_the_same_both_ways_and_however_it_is_run(one: Contour, other: Contour) 
 @given(contours(), st.floats(-12.0, 0.0), st.floats(0.0, 6.3))
 def test_a_shift_is_no_farther_than_it_goes(contour: Contour, size: float, angle: float) -> None:
     step = 10.0**size * complex(math.cos(angle), math.sin(angle))
-    moved = chain(contour.vertices + step, contour.sweeps)
+    moved = Contour.through(contour.vertices + step, contour.sweeps)
     assert distance(contour, moved) <= abs(step) * (1.0 + SHARPNESS) + 1e-13
 
 
@@ -72,7 +71,7 @@ def test_closed_forms() -> None:
     assert distance(circle, square) == pytest.approx(5.0 - 5.0 / math.sqrt(2.0), rel=1e-8)
     assert distance(circle, Contour.circle(4.0, 20.0 + 0j)) == pytest.approx(21.0, rel=1e-8)
     # The corners of the box are farthest from the arc.
-    half = chain(np.array([3j, -3j]), np.array([-math.pi, 0.0]))
+    half = Contour.through(np.array([3j, -3j]), np.array([-math.pi, 0.0]))
     box = Contour.polygon(np.array([-3j, 3.0 - 3j, 3.0 + 3j, 3j]))
     assert distance(half, box) == pytest.approx(math.hypot(3.0, 3.0) - 3.0, rel=1e-8)
 

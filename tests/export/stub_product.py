@@ -48,7 +48,6 @@ from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import Tool
 from camgeo.toolpath.zero import OF_THE_PART, Zero
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.chain import chain
 
 SPEND = 0.99
 """Share of the tolerance by which the fits are off."""
@@ -65,7 +64,7 @@ def bulged(radius: float, centre: complex, tolerance: float) -> Contour:
     half_chord = radius * math.sin(step / 2.0)
     signs = np.where(np.arange(PIECES) % 2 == 0, 1.0, -1.0)
     sagitta = radius * (1.0 - math.cos(step / 2.0)) + signs * SPEND * tolerance
-    return chain(vertices, 4.0 * np.arctan(sagitta / half_chord))
+    return Contour.through(vertices, 4.0 * np.arctan(sagitta / half_chord))
 
 
 def off_circle(contour: Contour, radius: float, centre: complex) -> float:

@@ -19,7 +19,6 @@ from camgeo.contour.spline import Arc
 from camgeo.formats.dxf import DxfSpec
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.chain import chain
 from camgeo_export.dxf.reader import drawing_of
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
@@ -116,7 +115,7 @@ def test_no_arc_exceeds_half_a_turn() -> None:
 
 def test_chain_gives_back_a_contour() -> None:
     contour = Contour.circle(3.0, 1.0 + 2.0j).split(1.0)
-    again = chain(contour.vertices, contour.sweeps)
+    again = Contour.through(contour.vertices, contour.sweeps)
     np.testing.assert_allclose(again.centres, contour.centres, atol=1e-14)
 
 
@@ -124,16 +123,16 @@ def test_chain_gives_back_a_contour() -> None:
 def test_an_arc_that_is_straight_except_for_rounding_is_a_line(sweep: float) -> None:
     """Its centre would lie where doubles have no squares, or no digits."""
     vertices = np.array([10.0, 10.0 + 8.0j, 3.0j])
-    contour = chain(vertices, np.array([sweep, 1.0, -sweep]))
+    contour = Contour.through(vertices, np.array([sweep, 1.0, -sweep]))
     assert contour.sweeps.tolist() == [0.0, 1.0, 0.0]
-    polygon = chain(vertices, np.array([0.0, 1.0, 0.0]))
+    polygon = Contour.through(vertices, np.array([0.0, 1.0, 0.0]))
     assert contour.area == polygon.area
     assert Arc(0j, 1j, sweep, 0j).between(0j, 2j) == Arc(0j, 2j, 0.0, 0j)
 
 
 def test_a_flat_arc_and_one_that_is_nearly_a_circle_stay_arcs() -> None:
     nearly = 2.0 * math.pi - 1e-9
-    contour = chain(np.array([10.0, 10.0 + 1e-9j, 20.0j]), np.array([nearly, 1e-12, 0.0]))
+    contour = Contour.through(np.array([10.0, 10.0 + 1e-9j, 20.0j]), np.array([nearly, 1e-12, 0.0]))
     assert contour.sweeps.tolist() == [nearly, 1e-12, 0.0]
 
 

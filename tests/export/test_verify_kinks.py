@@ -10,7 +10,6 @@ from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.verifying.verification import Check
-from camgeo_export.chain import chain
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import shapes_of
 
@@ -34,7 +33,7 @@ def sharp() -> Contour:
     """The polygon, its sides halved: what chords of the rounded one may be."""
     ends = corners()
     vertices = np.ravel(np.column_stack((ends, 0.5 * (ends + np.roll(ends, -1)))))
-    return chain(vertices, np.zeros(len(vertices)))
+    return Contour.through(vertices, np.zeros(len(vertices)))
 
 
 def kink(contour: Contour) -> Check:
@@ -44,7 +43,7 @@ def kink(contour: Contour) -> Check:
     along /= np.abs(along)
     cut = ROUNDING * math.tan(0.5 * turn)
     vertices = np.ravel(np.column_stack((ends - cut * np.roll(along, 1), ends + cut * along)))
-    exact = chain(vertices, np.tile([turn, 0.0], SIDES))
+    exact = Contour.through(vertices, np.tile([turn, 0.0], SIDES))
     (shape,) = shapes_of((ExactBoundary("outline", hole=False, exact=exact),), 150.0, TOLERANCE)
     found = contour_checks(shape, contour, TOLERANCE)
     return {check.name: check for check in found}["kink"]
@@ -60,6 +59,6 @@ def test_a_kink_where_the_outline_is_straight_is_reported() -> None:
     contour = sharp()
     vertices = contour.vertices.copy()
     vertices[1] *= 0.8
-    check = kink(chain(vertices, np.zeros(len(vertices))))
+    check = kink(Contour.through(vertices, np.zeros(len(vertices))))
     assert check.ok is False
     assert float(check.value or 0.0) > 30.0

@@ -12,7 +12,6 @@ from camgeo.contour.contour import Contour
 from camgeo.reading import CONTOUR, check_text
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
-from camgeo_export.chain import chain
 from camgeo_export.errors import FileError, finite
 
 HEADERS = (("x", "y"), ("x", "y", "bulge"))
@@ -46,7 +45,7 @@ class ContourCsvReader:
             raise FileError(
                 f"{name}: {counted(len(vertices), 'point')} enclosing nothing; give three or more"
             )
-        contour = chain(vertices, 4.0 * np.arctan(bulge))
+        contour = Contour.through(vertices, 4.0 * np.arctan(bulge))
         if contour.area == 0.0:
             raise FileError(f"{name}: the points enclose no area")
         return (contour.counter_clockwise(),)

@@ -11,7 +11,6 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.errors import GeometryError
 from camgeo.wording import counted
-from camgeo_export.chain import chain
 from camgeo_export.errors import FileError
 
 Strand = CubicSpline | Arc
@@ -86,7 +85,7 @@ def closed(strands: Sequence[Strand]) -> Curve:
         starts.append(before.end if given_way else strand.start)
     arcs = [strand for strand in strands if isinstance(strand, Arc)]
     if len(arcs) == len(strands):
-        return chain(np.array(starts), np.array([arc.sweep for arc in arcs]))
+        return Contour.through(np.array(starts), np.array([arc.sweep for arc in arcs]))
     ends = [*starts[1:], starts[0]]
     return SplineContour(
         tuple(

@@ -10,7 +10,6 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import Arc
 from camgeo.numeric.arrays import IntArray
-from camgeo_export.chain import chain
 from camgeo_export.errors import FileError
 
 if TYPE_CHECKING:
@@ -170,6 +169,6 @@ def loop_of(run: list[CutterMove], gap: float) -> Loop:
     sweeps = np.array([move.sweep for move in run])
     mismatch = max(move.mismatch for move in run) + gap
     heights = {run[0].z_start, *(move.z_end for move in run)}
-    contour = chain(vertices, sweeps)
+    contour = Contour.through(vertices, sweeps)
     first = run[0]
     return Loop(first.operation, first.tool, min(heights), len(heights) == 1, contour, mismatch)

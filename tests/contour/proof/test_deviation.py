@@ -17,7 +17,6 @@ from camgeo.contour.proof.locate import locate
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.outline.path import whole
-from camgeo_export.chain import chain
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, polyline
 from tests.long_form import examples
 
@@ -58,7 +57,7 @@ def test_moved_vertex(
     vertices = contour.vertices.copy()
     step = 10.0**size * complex(np.cos(angle), np.sin(angle))
     vertices[index % len(vertices)] += step
-    _caught(name, chain(vertices, contour.sweeps))
+    _caught(name, Contour.through(vertices, contour.sweeps))
 
 
 @some
@@ -69,7 +68,7 @@ def test_changed_bulge(name: tuple[str, int], index: int, size: float, sign: flo
     index %= len(sweeps)
     changed = sweeps[index] + sign * 10.0**size
     sweeps[index] = np.clip(changed, -6.2, 6.2)
-    _caught(name, chain(contour.vertices, sweeps))
+    _caught(name, Contour.through(contour.vertices, sweeps))
 
 
 @pytest.mark.parametrize("name", FLANKS, ids=str)
@@ -78,7 +77,7 @@ def test_reversed_arc(name: tuple[str, int]) -> None:
     for index in range(0, len(contour), 9):
         sweeps = contour.sweeps.copy()
         sweeps[index] *= -1.0
-        bound = _caught(name, chain(contour.vertices, sweeps))
+        bound = _caught(name, Contour.through(contour.vertices, sweeps))
         # Its middle is now two sagittas off; where that is nothing, so is the damage.
         sagitta = contour.radii[index] * (1.0 - np.cos(0.5 * contour.sweeps[index]))
         assert bound >= 2.0 * sagitta - TOLERANCE
@@ -105,7 +104,7 @@ def test_dropped_vertex(name: tuple[str, int], straight: bool) -> None:
     contour = _fit(name, straight)
     for index in range(0, len(contour), len(contour) // 4):
         keep = np.arange(len(contour)) != index
-        _caught(name, chain(contour.vertices[keep], contour.sweeps[keep]))
+        _caught(name, Contour.through(contour.vertices[keep], contour.sweeps[keep]))
 
 
 @some
@@ -114,7 +113,7 @@ def test_left_out_stretch(name: tuple[str, int], start: int, count: int) -> None
     """Vertices dropped and the gap closed by a straight piece."""
     contour = _fit(name, straight=True)
     keep = (np.arange(len(contour)) - start) % len(contour) >= count
-    _caught(name, chain(contour.vertices[keep], contour.sweeps[keep]))
+    _caught(name, Contour.through(contour.vertices[keep], contour.sweeps[keep]))
 
 
 @some
@@ -204,7 +203,7 @@ def test_inches_for_millimetres_show() -> None:
 def test_flat_arcs_are_as_near_as_their_lines(bulge: float) -> None:
     """Flat arcs are off by their sagittas, without the rounding of circles up to 1e16 mm large."""
     path, lines = whole(flank(*FLANKS[0])), _fit(FLANKS[0], straight=True)
-    flat = chain(lines.vertices, np.full(len(lines), 4.0 * np.arctan(bulge)))
+    flat = Contour.through(lines.vertices, np.full(len(lines), 4.0 * np.arctan(bulge)))
     sagitta = 0.5 * bulge * float(np.max(lines.lengths))
     before = deviation(path, lines)
     # The bound exceeds the distance by up to a hundredth.

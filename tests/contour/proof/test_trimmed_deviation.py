@@ -14,7 +14,6 @@ from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.proof.locate import locate
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Path, whole
-from camgeo_export.chain import chain
 from tests.contour.cams import TURN, polyline
 from tests.contour.paths import (
     PATHS,
@@ -82,7 +81,7 @@ def test_found_again_however_it_is_run(name: str, straight: bool, back: bool, st
 def test_rounded_as_in_a_program(name: str, straight: bool) -> None:
     path, contour = fitted(name, straight)
     exact = deviation(path, contour)
-    rounded = chain(np.round(contour.vertices, 4), contour.sweeps)
+    rounded = Contour.through(np.round(contour.vertices, 4), contour.sweeps)
     # A vertex moves by 7e-5 mm at most; an arc of given sweep moves with its ends.
     assert deviation(path, rounded) <= exact + 1e-3
     assert caught(path, rounded) < 2.0 * TOLERANCE
@@ -99,7 +98,7 @@ def test_corner_cut_off(name: str, straight: bool) -> None:
     lines = arcs.copy()
     lines[k - 1] = 0.0
     for sweeps in (arcs, lines):
-        cut = chain(contour.vertices[keep], sweeps[keep])
+        cut = Contour.through(contour.vertices[keep], sweeps[keep])
         far = float(np.min(np.abs(cut.points(1e-4) - contour.vertices[k])))
         assert caught(path, cut) >= min(far, 0.05)
 
@@ -117,7 +116,7 @@ def test_moved_corner(name: str, straight: bool, size: float, angle: float, whic
     vertices = contour.vertices.copy()
     k = (corner_index(path, contour) + which) % len(vertices)
     vertices[k] += 10.0**size * np.exp(1j * angle)
-    bound = caught(path, chain(vertices, contour.sweeps))
+    bound = caught(path, Contour.through(vertices, contour.sweeps))
     if which == 0 and straight:
         # Moved along one of its chords it is off by the sine of the corner's turn from the exact
         # way on, 0.12 at least for all of these.
