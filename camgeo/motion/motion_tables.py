@@ -12,13 +12,13 @@ from camgeo.motion.time_course import SpeedCurve
 from camgeo.motion.two_columns import (
     ANGLE,
     LAST_ROW,
-    Column,
     TwoColumns,
     check_from_zero,
     read_two_columns,
     turn_of,
 )
 from camgeo.numeric import checked
+from camgeo.numeric.columns import Column
 
 LIFT: Final = Column("lift", ("s", "lift", "psi", "swing"))
 
@@ -30,7 +30,7 @@ def read_lift_table(
 ) -> TwoColumns:
     """Read a table of cam angle [degrees] and lift.
 
-    The format is that of `camgeo.motion.two_columns`; a heading may call the columns "phi", "angle"
+    The format is that of `camgeo.numeric.columns`; a heading may call the columns "phi", "angle"
     or "cam angle" [deg], and "s", "lift", "psi" or "swing".
 
     Parameters
@@ -69,7 +69,7 @@ def read_lift_table(
 def read_speed_table(data: bytes | str, file: str) -> SpeedCurve:
     """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
 
-    The format is that of `camgeo.motion.two_columns`; a heading may call the columns "t" or "time"
+    The format is that of `camgeo.numeric.columns`; a heading may call the columns "t" or "time"
     [s], and "phi", "angle" or "cam angle" [deg].
 
     Raises

@@ -12,8 +12,9 @@ import numpy as np
 from camgeo.effects.effect import DataFile, Quantity
 from camgeo.motion.piece import SNAP
 from camgeo.motion.plan import in_turn
-from camgeo.motion.two_columns import ANGLE, Column, read_two_columns, turn_of
+from camgeo.motion.two_columns import ANGLE, read_two_columns, turn_of
 from camgeo.numeric.arrays import FloatArray, Side, frozen
+from camgeo.numeric.columns import Column
 
 LOAD: Final = Column(
     "load", ("f", "force", "load", "m", "t", "torque"), ("n", "nm", "n m"), "N or Nm"
@@ -57,7 +58,7 @@ def read_load_table(file: DataFile) -> LoadProfile:
 
     If the last load differs from the first one, the load jumps at cam angle 0.
 
-    See `camgeo.motion.two_columns` for the format; a heading may name the columns "phi", "angle" or
+    See `camgeo.numeric.columns` for the format; a heading may name the columns "phi", "angle" or
     "cam angle" [deg], and "F", "force", "load", "M", "T" or "torque" [N or Nm].
 
     Raises

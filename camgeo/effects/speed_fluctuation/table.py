@@ -10,8 +10,9 @@ import numpy as np
 
 from camgeo.effects.effect import DataFile
 from camgeo.errors import GeometryError
-from camgeo.motion.two_columns import Column, check_ascending, read_two_columns
+from camgeo.motion.two_columns import check_ascending, read_two_columns
 from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.columns import Column
 from camgeo.units import RPM
 
 N_MM: Final = 1e3
@@ -97,7 +98,7 @@ def parse_motor(table: Mapping[str, Any]) -> Motor:
 def read_motor(file: DataFile) -> Motor:
     """The motor of a CSV file: speed [rev/min] and torque [N m].
 
-    See `camgeo.motion.two_columns` for the format; a heading may name the columns "n" or "speed",
+    See `camgeo.numeric.columns` for the format; a heading may name the columns "n" or "speed",
     and "M", "T" or "torque".
     """
     try:
