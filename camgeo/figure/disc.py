@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import dropwhile, pairwise
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
     """The outline of the second disc of a conjugate pair, over the first one."""
     return [
         Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
-        for ring in _rings(part.boundaries[:1], sagitta)
+        for ring in _rings((part.outermost,), sagitta)
     ]
 
 
@@ -60,9 +60,16 @@ def near(part: Part, middle: complex, width: float) -> list[Mark]:
 
 
 def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
-    """Areas of one filling each: the lowest layer, and what begins with each of the others."""
-    found = [(part.layers[0].boundaries, BODY)]
-    for lower, upper in pairwise(part.layers):
+    """Areas of one filling each, as seen from above: the lowest layer of the disc, and upwards what
+    is sunk in it, or stands on it.
+    """
+    disc = part.outermost
+    seen = list(dropwhile(lambda layer: disc not in layer.boundaries, part.layers))
+    found = [(seen[0].boundaries, BODY)]
+    for lower, upper in pairwise(seen):
+        if disc not in upper.boundaries:
+            found.append((upper.boundaries, BODY))
+            continue
         begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
         found.append((begins, GROOVE))
     return found

@@ -94,7 +94,7 @@ def _window(
     """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
     coarse = COARSE * reach
     for part in parts:
-        reach = max(reach, largest_radius(part.boundaries[0].arcs(coarse).contour))
+        reach = max(reach, largest_radius(part.outermost.arcs(coarse).contour))
     points = [point for sketch in sketches for point in sketch.points]
     corners = np.array([*points, *(reach * side for side in (1, 1j, -1, -1j))])
     low = complex(corners.real.min(), corners.imag.min())

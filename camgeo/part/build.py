@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import cmath
-import math
+from dataclasses import replace
 from typing import Final
-
-import numpy as np
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
-from camgeo.numeric.checked import positive
 from camgeo.outline.path import Path
+from camgeo.part.assembly import assembled
 from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
     largest_radius,
     smallest_radius,
 )
-from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import Keyway, PartSpec
+from camgeo.part.features import bore_outline
+from camgeo.part.part import Part
+from camgeo.part.spec import PartSpec
 
 
 def build_part(
@@ -45,7 +43,8 @@ def build_part(
     Raises
     ------
     GeometryError
-        With the key of the scene if a bore does not fit inside the disc or a flank inside the rim.
+        With the key of the scene if a bore or a hub does not fit inside the disc, a flank not
+        inside the rim, or a mark is not clear of all of them.
     UndercutError
         If a flank is not an outline.
     """
@@ -56,14 +55,16 @@ def _plate(inner: Path, _: Path, spec: PartSpec, tolerance: float, book: Ledger)
     """A disc whose outline is the inner flank."""
     outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
     _bore_fits(spec, outline, tolerance)
-    return Part((Layer(-(spec.thickness or 0.0), 0.0, (outline, *_bore(spec))),))
+    return assembled(spec, outline, (), (outline, outline), tolerance)
 
 
 def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
-    """A blank with a hole whose outline is the outer flank: there is no room for a bore."""
+    """A blank with a hole whose outline is the outer flank: there is no room for bore and hub."""
+    if spec.hub is not None:
+        raise GeometryError("the roller runs where it would be", key="part.hub")
     rim = _rim(spec, outer, tolerance, book)
     flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
-    return Part((Layer(-(spec.thickness or 0.0), 0.0, (rim, flank)),))
+    return assembled(replace(spec, bore=None, keyway=None), rim, (flank,), (rim, rim), tolerance)
 
 
 def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
@@ -74,18 +75,10 @@ def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: L
         CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
     )
     _bore_fits(spec, groove[0], tolerance)
-    body = (rim, *_bore(spec))
-    # Without thickness there is nothing to sink the groove into.
-    floor = -(spec.groove_depth or 0.0) if spec.thickness else 0.0
-    bottom = -(spec.thickness or 0.0)
-    return Part((Layer(bottom, floor, body), Layer(floor, 0.0, (*body, *groove), "groove")))
+    return assembled(spec, rim, groove, (groove[0], rim), tolerance)
 
 
 PARTS: Final = {Contact.INNER: _plate, Contact.OUTER: _ring, Contact.GROOVE: _grooved}
-
-
-def _bore(spec: PartSpec) -> tuple[Boundary, ...]:
-    return () if spec.bore is None else (bore_boundary(spec.bore, spec.keyway),)
 
 
 def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBoundary:
@@ -116,40 +109,3 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
             key="part.bore",
             value=f"{spec.bore:g}",
         )
-
-
-def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
-    """The bore as a boundary; raises like `bore_outline`."""
-    core = None if keyway is None else Contour.circle(diameter / 2.0)
-    return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
-
-
-def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
-    """The bore around the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
-
-    Raises
-    ------
-    GeometryError
-        With key "part.keyway.width", if the slot is not narrower than the bore; with "part.bore",
-        if the diameter is not above 0.
-    """
-    radius = positive("part.bore", diameter, "mm") / 2.0
-    if keyway is None:
-        return Contour.circle(radius)
-    half = keyway.width / 2.0
-    if half >= radius:
-        raise GeometryError(
-            f"the keyway must be narrower than the bore, {diameter:g} mm",
-            key="part.keyway.width",
-            value=f"{keyway.width:g}",
-        )
-    # In axes along the keyway's middle line: up the slot, across its bottom, down again.
-    reach = math.sqrt(radius * radius - half * half)
-    bottom = radius + keyway.depth
-    corners = np.array(
-        [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
-    )
-    opening = 2.0 * math.asin(half / radius)
-    vertices = corners * cmath.exp(1j * keyway.angle)
-    sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
-    return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown
+from camgeo.part.boundaries import largest_radius
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of the contours by which the largest section is found."""
 
 
 class Boundary(Protocol):
@@ -18,7 +22,8 @@ class Boundary(Protocol):
 
     Attributes
     ----------
-    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore".
+    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
+        "hub", "lower hub", "mark".
         Faces of a solid, dimensions and milling operations refer to it.
     hole : True if the material lies outside the boundary.
     """
@@ -65,8 +70,8 @@ class Layer:
     z0, z1 : heights of its lower and upper face [mm]; 0 is the upper face of the disc, as in its
         milling program. Equal if the scene does not give the height of the layer.
     boundaries : of the section, nested without crossing; one that contains others precedes or
-        follows all of them, and the outermost of the part is the first of all.
-    name : what the layer is for: "disc", "groove".
+        follows all of them, and the outermost of the layer is the first of all.
+    name : what the layer is for: "disc", "groove", "hub".
 
     Raises
     ------
@@ -114,7 +119,8 @@ class Level:
 
     Attributes
     ----------
-    name : "lower face", "upper face", or the name of the floor between two layers.
+    name : "lower face", "upper face", the same "of the disc" below a hub, or the name of the floor
+        between two layers.
     z : height [mm].
     below : boundaries that end here; the faces within their material point up.
     above : boundaries that begin here; the faces within their material point down.
@@ -167,6 +173,20 @@ class Part:
         return tuple(found)
 
     @property
+    def outermost(self) -> Boundary:
+        """That of the disc, around all others: hubs lie within it."""
+        first = [layer.boundaries[0] for layer in self.layers]
+        if all(each is first[0] for each in first):
+            return first[0]
+        return max(first, key=lambda each: largest_radius(each.arcs(COARSE, "fast").contour))
+
+    @property
+    def disc(self) -> tuple[Layer, ...]:
+        """The layers of the disc, without hubs."""
+        around = self.outermost
+        return tuple(layer for layer in self.layers if around in layer.boundaries)
+
+    @property
     def thickness(self) -> float:
         """From the lowest to the highest face [mm]; 0 if the scene gives none."""
         return self.layers[-1].z1 - self.layers[0].z0
@@ -199,10 +219,15 @@ class Part:
     def levels(self) -> tuple[Level, ...]:
         """The flat faces, from the lowest upwards; raises like `require_heights`."""
         self.require_heights()
-        first, last = self.layers[0], self.layers[-1]
+        first, last, disc = self.layers[0], self.layers[-1], self.outermost
         found = [Level("lower face", first.z0, (), first.boundaries)]
         for lower, upper in pairwise(self.layers):
             ends = tuple(each for each in lower.boundaries if each not in upper.boundaries)
             begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
-            found.append(Level(f"floor of the {upper.name}", upper.z0, ends, begins))
+            name = f"floor of the {upper.name}"
+            if disc in ends:
+                name = "upper face of the disc"
+            elif disc in begins:
+                name = "lower face of the disc"
+            found.append(Level(name, upper.z0, ends, begins))
         return (*found, Level("upper face", last.z1, last.boundaries, ()))

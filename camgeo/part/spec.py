@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Final
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, Length
-from camgeo.numeric.checked import check_fields, number
+from camgeo.numeric.checked import check_fields, number, one_of
+
+UPPER: Final = "upper"
+LOWER: Final = "lower"
+BOTH: Final = "both"
+
+SIDES: Final = (UPPER, LOWER, BOTH)
+"""Faces of the disc on which a hub stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +44,61 @@ class Keyway:
 
 
 @dataclass(frozen=True, slots=True)
+class Hub:
+    """A round hub about the cam axis, on one face of the disc or on both.
+
+    Attributes
+    ----------
+    diameter : of the hub [mm].
+    height : above the face on which it stands [mm]; on both faces the same.
+    side : one of `SIDES`.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    diameter: Length
+    height: Length
+    side: Annotated[str, partial(one_of, choices=SIDES)] = UPPER
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.hub.")
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A timing mark sunk in the upper face of the disc: a radial slot with round ends, or a dot.
+
+    Attributes
+    ----------
+    radius : distance of its middle from the cam axis [mm].
+    width : of the slot, diameter of the dot [mm].
+    depth : below the upper face [mm].
+    length : of the slot from end to end, along the ray [mm]; None for a dot.
+    angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
+        to 2 pi.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid, or the slot no longer than wide.
+    """
+
+    radius: Length
+    width: Length
+    depth: Length
+    length: Length | None = None
+    angle: Angle = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.mark.")
+        if self.length is not None:
+            number("part.mark.length", self.length, above=self.width, unit="mm")
+
+
+@dataclass(frozen=True, slots=True)
 class PartSpec:
     """The specification of the part; every length in mm, None if the scene does not give it.
 
@@ -46,12 +110,14 @@ class PartSpec:
     rim : diameter of the blank, the outer boundary of a groove cam, or of a cam whose roller runs
         inside ("outer" contact).
     groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
+    hub : about the bore.
+    mark : for timing, less deep than the disc is thick.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is invalid, the groove is as deep as the disc, or a keyway has no
-        bore.
+        With the key, if a value is invalid, groove or mark are as deep as the disc, a keyway has no
+        bore, or the hub is no larger than the bore.
     """
 
     thickness: Length | None = None
@@ -59,10 +125,20 @@ class PartSpec:
     keyway: Keyway | None = None
     rim: Length | None = None
     groove_depth: Length | None = None
+    hub: Hub | None = None
+    mark: Mark | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
         if self.groove_depth is not None and self.thickness is not None:
             number("part.groove_depth", self.groove_depth, below=self.thickness, unit="mm")
+        if self.mark is not None and self.thickness is not None:
+            number("part.mark.depth", self.mark.depth, below=self.thickness, unit="mm")
+        if self.hub is not None and self.bore is not None:
+            number("part.hub.diameter", self.hub.diameter, above=self.bore, unit="mm")
         if self.keyway is not None and self.bore is None:
             raise GeometryError("a keyway belongs to a bore", key="part.keyway")
+
+
+FEATURES: Final = {"keyway": Keyway, "hub": Hub, "mark": Mark}
+"""The tables in that of the part."""

@@ -17,7 +17,7 @@ from camgeo.mechanism.linkage import linked
 from camgeo.mechanism.values import SIGNS, Values
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning.planner import plan_motion
-from camgeo.part.spec import Keyway, PartSpec
+from camgeo.part.spec import FEATURES, PartSpec
 from camgeo.reading import SCENE
 from camgeo.scene.document import Document, Source
 from camgeo.scene.inside import Inside
@@ -249,8 +249,9 @@ class Builder:
 
     def _part(self) -> PartSpec | None:
         given = self._top("part")
-        if "keyway" in given:
-            given["keyway"] = Keyway(**given["keyway"])
+        for name, made in FEATURES.items():
+            if name in given:
+                given[name] = made(**given[name])
         return PartSpec(**given) if self.values.has("part") else None
 
     def output(self) -> OutputSpec:

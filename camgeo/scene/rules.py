@@ -263,9 +263,12 @@ def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
         yield ("part", "rim"), message
     if not contact.closed_by_form and values.has("part", "groove_depth"):
         yield ("part", "groove_depth"), 'belongs to contact "groove"'
-    if not contact.runs_inside and values.has("part", "bore"):
-        message = 'has no place in a cam with contact "outer": the roller runs where it would be'
-        yield ("part", "bore"), message
+    for key in ("bore", "hub"):
+        if not contact.runs_inside and values.has("part", key):
+            message = (
+                'has no place in a cam with contact "outer": the roller runs where it would be'
+            )
+            yield ("part", key), message
 
 
 def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
@@ -290,17 +293,24 @@ def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
 
 
 def part_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """Groove within the thickness, keyway within the bore."""
-    depth = values.get("part", "groove_depth")
+    """Groove and mark within the thickness, keyway within the bore, bore within the hub."""
     thickness = values.get("part", "thickness")
-    if depth is not None and thickness is not None and not depth < thickness:
-        yield ("part", "groove_depth"), f"must be less than the thickness, {thickness:g}"
+    for place in (("part", "groove_depth"), ("part", "mark", "depth")):
+        depth = values.get(*place)
+        if depth is not None and thickness is not None and not depth < thickness:
+            yield place, f"must be less than the thickness, {thickness:g}"
     if values.has("part", "keyway") and values.lacks("part", "bore"):
         yield ("part", "keyway"), "needs [part] bore"
     bore = values.get("part", "bore")
     width = values.get("part", "keyway", "width")
     if bore is not None and width is not None and not width < bore:
         yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
+    hub = values.get("part", "hub", "diameter")
+    if bore is not None and hub is not None and not hub > bore:
+        yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
+    length, width = (values.get("part", "mark", key) for key in ("length", "width"))
+    if length is not None and width is not None and not length > width:
+        yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
 
 
 def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:

@@ -152,8 +152,8 @@ def _blank(
         return outline, (outline, inner)
     if stock.length is not None and stock.width is not None:
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
-    elif part.boundaries[0].name not in _produced(cuts):
-        outline = _contour(part.boundaries[0], tolerance)
+    elif part.outermost.name not in _produced(cuts):
+        outline = _contour(part.outermost, tolerance)
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError
 from camgeo.part.part import Part
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import Cut
@@ -46,6 +47,10 @@ def sequence_of(
         way, or what is cut free is not held.
     """
     part.require_heights()
+    for name in ("hub", "lower hub", "mark"):
+        if any(each.name == name for each in part.boundaries):
+            key = f"part.{name.rpartition(' ')[2]}"
+            raise GeometryError("is not milled; leave gcode out of the formats", key)
     bench = Bench(part, milling, compensation)
     require_room(bench)
     findings: list[Finding] = []

@@ -13,7 +13,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.hausdorff import ROUNDING, SHARPNESS
 from camgeo.errors import GeometryError, ToleranceError
-from camgeo.part.build import bore_outline
+from camgeo.part.features import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples

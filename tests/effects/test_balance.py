@@ -47,6 +47,8 @@ bore = 25
 
 KEYWAY = "keyway = { width = 8, depth = 3.3, angle = 50 }\n"
 
+MARK = "[part.mark]\nradius = 30\nwidth = 2\ndepth = 0.5\nangle = 90\n"
+
 
 def disc(text: str = "", table: str = "") -> Design:
     """The disc without a stroke, with more about its part and the table of the effect."""
@@ -252,6 +254,21 @@ def test_smaller_holes_are_taken_where_few_large_ones_do_not_fit() -> None:
     assert middle.count == 1
     assert wide.count > 1
     assert wide.diameter / 2.0 < 40.0 - 38.9
+
+
+def test_hub_and_mark_weigh_and_holes_stay_beside_the_hub() -> None:
+    hub = "[part.hub]\ndiameter = 50\nheight = 9\nside = 'both'\n"
+    plain = disc().effect("balance")
+    made = disc(hub + MARK, "hole_radius = 29\n").effect("balance")
+    tube = RHO * 2.0 * 9.0 * math.pi * (25.0**2 - 12.5**2)
+    dot = RHO * 0.5 * math.pi
+    assert made.mass == pytest.approx(plain.mass + tube - dot, rel=1e-13)
+    assert abs(made.unbalance + 30.0j * dot) <= 1e-12 * made.mass * 40.0
+    # Holes go through the disc, whose thickness is that without the hubs.
+    assert abs(made.unbalance - made.holes.moment(RHO * 12.0)) <= 1e-12 * made.mass * 40.0
+    within = disc(hub + MARK, "hole_radius = 20\n").effect("balance")
+    assert within.holes is None
+    assert "outside the material" in named(within)["holes-do-not-fit"].sentence
 
 
 def test_no_holes_in_a_groove() -> None:

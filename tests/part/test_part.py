@@ -27,7 +27,8 @@ from camgeo.part.boundaries import (
     largest_radius,
     smallest_radius,
 )
-from camgeo.part.build import bore_outline, build_part
+from camgeo.part.build import build_part
+from camgeo.part.features import bore_outline
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline

@@ -44,7 +44,11 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("speed = 60", "zzz = 60")], "cam.zzz = 60: is not a known key; known here: rotation"),
     (PLATE, [('"ccw"\n', '"ccw"\nname = "x"\n')], r"belongs to the top of the file; .*\[cam\]"),
     (PLATE, [("base_radius = 50\n", "")], "line 8: follower.base_radius: is missing: r_G"),
-    (PLATE, [("bore = 20", "hub = 20")], "part.hub = 20: is not available in this version"),
+    (
+        PLATE,
+        [("thickness", "print_clearance = 0.2\nthickness")],
+        "part.print_clearance = 0.2: is not available in this version",
+    ),
     (PLATE, [("[limits]", "[effects.sprung]")], "effects.sprung: .*did you mean spring"),
     # values
     (
@@ -130,6 +134,17 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("{ width = 6, depth = 2.8 }", "6")], r"keyway = 6: must be a table, e\.g\."),
     (PLATE, [("bore = 20", "bore = 20\nrim = 99")], 'rim = 99: belongs to contact "outer" or "gro'),
     (PLATE, [("bore = 20", "bore = 20\ngroove_depth = 9")], 'belongs to contact "groove"'),
+    (PLATE, [("[part]", "[part.hub]\ndiameter = 20\nheight = 4\n[part]")], "must be more than the"),
+    (
+        PLATE,
+        [("[part]", "[part.mark]\nradius = 20\nwidth = 2\nlength = 2\ndepth = 1\n[part]")],
+        "part.mark.length = 2: must be more than the width, 2",
+    ),
+    (
+        PLATE,
+        [("[part]", "[part.mark]\nradius = 20\nwidth = 2\ndepth = 12\n[part]")],
+        "part.mark.depth = 12: must be less than the thickness, 12",
+    ),
     (PLATE, [("offset = 12", 'contact = "outer"')], "part.bore = 20: has no place"),
     (GROOVE, [("rim = 200\n", "")], r'contact = "groove": needs \[part\] rim'),
     (GROOVE, [("groove_depth = 10\n", "")], r'"stl": needs \[part\] groove_depth'),

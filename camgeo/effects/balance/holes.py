@@ -17,7 +17,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import reduce
-from operator import and_, xor
+from operator import and_, sub, xor
 from typing import Any, Final
 
 import numpy as np
@@ -128,7 +128,7 @@ def most(per_area: float, radius: float, largest: float) -> float:
 
 
 class Room:
-    """The material through the whole thickness of a disc.
+    """The material through the whole thickness of a disc, beside its hubs.
 
     Parameters
     ----------
@@ -147,9 +147,11 @@ class Room:
         # Boundaries are nested: material begins at one and ends at the next.
         sections = [
             reduce(xor, (self._boundaries[each.name] for each in layer.boundaries))
-            for layer in part.layers
+            for layer in part.disc
         ]
-        self._material = reduce(and_, sections)
+        material = reduce(and_, sections)
+        hubs = [layer.boundaries[0] for layer in part.layers if layer not in part.disc]
+        self._material = reduce(sub, (self._boundaries[each.name] for each in hubs), material)
 
     def _polygon(self, boundary: Boundary) -> Any:
         import shapely  # its import takes longer than the rest of the effect

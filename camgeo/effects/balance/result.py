@@ -74,7 +74,7 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
-    per_area = data.density * part.thickness
+    per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
     moments = disc_moments(part, data.density, request.tolerance * TAKEN)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
     radius = math.sqrt(mass / (per_area * math.pi))

@@ -1,0 +1,176 @@
+"""The layers of a part, from features that each bound it between two heights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import least_distance
+from camgeo.contour.pieces import Pieces
+from camgeo.contour.simple import winding_number
+from camgeo.errors import GeometryError
+from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
+from camgeo.part.features import bore_boundary, mark_boundary
+from camgeo.part.part import Boundary, Layer, Part
+from camgeo.part.spec import BOTH, LOWER, UPPER, Hub, PartSpec
+
+
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """A boundary between two heights.
+
+    Attributes
+    ----------
+    boundary : of the part.
+    z0, z1 : between which it bounds the part [mm].
+    layer : name of the layer that begins at its lower end; empty if it gives none a name.
+    """
+
+    boundary: Boundary
+    z0: float
+    z1: float
+    layer: str = ""
+
+
+def stacked(features: Sequence[Feature]) -> tuple[Layer, ...]:
+    """The layers between all heights at which a feature begins or ends, from the lowest upwards.
+
+    Each has the boundaries of the features that are there, in their order.
+    """
+    heights = sorted({z for each in features for z in (each.z0, each.z1)})
+    found = []
+    for low, high in pairwise(heights):
+        there = tuple(each.boundary for each in features if each.z0 <= low and high <= each.z1)
+        names = [each.layer for each in features if each.z0 == low and each.layer]
+        found.append(Layer(low, high, there, names[-1] if names else "disc"))
+    return tuple(found)
+
+
+def assembled(
+    spec: PartSpec,
+    outer: Boundary,
+    flanks: Sequence[Boundary],
+    rooms: tuple[Boundary, Boundary],
+    tolerance: float,
+) -> Part:
+    """The part of a disc.
+
+    Parameters
+    ----------
+    spec : the scene's specification.
+    outer : outermost boundary of the disc.
+    flanks : its other flanks: two of a groove, sunk to its depth, or one through the disc.
+    rooms : within which a hub on the upper and on the lower face must stay.
+    tolerance : of the contours [mm] that show that boundaries do not touch.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if a feature has no room.
+    """
+    sunk = spec.mark.depth if spec.mark is not None else 0.0
+    depth = spec.groove_depth or 0.0
+    # What the scene does not give is taken as anything that keeps the order, and is 0 in the end.
+    bottom = -(spec.thickness or 2.0 * max(sunk, depth) + 1.0)
+    floor = -depth or 0.5 * (bottom - sunk)
+    grooved = len(flanks) > 1
+    low, high = bottom, 0.0
+    features = [Feature(outer, bottom, 0.0, "disc")]
+    if spec.hub is not None:
+        hubs = list(_hubs(spec.hub, bottom))
+        for each, room in zip(hubs, _rooms_of(spec.hub, rooms), strict=True):
+            _require_room(spec.hub, room, tolerance)
+            low, high = min(low, each.z0), max(high, each.z1)
+        features += hubs
+    if spec.bore is not None:
+        bore = bore_boundary(spec.bore, spec.keyway)
+        if spec.hub is not None:
+            _require_within(bore, spec.hub)
+        features.append(Feature(bore, low, high))
+    name = "groove" if grooved else ""
+    features += [Feature(each, floor if grooved else bottom, 0.0, name) for each in flanks]
+    if spec.mark is not None:
+        mark = mark_boundary(spec.mark)
+        _require_clear(mark, "part.mark", features, tolerance)
+        features.append(Feature(mark, -spec.mark.depth, 0.0, "mark"))
+
+    def stated(z: float) -> float:
+        """The height `z` as far as the scene gives it."""
+        lacking = grooved and spec.groove_depth is None and bottom < z < 0.0
+        return 0.0 if spec.thickness is None or lacking else z
+
+    layers = stacked(features)
+    return Part(
+        tuple(
+            Layer(stated(each.z0), stated(each.z1), each.boundaries, each.name) for each in layers
+        )
+    )
+
+
+def _hubs(hub: Hub, bottom: float) -> Iterable[Feature]:
+    circle = Contour.circle(0.5 * hub.diameter)
+    if hub.side in (UPPER, BOTH):
+        yield Feature(ExactBoundary("hub", hole=False, exact=circle), 0.0, hub.height, "hub")
+    if hub.side in (LOWER, BOTH):
+        lower = ExactBoundary("lower hub", hole=False, exact=circle)
+        yield Feature(lower, bottom - hub.height, bottom, "lower hub")
+
+
+def _rooms_of(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...]:
+    return {UPPER: rooms[:1], LOWER: rooms[1:], BOTH: rooms}[hub.side]
+
+
+def _require_room(hub: Hub, room: Boundary, tolerance: float) -> None:
+    """GeometryError unless the hub stands within `room`."""
+    fit = room.arcs(tolerance, "fast")
+    nearest = smallest_radius(fit.contour) - fit.deviation
+    if 0.5 * hub.diameter >= nearest:
+        raise GeometryError(
+            f"the hub reaches {0.5 * hub.diameter:.6g} mm from the cam axis, but the {room.name}"
+            f" comes as near as {max(nearest, 0.0):.6g} mm",
+            key="part.hub.diameter",
+            value=f"{hub.diameter:g}",
+        )
+
+
+def _require_within(bore: ExactBoundary, hub: Hub) -> None:
+    """GeometryError unless the bore with its keyway lies within the hub."""
+    reach = largest_radius(bore.exact)
+    if reach >= 0.5 * hub.diameter:
+        raise GeometryError(
+            f"must be more than {2.0 * reach:.6g} mm, for the bore with its keyway reaches"
+            f" {reach:.6g} mm from the cam axis",
+            key="part.hub.diameter",
+            value=f"{hub.diameter:g}",
+        )
+
+
+def _require_clear(
+    boundary: ExactBoundary, key: str, others: Iterable[Feature], tolerance: float
+) -> None:
+    """GeometryError unless what is sunk in the upper face lies in its material and touches nothing.
+
+    A hub on that face covers what lies within it.
+    """
+    around = 0
+    pieces = Pieces.around([boundary.exact])
+    for each in others:
+        if each.z1 < 0.0 or not each.z0 <= 0.0:
+            continue
+        other = each.boundary
+        fit = other.arcs(tolerance, "fast")
+        apart = least_distance(pieces, Pieces.around([fit.contour])) - fit.deviation
+        if apart <= 0.0:
+            message = f"the {boundary.name} must lie clear of the {other.name}, which it touches"
+            raise GeometryError(message, key=key)
+        if winding_number(boundary.exact, complex(fit.contour.vertices[0])):
+            raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
+        inside = winding_number(fit.contour, complex(boundary.exact.vertices[0])) != 0
+        if inside and each.z0 == 0.0:
+            raise GeometryError(f"the {boundary.name} lies under the {other.name}", key=key)
+        around += inside
+    if not around % 2:
+        message = f"the {boundary.name} lies where the disc has no material"
+        raise GeometryError(message, key=key)

@@ -1,0 +1,82 @@
+"""The outlines of features: exactly lines and arcs."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
+from camgeo.numeric.checked import positive
+from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.spec import Keyway, Mark
+
+
+def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
+    """The bore as a boundary; raises like `bore_outline`."""
+    core = None if keyway is None else Contour.circle(diameter / 2.0)
+    return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
+
+
+def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
+    """The bore around the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.keyway.width", if the slot is not narrower than the bore; with "part.bore",
+        if the diameter is not above 0.
+    """
+    radius = positive("part.bore", diameter, "mm") / 2.0
+    if keyway is None:
+        return Contour.circle(radius)
+    half = keyway.width / 2.0
+    if half >= radius:
+        raise GeometryError(
+            f"the keyway must be narrower than the bore, {diameter:g} mm",
+            key="part.keyway.width",
+            value=f"{keyway.width:g}",
+        )
+    # In axes along the keyway's middle line: up the slot, across its bottom, down again.
+    reach = math.sqrt(radius * radius - half * half)
+    bottom = radius + keyway.depth
+    corners = np.array(
+        [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
+    )
+    opening = 2.0 * math.asin(half / radius)
+    vertices = corners * cmath.exp(1j * keyway.angle)
+    sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
+    return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))
+
+
+def mark_boundary(mark: Mark) -> ExactBoundary:
+    """The outline of a timing mark."""
+    return ExactBoundary("mark", hole=True, exact=mark_outline(mark))
+
+
+def mark_outline(mark: Mark) -> Contour:
+    """A circle, or a radial slot with round ends [mm], counter-clockwise.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.mark.radius", if it reaches the cam axis.
+    """
+    half = 0.5 * mark.width
+    straight = 0.0 if mark.length is None else 0.5 * mark.length - half
+    if mark.radius <= half + straight:
+        raise GeometryError(
+            f"the mark must not reach the cam axis: more than {half + straight:.6g} mm",
+            key="part.mark.radius",
+            value=f"{mark.radius:g}",
+        )
+    along = cmath.exp(1j * mark.angle)
+    if not straight:
+        return Contour.circle(half, mark.radius * along)
+    # In axes along the ray: outward on its right, round the outer end, and back on its left.
+    near, far = mark.radius - straight, mark.radius + straight
+    corners = np.array([near - 1j * half, far - 1j * half, far + 1j * half, near + 1j * half])
+    centres = np.array([0.0, far, 0.0, near])
+    return Contour(along * corners, np.array([0.0, math.pi, 0.0, math.pi]), along * centres)

@@ -1,0 +1,84 @@
+"""Parts of three contacts with the same pitch curve, and random specifications of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hypothesis import strategies as st
+
+from camgeo.cam.contact import Contact
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan
+from camgeo.outline.path import whole
+from camgeo.part.build import build_part
+from camgeo.part.part import Part
+from camgeo.part.spec import SIDES, Hub, Keyway, Mark, PartSpec
+from tests.contour.cams import dwell, move
+
+ROLLER: Final = 8.0
+
+PITCH: Final = PitchCurve(
+    MotionPlan((dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))),
+    TranslatingRoller(40.0, ROLLER),
+    1,
+)
+"""From 40 to 55 mm: inner flank from 32 to 47, outer one from 48 to 63 mm."""
+
+FLANKS: Final = {
+    Contact.INNER: "outline", Contact.OUTER: "outline", Contact.GROOVE: "inner flank",
+}  # fmt: skip
+
+INNER, OUTER = whole(WorkingCurve(PITCH, -ROLLER)), whole(WorkingCurve(PITCH, ROLLER))
+
+
+def made(contact: Contact, spec: PartSpec) -> Part:
+    """The part with these flanks."""
+    return build_part(contact, INNER, OUTER, spec, 0.01)
+
+
+def made_or_refused(contact: Contact, spec: PartSpec) -> Part | None:
+    """The part; None if it is refused with a key of the scene."""
+    try:
+        return made(contact, spec)
+    except GeometryError as error:
+        if (error.key or "").startswith("part."):
+            return None
+        raise
+
+
+_angles = st.floats(-2.0 * math.pi, 2.0 * math.pi)
+
+
+def _share(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high)
+
+
+@st.composite
+def specs(draw: st.DrawFn) -> PartSpec:
+    """Specifications of parts, most of them possible."""
+    bore = draw(st.none() | _share(5.0, 40.0))
+    keyway = None
+    if bore is not None and draw(st.booleans()):
+        keyway = Keyway(draw(_share(0.1, 0.6)) * bore, draw(_share(0.5, 4.0)), draw(_angles))
+    hub = None
+    if draw(st.booleans()):
+        diameter = (bore or 10.0) + draw(_share(1.0, 30.0))
+        hub = Hub(diameter, draw(_share(0.5, 20.0)), draw(st.sampled_from(SIDES)))
+    mark = None
+    if draw(st.booleans()):
+        width = draw(_share(0.5, 3.0))
+        length = draw(st.none() | _share(1.1 * width, 8.0))
+        mark = Mark(draw(_share(10.0, 68.0)), width, draw(_share(0.2, 4.9)), length, draw(_angles))
+    return PartSpec(
+        thickness=draw(_share(5.0, 20.0)),
+        bore=bore,
+        keyway=keyway,
+        rim=draw(_share(127.0, 150.0)),
+        groove_depth=draw(_share(0.5, 4.9)),
+        hub=hub,
+        mark=mark,
+    )

@@ -1,0 +1,172 @@
+"""Parts assembled from features: hub, timing mark, and what has no room."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.cam.contact import Contact
+from camgeo.contour.contour import Contour
+from camgeo.contour.simple import winding_number
+from camgeo.errors import GeometryError
+from camgeo.part.features import mark_outline
+from camgeo.part.part import Boundary, Part
+from camgeo.part.spec import Hub, Keyway, Mark, PartSpec
+from tests.part.parts import FLANKS, made, made_or_refused, specs
+from tests.strategies import attack
+
+DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, groove_depth=4.0)
+
+
+def _walls(part: Part) -> list[tuple[str, float, float]]:
+    return [(wall.boundary.name, wall.z0, wall.z1) for wall in part.walls]
+
+
+def test_hub_on_the_upper_face() -> None:
+    part = made(Contact.INNER, replace(DISC, hub=Hub(40.0, 6.0)))
+    assert _walls(part) == [("outline", -10.0, 0.0), ("bore", -10.0, 6.0), ("hub", 0.0, 6.0)]
+    assert part.outermost.name == "outline"
+    lower, shoulder, upper = part.levels
+    assert [each.name for each in shoulder.below + shoulder.above] == ["outline", "hub"]
+    assert (lower.z, shoulder.z, upper.z, part.thickness) == (-10.0, 0.0, 6.0, 16.0)
+    assert [each.name for each in part.levels] == [
+        "lower face", "upper face of the disc", "upper face",
+    ]  # fmt: skip
+
+
+def test_hubs_on_both_faces_of_a_groove_cam() -> None:
+    part = made(Contact.GROOVE, replace(DISC, hub=Hub(40.0, 6.0, "both")))
+    assert _walls(part) == [
+        ("lower hub", -16.0, -10.0),
+        ("bore", -16.0, 6.0),
+        ("rim", -10.0, 0.0),
+        ("inner flank", -4.0, 0.0),
+        ("outer flank", -4.0, 0.0),
+        ("hub", 0.0, 6.0),
+    ]
+    assert part.outermost.name == "rim"
+    assert [layer.name for layer in part.layers] == ["lower hub", "disc", "groove", "hub"]
+
+
+@pytest.mark.parametrize(
+    ("depth", "names"),
+    [
+        (1.0, ["disc", "groove", "mark"]),
+        (4.0, ["disc", "mark"]),
+        (5.0, ["disc", "mark", "groove"]),
+    ],
+)
+def test_mark_beside_a_groove(depth: float, names: list[str]) -> None:
+    part = made(Contact.GROOVE, replace(DISC, mark=Mark(22.0, 2.0, depth, 6.0)))
+    assert [layer.name for layer in part.layers] == names
+    assert _walls(part)[-1 if depth <= 4.0 else 2] == ("mark", -depth, 0.0)
+
+
+def test_a_drawing_needs_no_heights() -> None:
+    spec = PartSpec(bore=20.0, hub=Hub(40.0, 6.0, "both"), mark=Mark(27.0, 2.0, 0.5))
+    part = made(Contact.INNER, spec)
+    assert {each.name for each in part.boundaries} == {
+        "outline", "bore", "hub", "lower hub", "mark",
+    }  # fmt: skip
+    assert part.thickness == 0.0
+    with pytest.raises(GeometryError) as caught:
+        part.require_heights()
+    assert caught.value.key == "part.thickness"
+    grooved = made(Contact.GROOVE, replace(spec, thickness=10.0, rim=140.0))
+    with pytest.raises(GeometryError) as caught:
+        grooved.require_heights()
+    assert caught.value.key == "part.groove_depth"
+
+
+@given(
+    st.floats(10.0, 60.0), st.floats(0.5, 4.0), st.floats(1.01, 4.0), st.floats(-6.2, 6.2)
+)  # fmt: skip
+@attack
+def test_outline_of_a_mark(radius: float, width: float, slender: float, angle: float) -> None:
+    length = min(slender * width, radius)
+    contour = mark_outline(Mark(radius, width, 1.0, length, angle))
+    straight = length - width
+    assert contour.area == pytest.approx(
+        0.25 * math.pi * width**2 + straight * width, rel=1e-9, abs=1e-12
+    )
+    along = contour.vertices * np.exp(-1j * angle)
+    assert np.abs(along.imag) == pytest.approx(np.full(4, 0.5 * width))
+    assert np.mean(along.real) == pytest.approx(radius)
+    assert winding_number(contour, radius * np.exp(1j * angle)) == 1
+
+
+@pytest.mark.parametrize(
+    ("spec", "key", "message"),
+    [
+        # The inner flank's base circle has a radius of 32 mm; its rise begins at 60 degrees.
+        (PartSpec(hub=Hub(64.1, 5.0)), "part.hub.diameter", "comes as near as 3(1.9|2)"),
+        (
+            PartSpec(bore=20.0, keyway=Keyway(6.0, 2.8), hub=Hub(25.6, 5.0)),
+            "part.hub.diameter",
+            "more than 26.2937 mm",
+        ),
+        (PartSpec(mark=Mark(31.5, 2.0, 1.0, angle=1.6)), "part.mark", "clear of the outline"),
+        (PartSpec(mark=Mark(90.0, 2.0, 1.0)), "part.mark", "no material"),
+        (PartSpec(bore=20.0, mark=Mark(5.0, 2.0, 1.0)), "part.mark", "no material"),
+        (PartSpec(bore=20.0, mark=Mark(10.5, 2.0, 1.0)), "part.mark", "clear of the bore"),
+        (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(20.0, 2.0, 1.0)), "part.mark", "clear of the hub"),
+        (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(15.0, 2.0, 1.0)), "part.mark", "under the hub"),
+        (PartSpec(mark=Mark(1.0, 2.0, 1.0)), "part.mark.radius", "must not reach the cam axis"),
+    ],
+)
+def test_no_room(spec: PartSpec, key: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        made(Contact.INNER, spec)
+    assert caught.value.key == key
+
+
+def test_just_enough_room() -> None:
+    made(Contact.INNER, PartSpec(hub=Hub(63.9, 5.0)))
+    made(Contact.INNER, PartSpec(hub=Hub(63.9, 5.0, "lower"), mark=Mark(30.9, 2.0, 1.0, angle=1.6)))
+    # The lower face of a groove cam has no groove.
+    groove = replace(DISC, hub=Hub(139.0, 5.0, "lower"))
+    made(Contact.GROOVE, groove)
+    with pytest.raises(GeometryError, match="inner flank"):
+        made(Contact.GROOVE, replace(groove, hub=Hub(139.0, 5.0)))
+    # In a ring there is room outside the flank, which comes as far as 63 mm.
+    made(Contact.OUTER, replace(DISC, mark=Mark(66.5, 2.0, 1.0)))
+    with pytest.raises(GeometryError, match="the roller runs") as caught:
+        made(Contact.OUTER, replace(DISC, hub=Hub(40.0, 5.0)))
+    assert caught.value.key == "part.hub"
+
+
+@given(st.sampled_from(list(FLANKS)), specs())
+@attack
+def test_random_parts(contact: Contact, spec: PartSpec) -> None:
+    """A clear refusal, or layers of boundaries that are nested without touching."""
+    part = made_or_refused(contact, spec)
+    if part is None:
+        return
+    for layer in part.layers:
+        areas = [_area(each) for each in layer.boundaries]
+        for k, one in enumerate(areas):
+            for other in areas[:k]:
+                assert not shapely.intersects(one.exterior, other.exterior)
+        for each, own in zip(layer.boundaries, areas, strict=True):
+            start = shapely.Point(own.exterior.coords[0])
+            around = sum(other.contains(start) for other in areas if other is not own)
+            assert each.hole == (around % 2 == 1)
+    above = [layer for layer in part.layers if part.outermost not in layer.boundaries]
+    for hub in above:
+        # Nothing that is sunk in the face lies below.
+        covered = _area(hub.boundaries[0])
+        for boundary in part.boundaries:
+            if boundary.hole and boundary not in hub.boundaries:
+                assert hub.z0 < 0.0 or not covered.intersects(_area(boundary).exterior)
+
+
+def _area(boundary: Boundary) -> shapely.Polygon:
+    contour: Contour = boundary.arcs(1e-3, "fast").contour
+    points = contour.points(1e-3)
+    return shapely.Polygon(np.column_stack((points.real, points.imag)))
