@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Final
+from typing import Annotated, Any, Final, Self
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, Length
 from camgeo.numeric.checked import check_fields, number, one_of
+from camgeo.part.keyways import din_6885_1
 
 UPPER: Final = "upper"
 LOWER: Final = "lower"
@@ -41,6 +43,14 @@ class Keyway:
 
     def __post_init__(self) -> None:
         check_fields(self, "part.keyway.")
+
+    @classmethod
+    def by_standard(cls, bore: float, angle: float = 0.0) -> Self:
+        """By DIN 6885-1, deep form, for a bore of that diameter [mm]; raises GeometryError with key
+        "part.keyway.standard" if the table has no such bore.
+        """
+        row = din_6885_1(bore)
+        return cls(row.width, row.depth, angle)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,5 +150,16 @@ class PartSpec:
             raise GeometryError("a keyway belongs to a bore", key="part.keyway")
 
 
-FEATURES: Final = {"keyway": Keyway, "hub": Hub, "mark": Mark}
-"""The tables in that of the part."""
+def part_of(table: Mapping[str, Any]) -> PartSpec:
+    """The specification of a converted table `[part]`, in mm and rad; raises GeometryError."""
+    given = dict(table)
+    features: Mapping[str, Callable[..., Any]] = {"keyway": Keyway, "hub": Hub, "mark": Mark}
+    for name, made in features.items():
+        if name not in given:
+            continue
+        own = dict(given[name])
+        if own.pop("standard", None):
+            given[name] = Keyway.by_standard(given["bore"], **own)
+        else:
+            given[name] = made(**own)
+    return PartSpec(**given)

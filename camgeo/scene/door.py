@@ -17,7 +17,7 @@ from camgeo.mechanism.linkage import linked
 from camgeo.mechanism.values import SIGNS, Values
 from camgeo.motion.plan import Dwell, MotionPlan
 from camgeo.motion.planning.planner import plan_motion
-from camgeo.part.spec import FEATURES, PartSpec
+from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE
 from camgeo.scene.document import Document, Source
 from camgeo.scene.inside import Inside
@@ -248,11 +248,7 @@ class Builder:
         }
 
     def _part(self) -> PartSpec | None:
-        given = self._top("part")
-        for name, made in FEATURES.items():
-            if name in given:
-                given[name] = made(**given[name])
-        return PartSpec(**given) if self.values.has("part") else None
+        return part_of(self._top("part")) if self.values.has("part") else None
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""

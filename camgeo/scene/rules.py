@@ -13,8 +13,9 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
+from camgeo.scene.part_rules import contact_and_part_agree, part_is_possible
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
-from camgeo.scene.valid_values import ValidValues
+from camgeo.scene.valid_values import Broken, ValidValues
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -53,9 +54,6 @@ FOR_ROLLERS: Final = "is for roller followers"
 
 DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 """What a linkage does that cannot drive a follower whose lift has that unit."""
-
-Broken = tuple[Path, str]
-"""The place at fault, and why."""
 
 Rule = Callable[[ValidValues], Iterator[Broken]]
 
@@ -251,26 +249,6 @@ def milling_is_stated(values: ValidValues) -> Iterator[Broken]:
         yield from broken_tables(values)
 
 
-def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
-    """The part has the boundaries that its contact needs, and no others."""
-    contact = values.contact
-    if contact is None or values.lacks("follower"):
-        return
-    if not contact.is_plate and values.lacks("part", "rim"):
-        yield ("follower", "contact"), "needs [part] rim, the diameter of the blank"
-    if contact.is_plate and values.has("part", "rim"):
-        message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
-        yield ("part", "rim"), message
-    if not contact.closed_by_form and values.has("part", "groove_depth"):
-        yield ("part", "groove_depth"), 'belongs to contact "groove"'
-    for key in ("bore", "hub"):
-        if not contact.runs_inside and values.has("part", key):
-            message = (
-                'has no place in a cam with contact "outer": the roller runs where it would be'
-            )
-            yield ("part", key), message
-
-
 def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
     """A roller or a knife edge, and a groove of suitable width for its roller."""
     groove = values.contact is not None and values.contact.closed_by_form
@@ -290,27 +268,6 @@ def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
     elif radius is not None and radius > 0.0 and not play < 2.0 * radius:
         message = f"must be less than the roller's diameter, {2.0 * radius:g}"
         yield ("follower", "side_clearance"), message
-
-
-def part_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """Groove and mark within the thickness, keyway within the bore, bore within the hub."""
-    thickness = values.get("part", "thickness")
-    for place in (("part", "groove_depth"), ("part", "mark", "depth")):
-        depth = values.get(*place)
-        if depth is not None and thickness is not None and not depth < thickness:
-            yield place, f"must be less than the thickness, {thickness:g}"
-    if values.has("part", "keyway") and values.lacks("part", "bore"):
-        yield ("part", "keyway"), "needs [part] bore"
-    bore = values.get("part", "bore")
-    width = values.get("part", "keyway", "width")
-    if bore is not None and width is not None and not width < bore:
-        yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
-    hub = values.get("part", "hub", "diameter")
-    if bore is not None and hub is not None and not hub > bore:
-        yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
-    length, width = (values.get("part", "mark", key) for key in ("length", "width"))
-    if length is not None and width is not None and not length > width:
-        yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
 
 
 def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from camgeo.cam.contact import Contact
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
@@ -15,6 +15,9 @@ from camgeo.units import MM_PER, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Member
+
+Broken: TypeAlias = tuple[Path, str]
+"""What a rule finds: the place at fault, and why."""
 
 
 class ValidValues:

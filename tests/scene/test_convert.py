@@ -14,7 +14,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, Move
-from camgeo.part.spec import Keyway, PartSpec
+from camgeo.part.spec import Hub, Keyway, Mark, PartSpec
 from camgeo.toolpath.holding import Holding
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
@@ -158,6 +158,23 @@ safe_height = 2
             stepdown=1.5, plunges=True,
         ),
     )  # fmt: skip
+
+
+def test_features_of_a_part() -> None:
+    hub = "[part.hub]\ndiameter = 14\nheight = 0.5\n"
+    mark = "[part.mark]\nradius = 1.2\nwidth = 0.1\ndepth = 0.02\nangle = 90\n"
+    keyway = 'bore = 12\nkeyway = { standard = "DIN 6885-1", angle = 30 }'
+    scene = loaded(
+        PLATE, ('"mm"', '"inch"'), ("bore = 20\n", ""),
+        ("keyway = { width = 6, depth = 2.8 }", f"{keyway}\n{hub}{mark}"),
+    )  # fmt: skip
+    assert scene.part == PartSpec(
+        12 * 25.4,
+        12 * 25.4,
+        Keyway(70.0, 14.4, math.radians(30.0)),
+        hub=Hub(14 * 25.4, 0.5 * 25.4),
+        mark=Mark(1.2 * 25.4, 0.1 * 25.4, 0.02 * 25.4, angle=math.radians(90.0)),
+    )
 
 
 def test_inches() -> None:

@@ -145,6 +145,17 @@ FAULTS: list[tuple[str, list[Change], str]] = [
         [("[part]", "[part.mark]\nradius = 20\nwidth = 2\ndepth = 12\n[part]")],
         "part.mark.depth = 12: must be less than the thickness, 12",
     ),
+    (
+        PLATE,
+        [("depth = 2.8", 'standard = "DIN 6885-1"')],
+        "width = 6: contradicts standard",
+    ),
+    (PLATE, [("width = 6,", "")], r"part.keyway: needs width, or standard"),
+    (
+        PLATE,
+        [("bore = 20", "bore = 6"), ("width = 6, depth = 2.8", 'standard = "DIN 6885-1"')],
+        "part.keyway.standard = .DIN 6885-1.: is for bores above 6 mm, up to 440 mm; width and",
+    ),
     (PLATE, [("offset = 12", 'contact = "outer"')], "part.bore = 20: has no place"),
     (GROOVE, [("rim = 200\n", "")], r'contact = "groove": needs \[part\] rim'),
     (GROOVE, [("groove_depth = 10\n", "")], r'"stl": needs \[part\] groove_depth'),

@@ -1,0 +1,69 @@
+"""Rules between the keys of the part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from camgeo.errors import GeometryError
+from camgeo.part.keyways import din_6885_1
+from camgeo.scene.valid_values import Broken, ValidValues
+
+
+def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
+    """The part has the boundaries that its contact needs, and no others."""
+    contact = values.contact
+    if contact is None or values.lacks("follower"):
+        return
+    if not contact.is_plate and values.lacks("part", "rim"):
+        yield ("follower", "contact"), "needs [part] rim, the diameter of the blank"
+    if contact.is_plate and values.has("part", "rim"):
+        message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
+        yield ("part", "rim"), message
+    if not contact.closed_by_form and values.has("part", "groove_depth"):
+        yield ("part", "groove_depth"), 'belongs to contact "groove"'
+    for key in ("bore", "hub"):
+        if not contact.runs_inside and values.has("part", key):
+            message = (
+                'has no place in a cam with contact "outer": the roller runs where it would be'
+            )
+            yield ("part", key), message
+
+
+def part_is_possible(values: ValidValues) -> Iterator[Broken]:
+    """Groove and mark within the thickness, keyway within the bore, bore within the hub."""
+    thickness = values.get("part", "thickness")
+    for place in (("part", "groove_depth"), ("part", "mark", "depth")):
+        depth = values.get(*place)
+        if depth is not None and thickness is not None and not depth < thickness:
+            yield place, f"must be less than the thickness, {thickness:g}"
+    if values.has("part", "keyway") and values.lacks("part", "bore"):
+        yield ("part", "keyway"), "needs [part] bore"
+    bore = values.get("part", "bore")
+    yield from _keyway_is_stated_once(values, bore)
+    width = values.get("part", "keyway", "width")
+    if bore is not None and width is not None and not width < bore:
+        yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
+    hub = values.get("part", "hub", "diameter")
+    if bore is not None and hub is not None and not hub > bore:
+        yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
+    length, width = (values.get("part", "mark", key) for key in ("length", "width"))
+    if length is not None and width is not None and not length > width:
+        yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
+
+
+def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:
+    """By width and depth, or by a standard that has the bore."""
+    place = ("part", "keyway")
+    if not values.has(*place):
+        return
+    by_standard = values.has(*place, "standard")
+    for key in ("width", "depth"):
+        if by_standard and values.has(*place, key):
+            yield (*place, key), "contradicts standard, by which the bore decides it"
+        elif not by_standard and values.lacks(*place, key):
+            yield place, f"needs {key}, or standard"
+    if by_standard and bore is not None and values.valid("units"):
+        try:
+            din_6885_1(bore * values.mm)
+        except GeometryError as error:
+            yield (*place, "standard"), f"{error.message}; width and depth state another"
