@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Final
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.nearness import least_distance
@@ -12,9 +13,13 @@ from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
-from camgeo.part.features import bore_boundary, mark_boundary
+from camgeo.part.features import bore_boundary, hole_boundaries, mark_boundary
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import BOTH, LOWER, UPPER, Hub, PartSpec
+from camgeo.part.spec import BOTH, LOWER, UPPER, Holes, Hub, PartSpec
+
+UPPER_HUB: Final = "hub"
+LOWER_HUB: Final = "lower hub"
+"""Names of hubs, and of their layers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +37,12 @@ class Feature:
     z0: float
     z1: float
     layer: str = ""
+
+
+HUBS: Final = (UPPER_HUB, LOWER_HUB)
+
+HOLES: Final = {"bolt_circle": "bolt hole", "lightening_holes": "lightening hole"}
+"""Tables of holes, with the name of each hole."""
 
 
 def stacked(features: Sequence[Feature]) -> tuple[Layer, ...]:
@@ -85,15 +96,23 @@ def assembled(
             low, high = min(low, each.z0), max(high, each.z1)
         features += hubs
     if spec.bore is not None:
-        bore = bore_boundary(spec.bore, spec.keyway)
+        bore = bore_boundary(spec.bore, spec.keyway, spec.d_shaft)
         if spec.hub is not None:
             _require_within(bore, spec.hub)
         features.append(Feature(bore, low, high))
     name = "groove" if grooved else ""
     features += [Feature(each, floor if grooved else bottom, 0.0, name) for each in flanks]
+    for table, name in HOLES.items():
+        holes: Holes | None = getattr(spec, table)
+        for hole in hole_boundaries(holes, name) if holes is not None else ():
+            hub = _require_clear(hole, f"part.{table}", features, tolerance)
+            reach = (low, high) if hub else (bottom, 0.0)
+            features.append(Feature(hole, *reach))
     if spec.mark is not None:
         mark = mark_boundary(spec.mark)
-        _require_clear(mark, "part.mark", features, tolerance)
+        upper = [each for each in features if each.layer != LOWER_HUB]
+        if hub := _require_clear(mark, "part.mark", upper, tolerance):
+            raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
         features.append(Feature(mark, -spec.mark.depth, 0.0, "mark"))
 
     def stated(z: float) -> float:
@@ -112,10 +131,11 @@ def assembled(
 def _hubs(hub: Hub, bottom: float) -> Iterable[Feature]:
     circle = Contour.circle(0.5 * hub.diameter)
     if hub.side in (UPPER, BOTH):
-        yield Feature(ExactBoundary("hub", hole=False, exact=circle), 0.0, hub.height, "hub")
+        upper = ExactBoundary(UPPER_HUB, hole=False, exact=circle)
+        yield Feature(upper, 0.0, hub.height, UPPER_HUB)
     if hub.side in (LOWER, BOTH):
-        lower = ExactBoundary("lower hub", hole=False, exact=circle)
-        yield Feature(lower, bottom - hub.height, bottom, "lower hub")
+        lower = ExactBoundary(LOWER_HUB, hole=False, exact=circle)
+        yield Feature(lower, bottom - hub.height, bottom, LOWER_HUB)
 
 
 def _rooms_of(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...]:
@@ -149,16 +169,19 @@ def _require_within(bore: ExactBoundary, hub: Hub) -> None:
 
 def _require_clear(
     boundary: ExactBoundary, key: str, others: Iterable[Feature], tolerance: float
-) -> None:
-    """GeometryError unless what is sunk in the upper face lies in its material and touches nothing.
+) -> str:
+    """The name of a hub within which a hole or mark lies, the upper one if there is; empty if it
+    lies beside them.
 
-    A hub on that face covers what lies within it.
+    Raises
+    ------
+    GeometryError
+        With `key`, if it touches another feature or lies where the disc has no material.
     """
+    pieces, start = Pieces.around([boundary.exact]), complex(boundary.exact.vertices[0])
     around = 0
-    pieces = Pieces.around([boundary.exact])
+    covering = ""
     for each in others:
-        if each.z1 < 0.0 or not each.z0 <= 0.0:
-            continue
         other = each.boundary
         fit = other.arcs(tolerance, "fast")
         apart = least_distance(pieces, Pieces.around([fit.contour])) - fit.deviation
@@ -167,10 +190,12 @@ def _require_clear(
             raise GeometryError(message, key=key)
         if winding_number(boundary.exact, complex(fit.contour.vertices[0])):
             raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
-        inside = winding_number(fit.contour, complex(boundary.exact.vertices[0])) != 0
-        if inside and each.z0 == 0.0:
-            raise GeometryError(f"the {boundary.name} lies under the {other.name}", key=key)
-        around += inside
+        inside = winding_number(fit.contour, start) != 0
+        if each.layer in HUBS:
+            covering = covering or (other.name if inside else "")
+        else:
+            around += inside
     if not around % 2:
         message = f"the {boundary.name} lies where the disc has no material"
         raise GeometryError(message, key=key)
+    return covering

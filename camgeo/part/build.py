@@ -64,7 +64,9 @@ def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) 
         raise GeometryError("the roller runs where it would be", key="part.hub")
     rim = _rim(spec, outer, tolerance, book)
     flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
-    return assembled(replace(spec, bore=None, keyway=None), rim, (flank,), (rim, rim), tolerance)
+    return assembled(
+        replace(spec, bore=None, keyway=None, d_shaft=None), rim, (flank,), (rim, rim), tolerance
+    )
 
 
 def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:

@@ -11,11 +11,16 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.spec import Keyway, Mark
+from camgeo.part.spec import DShaft, Holes, Keyway, Mark
+from camgeo.units import TURN
 
 
-def bore_boundary(diameter: float, keyway: Keyway | None) -> ExactBoundary:
-    """The bore as a boundary; raises like `bore_outline`."""
+def bore_boundary(
+    diameter: float, keyway: Keyway | None, flat: DShaft | None = None
+) -> ExactBoundary:
+    """The bore as a boundary, with a keyway or a flat; raises like `bore_outline`."""
+    if flat is not None:
+        return ExactBoundary("bore", hole=True, exact=flattened(diameter, flat))
     core = None if keyway is None else Contour.circle(diameter / 2.0)
     return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
 
@@ -49,6 +54,24 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
     vertices = corners * cmath.exp(1j * keyway.angle)
     sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
     return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))
+
+
+def flattened(diameter: float, flat: DShaft) -> Contour:
+    """A bore with a flat about the cam axis [mm], counter-clockwise: up the flat, and round."""
+    radius = 0.5 * diameter
+    away = flat.across - radius
+    half = math.sqrt((radius - away) * (radius + away))
+    corners = cmath.exp(1j * flat.angle) * np.array([away - 1j * half, away + 1j * half])
+    opening = 2.0 * math.acos(away / radius)
+    return Contour(corners, np.array([0.0, TURN - opening]), np.zeros(2, dtype=np.complex128))
+
+
+def hole_boundaries(holes: Holes, name: str) -> tuple[ExactBoundary, ...]:
+    """Round holes as boundaries, `name` with a number each."""
+    return tuple(
+        ExactBoundary(f"{name} {number}", hole=True, exact=Contour.circle(0.5 * holes.hole, middle))
+        for number, middle in enumerate(holes.middles, start=1)
+    )
 
 
 def mark_boundary(mark: Mark) -> ExactBoundary:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -9,12 +10,16 @@ from typing import Annotated, Any, Final, Self
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, Length
-from camgeo.numeric.checked import check_fields, number, one_of
+from camgeo.numeric.checked import check_fields, number, one_of, whole
 from camgeo.part.keyways import din_6885_1
+from camgeo.units import TURN
 
 UPPER: Final = "upper"
 LOWER: Final = "lower"
 BOTH: Final = "both"
+
+MOST_HOLES: Final = 100
+"""On one circle."""
 
 SIDES: Final = (UPPER, LOWER, BOTH)
 """Faces of the disc on which a hub stands."""
@@ -51,6 +56,30 @@ class Keyway:
         """
         row = din_6885_1(bore)
         return cls(row.width, row.depth, angle)
+
+
+@dataclass(frozen=True, slots=True)
+class DShaft:
+    """DShaft side of the bore for a D-shaft, parallel to the cam axis.
+
+    Attributes
+    ----------
+    across : from the flat to the opposite side of the bore [mm]: less than its diameter, more than
+        its radius.
+    angle : direction from the cam axis to the flat, from the x axis at cam angle 0 [rad],
+        counter-clockwise, -2 pi to 2 pi.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    across: Length
+    angle: Angle = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.d_shaft.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +137,45 @@ class Mark:
             number("part.mark.length", self.length, above=self.width, unit="mm")
 
 
+Count = Annotated[int, partial(whole, least=1, most=MOST_HOLES)]
+
+
+@dataclass(frozen=True, slots=True)
+class Holes:
+    """Equal round holes through the part, evenly spaced on a circle about the cam axis.
+
+    Attributes
+    ----------
+    count : from 1 to `MOST_HOLES`.
+    circle : diameter of the circle through their middles [mm].
+    hole : diameter of each [mm].
+    angle : direction of the first from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to
+        2 pi.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `part.holes`, if a value is invalid.
+    """
+
+    count: Count
+    circle: Length
+    hole: Length
+    angle: Angle = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.holes.")
+
+    @property
+    def middles(self) -> tuple[complex, ...]:
+        """Of the holes [mm]."""
+        step = TURN / self.count
+        return tuple(
+            cmath.rect(0.5 * self.circle, self.angle + number * step)
+            for number in range(self.count)
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class PartSpec:
     """The specification of the part; every length in mm, None if the scene does not give it.
@@ -122,12 +190,14 @@ class PartSpec:
     groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
     hub : about the bore.
     mark : for timing, less deep than the disc is thick.
+    d_shaft : flat side of the bore, in place of a keyway.
+    bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is invalid, groove or mark are as deep as the disc, a keyway has no
-        bore, or the hub is no larger than the bore.
+        With the key, if a value is invalid, groove or mark are as deep as the disc, a keyway or
+        flat has no bore, the flat does not cut the bore, or the hub is no larger than the bore.
     """
 
     thickness: Length | None = None
@@ -137,6 +207,9 @@ class PartSpec:
     groove_depth: Length | None = None
     hub: Hub | None = None
     mark: Mark | None = None
+    d_shaft: DShaft | None = None
+    bolt_circle: Holes | None = None
+    lightening_holes: Holes | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
@@ -146,18 +219,35 @@ class PartSpec:
             number("part.mark.depth", self.mark.depth, below=self.thickness, unit="mm")
         if self.hub is not None and self.bore is not None:
             number("part.hub.diameter", self.hub.diameter, above=self.bore, unit="mm")
-        if self.keyway is not None and self.bore is None:
-            raise GeometryError("a keyway belongs to a bore", key="part.keyway")
+        for name in ("keyway", "d_shaft"):
+            if getattr(self, name) is not None and self.bore is None:
+                raise GeometryError("belongs to a bore, and there is none", key=f"part.{name}")
+        if self.d_shaft is not None:
+            key = "part.d_shaft"
+            if self.keyway is not None:
+                raise GeometryError("a bore has a keyway or is for a D-shaft, not both", key=key)
+            assert self.bore is not None  # see above
+            across, half = self.d_shaft.across, 0.5 * self.bore
+            number(f"{key}.across", across, above=half, below=self.bore, unit="mm")
 
 
 def part_of(table: Mapping[str, Any]) -> PartSpec:
     """The specification of a converted table `[part]`, in mm and rad; raises GeometryError."""
     given = dict(table)
-    features: Mapping[str, Callable[..., Any]] = {"keyway": Keyway, "hub": Hub, "mark": Mark}
+    features: Mapping[str, Callable[..., Any]] = {
+        "keyway": Keyway,
+        "d_shaft": DShaft,
+        "hub": Hub,
+        "mark": Mark,
+        "bolt_circle": Holes,
+        "lightening_holes": Holes,
+    }
     for name, made in features.items():
         if name not in given:
             continue
-        own = dict(given[name])
+        own = {**given[name]}
+        if "count" in own:
+            own["count"] = int(own["count"])
         if own.pop("standard", None):
             given[name] = Keyway.by_standard(given["bore"], **own)
         else:

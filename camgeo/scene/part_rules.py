@@ -36,13 +36,19 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
         depth = values.get(*place)
         if depth is not None and thickness is not None and not depth < thickness:
             yield place, f"must be less than the thickness, {thickness:g}"
-    if values.has("part", "keyway") and values.lacks("part", "bore"):
-        yield ("part", "keyway"), "needs [part] bore"
+    for key in ("keyway", "d_shaft"):
+        if values.has("part", key) and values.lacks("part", "bore"):
+            yield ("part", key), "needs [part] bore"
+    if values.has("part", "d_shaft") and values.has("part", "keyway"):
+        yield ("part", "d_shaft"), "contradicts keyway; a bore has one of them"
     bore = values.get("part", "bore")
     yield from _keyway_is_stated_once(values, bore)
     width = values.get("part", "keyway", "width")
     if bore is not None and width is not None and not width < bore:
         yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
+    across = values.get("part", "d_shaft", "across")
+    if bore is not None and across is not None and not 0.5 * bore < across < bore:
+        yield ("part", "d_shaft", "across"), f"must be more than {0.5 * bore:g}, less than {bore:g}"
     hub = values.get("part", "hub", "diameter")
     if bore is not None and hub is not None and not hub > bore:
         yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"

@@ -20,6 +20,9 @@ from camgeo.toolpath.tool import COMPUTED
 SEQUENCE: Final = "sequence"
 """Name of the finding that lists a planned sequence."""
 
+MILLED: Final = ("outline", "rim", "inner flank", "outer flank", "bore")
+"""Boundaries that programs make."""
+
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
@@ -47,10 +50,10 @@ def sequence_of(
         way, or what is cut free is not held.
     """
     part.require_heights()
-    for name in ("hub", "lower hub", "mark"):
-        if any(each.name == name for each in part.boundaries):
-            key = f"part.{name.rpartition(' ')[2]}"
-            raise GeometryError("is not milled; leave gcode out of the formats", key)
+    for each in part.boundaries:
+        if each.name not in MILLED:
+            message = f"the {each.name} is not milled; leave gcode out of the formats"
+            raise GeometryError(message, key="part")
     bench = Bench(part, milling, compensation)
     require_room(bench)
     findings: list[Finding] = []

@@ -16,7 +16,7 @@ from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
 from camgeo.part.build import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import SIDES, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import SIDES, DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.contour.cams import dwell, move
 
 ROLLER: Final = 8.0
@@ -57,6 +57,10 @@ def _share(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high)
 
 
+def _holes() -> st.SearchStrategy[Holes]:
+    return st.builds(Holes, st.integers(1, 8), _share(20.0, 130.0), _share(1.0, 9.0), _angles)
+
+
 @st.composite
 def specs(draw: st.DrawFn) -> PartSpec:
     """Specifications of parts, most of them possible."""
@@ -64,6 +68,10 @@ def specs(draw: st.DrawFn) -> PartSpec:
     keyway = None
     if bore is not None and draw(st.booleans()):
         keyway = Keyway(draw(_share(0.1, 0.6)) * bore, draw(_share(0.5, 4.0)), draw(_angles))
+    flat = None
+    if bore is not None and keyway is None and draw(st.booleans()):
+        flat = DShaft(draw(_share(0.51, 0.99)) * bore, draw(_angles))
+    bolts, light = (draw(st.none() | _holes()) for _ in range(2))
     hub = None
     if draw(st.booleans()):
         diameter = (bore or 10.0) + draw(_share(1.0, 30.0))
@@ -81,4 +89,7 @@ def specs(draw: st.DrawFn) -> PartSpec:
         groove_depth=draw(_share(0.5, 4.9)),
         hub=hub,
         mark=mark,
+        d_shaft=flat,
+        bolt_circle=bolts,
+        lightening_holes=light,
     )

@@ -15,9 +15,9 @@ from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
-from camgeo.part.features import mark_outline
+from camgeo.part.features import flattened, mark_outline
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -117,6 +117,31 @@ def test_outline_of_a_mark(radius: float, width: float, slender: float, angle: f
         (PartSpec(bore=20.0, mark=Mark(10.5, 2.0, 1.0)), "part.mark", "clear of the bore"),
         (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(20.0, 2.0, 1.0)), "part.mark", "clear of the hub"),
         (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(15.0, 2.0, 1.0)), "part.mark", "under the hub"),
+        (
+            PartSpec(bolt_circle=Holes(4, 50.0, 15.0)),
+            "part.bolt_circle",
+            "bolt hole 2 must lie clear of the outline",
+        ),
+        (
+            PartSpec(hub=Hub(50.0, 5.0), bolt_circle=Holes(4, 50.0, 5.0)),
+            "part.bolt_circle",
+            "bolt hole 1 must lie clear of the hub",
+        ),
+        (
+            PartSpec(lightening_holes=Holes(12, 30.0, 8.0)),
+            "part.lightening_holes",
+            "lightening hole 2 must lie clear of the lightening hole 1",
+        ),
+        (
+            PartSpec(bore=10.0, lightening_holes=Holes(1, 6.0, 20.0)),
+            "part.lightening_holes",
+            "lies around the bore",
+        ),
+        (
+            PartSpec(bolt_circle=Holes(3, 40.0, 6.0), mark=Mark(20.0, 2.0, 1.0)),
+            "part.mark",
+            "no material",
+        ),
         (PartSpec(mark=Mark(1.0, 2.0, 1.0)), "part.mark.radius", "must not reach the cam axis"),
     ],
 )
@@ -124,6 +149,38 @@ def test_no_room(spec: PartSpec, key: str, message: str) -> None:
     with pytest.raises(GeometryError, match=message) as caught:
         made(Contact.INNER, spec)
     assert caught.value.key == key
+
+
+def test_holes_pass_through_the_hub_that_they_lie_in() -> None:
+    holes = Holes(2, 40.0, 5.0)
+    within = replace(DISC, hub=Hub(50.0, 6.0, "both"), bolt_circle=holes)
+    beside = replace(DISC, hub=Hub(30.0, 6.0, "both"), lightening_holes=holes)
+    walls = {name: (z0, z1) for name, z0, z1 in _walls(made(Contact.INNER, within))}
+    assert walls["bolt hole 1"] == walls["bolt hole 2"] == walls["bore"] == (-16.0, 6.0)
+    walls = {name: (z0, z1) for name, z0, z1 in _walls(made(Contact.INNER, beside))}
+    assert walls["lightening hole 1"] == (-10.0, 0.0)
+
+
+def test_holes_beside_a_groove() -> None:
+    for circle in (50.0, 132.0):
+        made(Contact.GROOVE, replace(DISC, bolt_circle=Holes(4, circle, 4.0)))
+    with pytest.raises(GeometryError, match="no material"):
+        made(Contact.GROOVE, replace(DISC, bolt_circle=Holes(1, 80.0, 4.0, math.pi / 2.0)))
+
+
+@given(st.floats(5.0, 60.0), st.floats(0.501, 0.999), st.floats(-6.2, 6.2))
+@attack
+def test_bore_with_a_flat(diameter: float, share: float, angle: float) -> None:
+    contour = flattened(diameter, DShaft(share * diameter, angle))
+    radius, away = 0.5 * diameter, (share - 0.5) * diameter
+    half = math.acos(away / radius)
+    segment = radius**2 * (half - math.sin(half) * math.cos(half))
+    assert contour.area == pytest.approx(math.pi * radius**2 - segment, rel=1e-12)
+    along = contour.vertices * np.exp(-1j * angle)
+    assert along.real == pytest.approx([away, away])
+    assert np.abs(along) == pytest.approx([radius, radius])
+    part = made(Contact.INNER, PartSpec(bore=diameter, d_shaft=DShaft(share * diameter, angle)))
+    assert [each.name for each in part.boundaries] == ["outline", "bore"]
 
 
 def test_just_enough_room() -> None:

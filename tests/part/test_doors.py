@@ -11,7 +11,7 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.part.features import bore_boundary
 from camgeo.part.part import Wall
-from camgeo.part.spec import Keyway, PartSpec
+from camgeo.part.spec import DShaft, Keyway, PartSpec
 
 WRONG_LENGTHS: tuple[Any, ...] = (
     0, 0.0, -5.0, math.nan, math.inf, -math.inf, 5e-324, 1e300, 10**400, "3", True, 1j, [1.0], {},
@@ -27,6 +27,13 @@ def test_what_does_not_go_together() -> None:
     with pytest.raises(GeometryError, match="belongs to a bore") as caught:
         replace(SPEC, bore=None)
     assert caught.value.key == "part.keyway"
+    with pytest.raises(GeometryError, match="not both") as caught:
+        replace(SPEC, d_shaft=DShaft(18.0))
+    assert caught.value.key == "part.d_shaft"
+    for across in (10.0, 20.0):
+        with pytest.raises(GeometryError, match=r"above 10 .* below 20") as caught:
+            replace(SPEC, keyway=None, d_shaft=DShaft(across))
+        assert caught.value.key == "part.d_shaft.across"
     with pytest.raises(GeometryError, match=r"must be a .Keyway.") as caught:
         replace(SPEC, keyway=(6.0, 2.8))  # type: ignore[arg-type]  # wrong on purpose
     assert caught.value.key == "part.keyway"
