@@ -6,6 +6,7 @@ import argparse
 import atexit
 import gc
 import importlib
+import os
 import signal
 import sys
 import traceback
@@ -36,6 +37,11 @@ COLLECTED_AT = 500_000
 modules hundreds of times, which are no garbage: a sixth of the time of a build. A build makes
 200,000, of which it needs nearly all to the end; commands that compute for longer take 12 MB more
 than if it ran ten times as often."""
+
+BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
+"""Variable that states how many threads the BLAS of numpy and that of scipy start, each on loading.
+camgeo's matrices are too small to be shared among threads, which would only wait for work, and do
+so by spinning."""
 
 COMMANDS = (
     "new",
@@ -184,6 +190,7 @@ def _run(words: list[str]) -> int:
 
 def _own_the_process() -> None:
     """Settings that hold for a process that runs this command alone."""
+    os.environ.setdefault(BLAS_THREADS, "1")  # numpy is not imported yet
     gc.set_threshold(COLLECTED_AT)
     atexit.register(gc.freeze)  # no last collection at the end of the process
     mend()

@@ -13,7 +13,7 @@ import pytest
 
 from camgeo.answers.answer import CRASHED
 from camgeo.cli import check
-from camgeo.cli.main import STOPPED, TRACEBACK, Stopped, main
+from camgeo.cli.main import BLAS_THREADS, STOPPED, TRACEBACK, Stopped, main
 from camgeo.cli.streams import printable
 from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING
 
@@ -68,6 +68,31 @@ def test_help_names_the_exit_codes(capsys: Capture) -> None:
     out = capsys.readouterr().out
     assert TRACEBACK in out
     assert f"{CRASHED} an error in camgeo itself" in out
+
+
+# -- settings of a process of its own --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("stated", "used"), [({}, "1"), ({BLAS_THREADS: "2"}, "2")])
+def test_blas_has_one_thread_unless_more_are_stated(stated: dict[str, str], used: str) -> None:
+    """It reads the variable when numpy is imported, so that must not have happened before."""
+    code = (
+        "import os, sys\n"
+        "from camgeo.cli.main import BLAS_THREADS, main\n"
+        "early = 'numpy' in sys.modules\n"
+        "sys.argv[1:] = ['laws']\n"
+        "main()\n"
+        "sys.exit(f\"{early} {'numpy' in sys.modules} {os.environ[BLAS_THREADS]}\")\n"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != BLAS_THREADS}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment | stated,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stderr.splitlines()[-1] == f"False True {used}"
 
 
 # -- signals ---------------------------------------------------------------------------------------
