@@ -35,12 +35,14 @@ Step = tuple[str, ...]
 class Case:
     """Files by their names, and the calls in their order: words of the command line.
 
-    `source` says how it was drawn, or in the corpus why it is kept.
+    `source` says how it was drawn, or in the corpus why it is kept. `both` says whether a command
+    that also answers in JSON is called in both forms.
     """
 
     files: dict[str, bytes]
     steps: tuple[Step, ...]
     source: str = ""
+    both: bool = True
 
     @property
     def text(self) -> str:
@@ -106,7 +108,8 @@ def _inline(value: Any) -> str:
 def store(case: Case, stem: Path) -> Path:
     """Write a case under `stem`: as TOML what is a scene alone, else as JSON; give its path."""
     text = _text(case.files.get(SCENE, b""))
-    if set(case.files) == {SCENE} and case.steps == SCENE_STEPS and isinstance(text, str):
+    plain = set(case.files) == {SCENE} and case.steps == SCENE_STEPS and case.both
+    if plain and isinstance(text, str):
         path = stem.with_suffix(".toml")
         path.write_text(f"# {case.source}\n\n{text}", "utf-8")
         return path
@@ -116,6 +119,8 @@ def store(case: Case, stem: Path) -> Path:
         "steps": [list(step) for step in case.steps],
         "files": {name: _text(data) for name, data in case.files.items()},
     }
+    if not case.both:
+        document["both"] = False
     path.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", "utf-8")
     return path
 
@@ -131,7 +136,8 @@ def restore(path: Path) -> Case:
         name: data.encode() if isinstance(data, str) else base64.b64decode(data["base64"])
         for name, data in document["files"].items()
     }
-    return Case(files, tuple(map(tuple, document["steps"])), document["reason"])
+    both = document.get("both", True)
+    return Case(files, tuple(map(tuple, document["steps"])), document["reason"], both)
 
 
 def _text(data: bytes) -> str | dict[str, str]:

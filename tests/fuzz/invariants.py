@@ -176,7 +176,7 @@ def limited(name: str) -> Iterator[None]:
 
 
 def _check(step: Step, case: Case, outcome: Outcome) -> None:
-    """One step; of a command that also answers in JSON both forms."""
+    """One step; of a command that also answers in JSON both forms, unless the case wants one."""
     if step[:1] == (PYTHON,):
         with limited(PYTHON):
             _check_python(step[1], outcome)
@@ -185,7 +185,8 @@ def _check(step: Step, case: Case, outcome: Outcome) -> None:
     if HELP & set(step):
         return
     parser = commands().get(step[0]) if step else None
-    if parser is not None and "--json" not in step and "--json" in parser._option_string_actions:
+    answers = parser is not None and "--json" in parser._option_string_actions
+    if parser is not None and answers and "--json" not in step and case.both:
         overwrites = code < 2 and "--force" in parser._option_string_actions
         again = ["--force"] * overwrites  # what it has just written
         _check_json((step[0], "--json", *again, *step[1:]), case, code)

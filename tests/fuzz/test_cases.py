@@ -63,6 +63,7 @@ def test_files_of_no_length_can_be_damaged(seed: int) -> None:
     "case",
     [
         Case({SCENE: b"camgeo = 1\n"}, SCENE_STEPS, "a scene"),
+        Case({SCENE: b"camgeo = 1\n"}, SCENE_STEPS, "a scene, in one form", both=False),
         Case({SCENE: b"camgeo = 1\n", "a.csv": b"\xff\x00"}, (("check", SCENE),), "files"),
     ],
 )
@@ -71,6 +72,7 @@ def test_what_is_kept_is_read_back(case: Case, tmp_path: Path) -> None:
     found = restore(path)
     assert found.steps == case.steps
     assert found.source == case.source
+    assert found.both == case.both
     for name, data in case.files.items():  # a scene has the reason above it
         assert found.files[name].endswith(data)
 

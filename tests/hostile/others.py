@@ -16,7 +16,7 @@ from camgeo_export.threemf.writer import (
     MODEL_PATH,
     RELATIONSHIPS_PATH,
 )
-from tests.hostile.texts import WRONG_NUMBERS, Named, damaged
+from tests.hostile.texts import WRONG_NUMBERS, Named, damaged, times
 
 
 def facets(count: int, *, stated: int | None = None, fill: float = 0.0) -> bytes:
@@ -63,7 +63,7 @@ def bodies(good: bytes) -> Named:
     yield "signalling NaN", signalling  # found by mutation
     data["normal"] *= -1.0
     yield "flipped normals", b"another program".ljust(80) + good[80:PREFIX] + data.tobytes()
-    yield "random facets", random_facets(100_000)
+    yield "random facets", random_facets(times(100_000))
     for name, number in WRONG_NUMBERS.items():
         yield f"text {name}", text_stl(f"{number} 0 0", "1 0 0", "0 1 0")
         yield f"text normal {name}", text_stl("0 0 0", "1 0 0", "0 1 0", normal=f"0 0 {number}")
@@ -258,15 +258,15 @@ def toml(good: bytes) -> Named:
     yield "empty arrays", b"x = [" + b"[]," * 250_000 + b"]"
     yield "tables in tables", b"x = " + b"{a=" * 50_000
     yield "array of tables", b"[[a]]\n" * 100_000
-    yield "numbers", b"x = [" + b"1," * 299_000 + b"]"
+    yield "numbers", b"x = [" + b"1," * times(299_000) + b"]"
     yield "integer of 5,000 digits", b"x = " + b"9" * 5000
     yield "integer of 300,000 digits", b"x = " + b"9" * 300_000
     yield "hexadecimal digits", b"x = 0x" + b"f" * 1_000_000
     yield "exponent", b"x = 1e" + b"9" * 100
     yield "decimals", b"x = 0." + b"1" * 1_000_000
     yield "quotes", b'"""' * 600_001
-    yield "escaped quotes", b'x = "' + b'\\"' * 900_000
-    yield "backslashes", b'x = """' + b"\\" * 1_900_000
+    yield "escaped quotes", b'x = "' + b'\\"' * times(900_000)
+    yield "backslashes", b'x = """' + b"\\" * times(1_900_000)
     yield "literal quotes", b"x = '''" + b"''x" * 600_000
     yield "control characters", b"x = '\x1b[2J'"
     yield "lone surrogate", b'x = "\\ud800"'
@@ -285,10 +285,10 @@ def scenes(good: bytes) -> Named:
         )
     yield "2 MB", good + b"#" * 2_000_000
     yield "segments", good + b'\n[[motion]]\nlaw = "modified-sine"\nspan = 1\nto = 0\n' * 20_000
-    points = "{ at = 1, to = 1 }," * 20_000
+    points = "{ at = 1, to = 1 }," * times(20_000)
     segment = f'\n[[motion]]\nlaw = "points"\nspan = 1\nto = 1\npoints = [{points}]\n'
-    yield "20,000 points", good + segment.encode()
-    yield "formats", text.replace("formats = [", "formats = [" + '"x",' * 50_000).encode()
+    yield "many points", good + segment.encode()
+    yield "formats", text.replace("formats = [", "formats = [" + '"x",' * times(50_000)).encode()
 
 
 def profiles(good: bytes) -> Named:
@@ -310,7 +310,7 @@ def certificates(good: bytes) -> Named:
     yield "lists", b"[" * 100_000
     yield "closed lists", b"[" * 100_000 + b"]" * 100_000
     yield "tables", b'{"a":' * 100_000
-    yield "empty lists", b"[" + b"[]," * 600_000 + b"[]]"
+    yield "empty lists", b"[" + b"[]," * times(600_000) + b"[]]"
     yield "too many bytes", b" " * 2_000_001
     yield "integer of 5,000 digits", good.replace(b"0.01", b"9" * 5000)
     for value in (b"NaN", b"Infinity", b"-1", b"0", b"1e400", b'"0.01"', b"null", b"[]", b"true1"):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tests.long_form import examples
+
 Named = Iterator[tuple[str, bytes]]
 
 WRONG_NUMBERS = {
@@ -21,6 +23,11 @@ WRONG_NUMBERS = {
     "NUL": "1\0",
 }
 """What is not a number of a file."""
+
+
+def times(count: int) -> int:
+    """How often what takes time to read is repeated: `count` times in the long form."""
+    return examples(count // 4, long=count)
 
 
 def damaged(good: bytes) -> Named:
@@ -61,7 +68,7 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
         yield f"truncated to {share:.0%}", good[: int(share * len(good))]
     yield "binary", b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(1000)
     yield "without EOF", good.replace(b"EOF", b"END")
-    yield "sections in sections", b"0\nSECTION\n2\nENTITIES\n" * 100_000 + b"0\nEOF\n"
+    yield "sections in sections", b"0\nSECTION\n2\nENTITIES\n" * times(100_000) + b"0\nEOF\n"
     yield "header that ends", b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n0\nEOF\n"
     for name, number in WRONG_NUMBERS.items():
         yield f"coordinate {name}", dxf(f"0 CIRCLE 8 0 10 {number} 20 0 40 5")
@@ -76,10 +83,13 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     yield "polyline of nothing", dxf("0 POLYLINE 8 0 70 1", "0 SEQEND")
     for what in ("71 1e9", "71 nan", "71 3 72 1000000000", "71 3 40 nan", "71 3 73 -1", "71 0"):
         yield f"spline {what}", dxf(f"0 SPLINE 8 0 {what} 10 0 20 0 10 1 20 1 10 2 20 0 10 3 20 3")
-    knots = " ".join(f"40 {k % 7}" for k in range(100_000))
+    knots = " ".join(f"40 {k % 7}" for k in range(times(100_000)))
     yield "spline of unsorted knots", dxf(f"0 SPLINE 8 0 71 3 {knots} 10 0 20 0 10 1 20 1")
-    controls = " ".join(f"10 {k % 9} 20 {k % 11}" for k in range(100_000))
-    yield "spline of equal knots", dxf(f"0 SPLINE 8 0 71 3 {'40 0 ' * 100_004}{controls}")
+    controls = " ".join(f"10 {k % 9} 20 {k % 11}" for k in range(times(100_000)))
+    yield (
+        "spline of equal knots",
+        dxf(f"0 SPLINE 8 0 71 3 {'40 0 ' * (times(100_000) + 4)}{controls}"),
+    )
     block = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nINSERT\n2\nA\n0\nENDBLK\n0\nENDSEC\n"
     yield "block in itself", dxf("0 INSERT 8 0 2 A 10 0 20 0", head=block)
     blocks = "".join(
@@ -93,12 +103,12 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     yield "fullwidth group code", dxf("\uff10 LINE")
     yield "group codes with marks", dxf("1_0 LINE")
     yield "text of 10 MB", dxf("0 TEXT 1 " + "x" * 10_000_000)
-    yield "layers", dxf(*(f"0 LINE 8 L{k}" for k in range(100_000)))
+    yield "layers", dxf(*(f"0 LINE 8 L{k}" for k in range(times(100_000))))
     yield "one line's end", dxf(line(0, 0, 1e-320, 0), line(1e-320, 0, 0, 0))
     yield "loose lines", dxf(*(line(k, 0, k, 1) for k in range(100_000)))
     yield "lines at one place", dxf(*(line(0, 0, 1, k % 3) for k in range(100_000)))
     yield "far and near lines", dxf(line(1e9, 1e9, 1e-9, 0), line(1e-9, 0, 1e9, 1e9))
-    yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(20_000)))
+    yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(times(20_000))))
     many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(350_000))
     yield "open polyline", dxf(f"0 LWPOLYLINE 8 0 70 0 {many}")
     yield "too many lines", dxf(f"0 LWPOLYLINE 8 0 70 1 {many} {many}")
@@ -132,12 +142,12 @@ def programs(good: bytes) -> Named:
     yield "tolerance", b"(camgeo 1.0)\n(tolerance 1e300 mm)\n" + program("G1 X1")
     yield "polar", program("G16", "G1 X1")
     yield "only a mark", b"%\n" * 100_000
-    within = (f"X{k % 7 * 1e-5:.5f} Y{k % 5 * 1e-5:.5f}" for k in range(120_000))
+    within = (f"X{k % 7 * 1e-5:.5f} Y{k % 5 * 1e-5:.5f}" for k in range(times(120_000)))
     yield "moves within the tolerance", program("G0 X0 Y0", "G1 Z-1", *within)
-    spiral = (f"X{(k % 2) * 0.01 + k * 1e-7:.7f} Y0" for k in range(60_000))
+    spiral = (f"X{(k % 2) * 0.01 + k * 1e-7:.7f} Y0" for k in range(times(60_000)))
     yield "moves to and fro", program("G0 X0 Y0", "G1 Z-1", *spiral)
-    yield "closed paths", program("G0 X0 Y0", "G1 Z-1", *("X1 Y0", "X0 Y0") * 30_000)
-    yield "comments", program(*("(operation a)",) * 150_000)
+    yield "closed paths", program("G0 X0 Y0", "G1 Z-1", *("X1 Y0", "X0 Y0") * times(30_000))
+    yield "comments", program(*("(operation a)",) * times(150_000))
     yield "too many blocks", program(*("G1 X1",) * 200_001)
 
 
@@ -148,7 +158,7 @@ def contours(good: bytes) -> Named:
         yield f"bulge {name}", f"0,0,0\n1,1,{number}\n1,0,0\n".encode()
     yield "no area", b"0,0\n1,1\n2,2\n"
     yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
-    yield "one place", b"1,1\n" * 100_000
+    yield "one place", b"1,1\n" * times(100_000)
     yield "rows", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001))
     yield "semicolons", b"0;0\n1;1\n1;0\n"
     yield "three columns, then two", b"0,0,0\n1,1\n"
