@@ -27,7 +27,7 @@ OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The limits of a scene; None takes the default.
+    """The limits of a scene; None takes the default, where there is one.
 
     Attributes
     ----------
@@ -38,6 +38,9 @@ class Limits:
     undercut : whether a disc that undercuts is refused, or trimmed to what remains of it.
     closing_error : largest allowed play or squeeze of a conjugate pair whose discs are true to the
         tolerance, as travel of the main roller [mm].
+    diameter : largest allowed of a part [mm], of the circle about the cam axis that it sweeps; None
+        for no limit.
+    mass : largest allowed of a part [t]; None for no limit.
 
     Raises
     ------
@@ -52,6 +55,8 @@ class Limits:
         "refuse"
     )
     closing_error: Length = 0.02
+    diameter: Length | None = None
+    mass: Annotated[float, partial(number, above=0.0)] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "limits.")

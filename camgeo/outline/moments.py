@@ -1,24 +1,26 @@
-"""Area and first moments of the region inside a path, by Green's theorem on its exact curves.
+"""Area and moments of the region inside a path, by Green's theorem on its exact curves.
 
 With z = x + i y, and the boundary run counter-clockwise,
 
     area = contour integral of Im(conj(z) dz) / 2,
-    integral of z dA = contour integral of |z|^2 dz / (2 i).
+    integral of z dA = contour integral of |z|^2 dz / (2 i),
+    integral of |z|^2 dA = contour integral of |z|^2 Im(conj(z) dz) / 4,
+    integral of z^2 dA = contour integral of |z|^2 z dz / (2 i).
 
-Both follow from the complex form of Green's theorem, contour integral of f dz = 2 i times the area
-integral of df/dconj(z), with f = conj(z) and f = z conj(z).
+They follow from the complex form of Green's theorem, contour integral of f dz = 2 i times the area
+integral of df/dconj(z), with f = conj(z), z conj(z), z conj(z)^2 / 2 and z^2 conj(z).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, grouped, merged
 from camgeo.numeric.quadrature import gauss
 from camgeo.outline.path import Path, Pivot, Stretch
 
@@ -37,6 +39,9 @@ FLAT: Final = 0.1
 
 SHARE: Final = 1e-9
 """Tolerance of an area alone, as for `path_moments`."""
+
+WIDEST: Final = 0.5 * math.pi
+"""Widest arc [rad] over which the rule is exact to rounding for second moments."""
 
 ROUNDING: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Tolerance of an integral, as a fraction of the integral of the magnitude."""
@@ -163,53 +168,172 @@ def piece_moments(
     )
 
 
+Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
+"""What is integrated: of points (n,) and their derivatives by the parameter (n,)."""
+
+
+def _area(point: ComplexArray, way: ComplexArray) -> FloatArray:
+    found: FloatArray = 0.5 * (np.conj(point) * way).imag
+    return found
+
+
+def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+    return -0.5j * (point * np.conj(point)).real * way
+
+
+def _polar(point: ComplexArray, way: ComplexArray) -> FloatArray:
+    found: FloatArray = 0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag
+    return found
+
+
+def _square(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+    return _first(point, way) * point
+
+
+LOW_ORDER: Final[tuple[Integrand, Integrand]] = (_area, _first)
+SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar, _square)
+
+Sums = tuple[complex, complex, float, float]
+"""Two integrals, and the estimates of their errors."""
+
+
 def _of_stretch(stretch: Stretch, tolerance: float) -> Moments:
-    """The contour integrals along the stretch, by quadrature."""
+    """Area and first moment from the contour integrals along the stretch."""
+    sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
+    return total(Moments(one.real, other, *errors) for one, other, *errors in sums)
+
+
+def stretch_integrals(
+    stretch: Stretch, integrands: tuple[Integrand, Integrand], tolerance: float
+) -> list[Sums]:
+    """Two contour integrals along the stretch by quadrature, as the sums of each halving.
+
+    Parts are halved as for `path_moments`.
+    """
     edges = merged(stretch.marks)
     low, high = edges[:-1], edges[1:]
-    area, first, area_sizes, first_sizes = _gauss(stretch, low, high)
-    area_scale, first_scale = float(np.sum(area_sizes)), float(np.sum(first_sizes))
+    one, other, one_sizes, other_sizes = _gauss(stretch, integrands, low, high)
+    one_scale, other_scale = float(np.sum(one_sizes)), float(np.sum(other_sizes))
     span = stretch.end - stretch.start
-    found = [Moments(0.0, 0j, ROUNDING * area_scale, ROUNDING * first_scale)]
+    found: list[Sums] = [(0j, 0j, ROUNDING * one_scale, ROUNDING * other_scale)]
     for halving in range(HALVINGS):
         if not len(low):
             break
         middle = 0.5 * (low + high)
         lows, highs = np.concatenate((low, middle)), np.concatenate((middle, high))
-        areas, firsts, area_sizes, first_sizes = _gauss(stretch, lows, highs)
+        ones, others, *_ = _gauss(stretch, integrands, lows, highs)
         count = len(low)
-        finer_area = areas[:count] + areas[count:]
-        finer_first = firsts[:count] + firsts[count:]
-        area_change, first_change = np.abs(finer_area - area), np.abs(finer_first - first)
+        finer_one = ones[:count] + ones[count:]
+        finer_other = others[:count] + others[count:]
+        one_change, other_change = np.abs(finer_one - one), np.abs(finer_other - other)
         allowed = max(tolerance, ROUNDING) * (high - low) / span
-        done = (area_change <= allowed * area_scale) & (first_change <= allowed * first_scale)
+        done = (one_change <= allowed * one_scale) & (other_change <= allowed * other_scale)
         done |= 2 * np.count_nonzero(~done) > MOST_PARTS or halving == HALVINGS - 1
         found.append(
-            _sum(finer_area[done], finer_first[done], area_change[done], first_change[done])
+            (
+                _sum(finer_one[done]),
+                _sum(finer_other[done]),
+                math.fsum(one_change[done]),
+                math.fsum(other_change[done]),
+            )
         )
         left = np.concatenate((~done, ~done))
-        low, high, area, first = lows[left], highs[left], areas[left], firsts[left]
-    return total(found)
+        low, high, one, other = lows[left], highs[left], ones[left], others[left]
+    return found
 
 
-def _sum(area: FloatArray, first: ComplexArray, wrong: FloatArray, off: FloatArray) -> Moments:
-    moment = complex(math.fsum(first.real), math.fsum(first.imag))
-    return Moments(math.fsum(area), moment, math.fsum(wrong), math.fsum(off))
+def _sum(values: FloatArray | ComplexArray) -> complex:
+    return complex(math.fsum(values.real), math.fsum(values.imag))
 
 
 def _gauss(
-    stretch: Stretch, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]:
-    """Contributions (m,) to area and first moment over [low, high] (m,), and of the magnitudes."""
+    stretch: Stretch, integrands: tuple[Integrand, Integrand], low: FloatArray, high: FloatArray
+) -> tuple[FloatArray | ComplexArray, FloatArray | ComplexArray, FloatArray, FloatArray]:
+    """Two integrals over [low, high] (m,), and those of their magnitudes."""
     phi, half, weights = gauss(low, high, NODES)
     point, tangent, pace = stretch.curve.traced(phi.ravel())
-    way = tangent * pace
-    across = 0.5 * (np.conj(point) * way).imag.reshape(phi.shape)
-    square = (point * np.conj(point)).real
-    moment = (-0.5j * square * way).reshape(phi.shape)
+    one, other = (each(point, tangent * pace).reshape(phi.shape) for each in integrands)
     return (
-        half * (across @ weights),
-        half * (moment @ weights),
-        half * (np.abs(across) @ weights),
-        half * (np.abs(moment) @ weights),
+        half * (one @ weights),
+        half * (other @ weights),
+        half * (np.abs(one) @ weights),
+        half * (np.abs(other) @ weights),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class SecondMoments:
+    """Second moments of a region about the origin.
+
+    Attributes
+    ----------
+    polar : [mm^4], integral of |z|^2 dA.
+    square : [mm^4], integral of z^2 dA: that of x^2 - y^2, and twice that of x y.
+    polar_error, square_error : estimates of the absolute errors [mm^4].
+    """
+
+    polar: float
+    square: complex
+    polar_error: float
+    square_error: float
+
+    def scaled(self, factor: float) -> SecondMoments:
+        """All values times `factor`, e.g. -1 for a hole."""
+        size = abs(factor)
+        return SecondMoments(
+            factor * self.polar,
+            factor * self.square,
+            size * self.polar_error,
+            size * self.square_error,
+        )
+
+    def counter_clockwise(self) -> SecondMoments:
+        """The moments of the same region with a counter-clockwise boundary."""
+        return self if self.polar >= 0.0 else self.scaled(-1.0)
+
+
+def path_second_moments(path: Path, tolerance: float) -> SecondMoments:
+    """Second moments of the region inside `path`; parameters as for `path_moments`."""
+    pivots = [each for each in path.pivots if each.distance != 0.0]
+    arcs = piece_second_moments(
+        np.array([each.start for each in pivots], dtype=np.complex128),
+        np.array([each.end for each in pivots], dtype=np.complex128),
+        np.array([each.sweep for each in pivots], dtype=np.float64),
+        np.array([each.centre for each in pivots], dtype=np.complex128),
+    )
+    sums = [
+        each
+        for stretch in path.stretches
+        for each in stretch_integrals(stretch, SECOND_ORDER, tolerance)
+    ]
+    return SecondMoments(
+        math.fsum([arcs.polar, *(one.real for one, *_ in sums)]),
+        arcs.square + _sum(np.array([other for _, other, *_ in sums])),
+        math.fsum([arcs.polar_error, *(each[2] for each in sums)]),
+        math.fsum([arcs.square_error, *(each[3] for each in sums)]),
+    )
+
+
+def piece_second_moments(
+    start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
+) -> SecondMoments:
+    """The contributions of lines and arcs; parameters as for `piece_moments`.
+
+    By quadrature, which is exact but for rounding: the integrand of a line is a cubic, that of an
+    arc a sum of sines up to the fourth harmonic of its angle, over `WIDEST` at most.
+    """
+    counts = np.maximum(1, np.ceil(np.abs(sweep) / WIDEST)).astype(np.intp)
+    piece, number = grouped(counts)
+    share, half, weights = gauss(number / counts[piece], (number + 1) / counts[piece], NODES)
+    own = piece[:, np.newaxis]
+    arc, chord = sweep[own] != 0.0, (end - start)[own]
+    arm = (start - centre)[own] * np.exp(1j * sweep[own] * share)
+    point = np.where(arc, centre[own] + arm, start[own] + chord * share)
+    way = np.where(arc, 1j * sweep[own] * arm, chord)
+    polar, square = _polar(point, way), _square(point, way)
+    return SecondMoments(
+        math.fsum(half * (polar @ weights)),
+        _sum(half * (square @ weights)),
+        ROUNDING * math.fsum(half * (np.abs(polar) @ weights)),
+        ROUNDING * math.fsum(half * (np.abs(square) @ weights)),
     )

@@ -12,7 +12,7 @@ from camgeo.contour.nearness import least_distance
 from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
-from camgeo.part.boundaries import ExactBoundary, largest_radius, smallest_radius
+from camgeo.part.boundaries import ExactBoundary, largest_radius
 from camgeo.part.features import bore_boundary, hole_boundaries, mark_boundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import BOTH, LOWER, UPPER, Holes, Hub, PartSpec
@@ -74,7 +74,7 @@ def assembled(
     outer : outermost boundary of the disc.
     flanks : its other flanks: two of a groove, sunk to its depth, or one through the disc.
     rooms : within which a hub on the upper and on the lower face must stay.
-    tolerance : of the contours [mm] that show that boundaries do not touch.
+    tolerance : by which boundaries must at least lie apart [mm], and of the contours that show it.
 
     Raises
     ------
@@ -144,12 +144,11 @@ def _rooms_of(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...
 
 def _require_room(hub: Hub, room: Boundary, tolerance: float) -> None:
     """GeometryError unless the hub stands within `room`."""
-    fit = room.arcs(tolerance, "fast")
-    nearest = smallest_radius(fit.contour) - fit.deviation
-    if 0.5 * hub.diameter >= nearest:
+    nearest = room.nearest()
+    if 0.5 * hub.diameter + tolerance >= nearest:
         raise GeometryError(
             f"the hub reaches {0.5 * hub.diameter:.6g} mm from the cam axis, but the {room.name}"
-            f" comes as near as {max(nearest, 0.0):.6g} mm",
+            f" comes as near as {nearest:.6g} mm",
             key="part.hub.diameter",
             value=f"{hub.diameter:g}",
         )

@@ -21,7 +21,15 @@ from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import instance, positive
+from camgeo.outline.moments import (
+    Moments,
+    SecondMoments,
+    path_moments,
+    path_second_moments,
+    piece_second_moments,
+)
 from camgeo.outline.path import Path
+from camgeo.outline.radii import encloses_axis, radii
 from camgeo.pickled import Pickled
 
 Found = TypeVar("Found", Fit, SplineFit)
@@ -102,6 +110,24 @@ class CurveBoundary(Pickled):
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
+    def moments(self, tolerance: float) -> Moments:
+        """See `camgeo.part.part.Boundary`."""
+        return path_moments(self.path, tolerance).counter_clockwise()
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """See `camgeo.part.part.Boundary`."""
+        return path_second_moments(self.path, tolerance).counter_clockwise()
+
+    def farthest(self) -> tuple[float, float | None]:
+        """See `camgeo.part.part.Boundary`."""
+        farthest = radii(self.path).highest
+        return farthest.value, farthest.place
+
+    def nearest(self) -> float:
+        """See `camgeo.part.part.Boundary`."""
+        nearest = radii(self.path).lowest.value
+        return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
+
 
 def _once(known: dict[Any, Any], contour: Contour, find: Callable[[], float]) -> float:
     """The deviation of `contour`, found now or known for the same numbers from another start."""
@@ -155,6 +181,24 @@ class ExactBoundary(Pickled):
         centre = complex((self.core or self.exact).centres[0])
         name = f"path of the cutter along the {self.name}"
         return ExactBoundary(name, self.hole, Contour.circle(radius, centre))
+
+    def moments(self, tolerance: float) -> Moments:
+        """In closed form, see `camgeo.part.part.Boundary`."""
+        return self.exact.moments.counter_clockwise()
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """Exact but for rounding, see `camgeo.part.part.Boundary`."""
+        exact = self.exact
+        found = piece_second_moments(exact.vertices, exact.ends, exact.sweeps, exact.centres)
+        return found.counter_clockwise()
+
+    def farthest(self) -> tuple[float, float | None]:
+        """See `camgeo.part.part.Boundary`; no cam angle belongs to a point of it."""
+        return largest_radius(self.exact), None
+
+    def nearest(self) -> float:
+        """See `camgeo.part.part.Boundary`."""
+        return smallest_radius(self.exact)
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """The outline itself, at either effort."""

@@ -15,7 +15,6 @@ from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
     largest_radius,
-    smallest_radius,
 )
 from camgeo.part.features import bore_outline
 from camgeo.part.part import Part
@@ -37,7 +36,8 @@ def build_part(
     contact : flank on which the roller runs.
     inner, outer : the real outlines of the flanks; only those of the contact are used.
     spec : the scene's specification of the part.
-    tolerance : of the contours [mm] that show that one boundary lies inside another.
+    tolerance : by which one boundary must at least lie inside another [mm]: contours of both that
+        are as exact as that do not touch.
     ledger : records fits of the flanks.
 
     Raises
@@ -45,8 +45,6 @@ def build_part(
     GeometryError
         With the key of the scene if a bore or a hub does not fit inside the disc, a flank not
         inside the rim, or a mark is not clear of all of them.
-    UndercutError
-        If a flank is not an outline.
     """
     return PARTS[contact](inner, outer, spec, tolerance, ledger or Ledger())
 
@@ -87,8 +85,7 @@ def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBo
     if spec.rim is None:
         raise GeometryError("a groove or inside cam needs the diameter of its rim", key="part.rim")
     flank = CurveBoundary("outer flank", hole=True, path=outer, ledger=book)
-    fit = flank.arcs(tolerance, "fast")
-    needed = 2.0 * (largest_radius(fit.contour) + fit.deviation)
+    needed = 2.0 * (flank.farthest()[0] + tolerance)
     if spec.rim <= needed:
         raise GeometryError(
             f"the rim must lie outside the outer flank: more than {needed:.6g} mm",
@@ -101,13 +98,12 @@ def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBo
 def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
     if spec.bore is None:
         return
-    fit = flank.arcs(tolerance, "fast")
-    room = smallest_radius(fit.contour) - fit.deviation
+    room = flank.nearest()
     reach = largest_radius(bore_outline(spec.bore, spec.keyway))
-    if reach >= room:
+    if reach + tolerance >= room:
         raise GeometryError(
             f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
-            f" as {max(room, 0.0):.6g} mm",
+            f" as {room:.6g} mm",
             key="part.bore",
             value=f"{spec.bore:g}",
         )

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown
-from camgeo.part.boundaries import largest_radius
-
-COARSE: Final = 0.01
-"""Tolerance [mm] of the contours by which the largest section is found."""
+from camgeo.outline.moments import Moments, SecondMoments
 
 
 class Boundary(Protocol):
@@ -53,6 +50,23 @@ class Boundary(Protocol):
 
         A hole gives a hole. Raises GeometryError if the boundary has no such parallel curve.
         """
+
+    def moments(self, tolerance: float) -> Moments:
+        """Area and first moments of all that it encloses, counter-clockwise.
+
+        `tolerance` is a share, see `camgeo.outline.moments.path_moments`.
+        """
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """Second moments of all that it encloses, counter-clockwise; see `moments`."""
+
+    def farthest(self) -> tuple[float, float | None]:
+        """Largest distance from the cam axis [mm]; of a flank, with the first cam angle [rad] at
+        which that is in contact.
+        """
+
+    def nearest(self) -> float:
+        """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
 
 
 def require_boundary(value: Any) -> None:
@@ -178,7 +192,7 @@ class Part:
         first = [layer.boundaries[0] for layer in self.layers]
         if all(each is first[0] for each in first):
             return first[0]
-        return max(first, key=lambda each: largest_radius(each.arcs(COARSE, "fast").contour))
+        return max(first, key=lambda each: each.farthest()[0])
 
     @property
     def disc(self) -> tuple[Layer, ...]:

@@ -270,6 +270,14 @@ def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
         yield ("follower", "side_clearance"), message
 
 
+def a_mass_is_known(values: ValidValues) -> Iterator[Broken]:
+    """Where the mass is limited, thickness and density are stated."""
+    density = "[effects.balance], which has the density"
+    for key, name in (("part", "thickness"), "[part] thickness"), ((EFFECTS, "balance"), density):
+        if values.has("limits", "mass") and values.lacks(*key) and values.valid(key[0]):
+            yield ("limits", "mass"), f"needs {name}"
+
+
 def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:
     """The tolerance is within its limits, and in proportion to the mechanism."""
     place = ("output", "tolerance")
@@ -343,5 +351,6 @@ RULES: Final[tuple[Rule, ...]] = (
     contact_and_part_agree,
     roller_is_possible,
     part_is_possible,
+    a_mass_is_known,
     tolerance_is_possible,
 )

@@ -13,6 +13,7 @@ import camgeo
 from camgeo.answers.check import Check, check
 from camgeo.answers.render import text
 from camgeo.design import Design
+from camgeo.errors import SceneError
 from camgeo.scene.load import load_scene
 from camgeo.toolpath.engaged import engagement_findings
 from camgeo.wording import clock
@@ -266,3 +267,98 @@ def test_no_machining_without_a_tool_or_without_a_disc() -> None:
     refused = FIXTURES / "refused" / "undercut_tappet.toml"
     assert check(Design(load_scene(refused))).machining is None
     assert document(check(Design(load_scene(bare))))["machining"] is None
+
+
+DISC = """
+camgeo = 1
+name = "disc"
+cam = { rotation = "ccw" }
+follower = { kind = "translating-roller", base_radius = 50, roller_radius = 10 }
+motion = [{ law = "polynomial-345", span = 180, to = 8 },
+          { law = "polynomial-345", span = 180, to = 0 }]
+"""
+"""A disc from 40 to 48 mm."""
+
+SOLID = "part = { thickness = 12, bore = 20 }\neffects.balance = { density = 7850 }\n"
+
+
+def test_mass_properties_of_the_part_of_each_disc() -> None:
+    design = camgeo.loads(DISC + SOLID)
+    found = check(design)
+    (part,) = found.parts.values()
+    assert part.diameter == pytest.approx(96.0, rel=1e-15)
+    assert part.body is not None
+    balance = design.effect("balance")
+    assert part.body.mass == pytest.approx(1e3 * balance.mass, rel=1e-9)
+    centre = part.body.solid.centre
+    assert complex(*centre[:2]) == pytest.approx(balance.centre, rel=1e-9)
+    reported = document(found)["parts"]["disc"]
+    assert reported["diameter_mm"] == part.diameter
+    assert reported["body"]["centre_mm"] == centre.tolist()
+    assert reported["body"]["density_kg_m3"] == pytest.approx(7850.0)
+    assert reported["body"]["mass_kg"] == part.body.mass
+    inertia = part.body.inertia
+    assert inertia is not None
+    assert reported["body"]["inertia_kg_mm2"] == inertia.tolist()
+    (layer,) = reported["layers"]
+    assert (layer["z0_mm"], layer["z1_mm"]) == (-12.0, 0.0)
+    assert layer["area_mm2"] * 12.0 == pytest.approx(part.body.solid.volume, rel=1e-12)
+    lines = lines_of(found)
+    start = lines.index("part:")
+    assert lines[start + 1].startswith("ok      largest-diameter ")
+    assert lines[start + 1].endswith(" largest diameter 96 mm at cam angle 180 deg")
+    assert f"mass {part.body.mass:.6g} kg" in lines[start + 2]
+    assert "moment of inertia about the cam axis" in lines[start + 5]
+
+
+@pytest.mark.parametrize(("limits", "broken"), [
+    ("diameter = 96", []), ("diameter = 95.9", ["largest-diameter"]),
+    ("mass = 0.6", []), ("mass = 0.5", ["mass"]),
+])  # fmt: skip
+def test_diameter_and_mass_are_held_to_their_limits(limits: str, broken: list[str]) -> None:
+    found = check(camgeo.loads(f"{DISC}limits = {{ {limits} }}\n{SOLID}"))
+    (part,) = found.parts.values()
+    wrong = [each for each in part.findings if each.severity == "broken"]
+    assert [each.name for each in wrong] == broken
+    assert found.exit_code == (1 if broken else 0)
+    (limited,) = (each for each in part.findings if each.limit is not None)
+    assert limited.value is not None
+    assert limited.limit is not None
+    assert (limited.value > limited.limit) == bool(broken)
+    assert f"{limited.limit:g} {limited.unit}" in limited.sentence
+
+
+def test_limits_are_in_the_unit_of_the_scene() -> None:
+    inch = 'units = { length = "inch" }\n' + DISC.replace("base_radius = 50", "base_radius = 2")
+    inch = inch.replace("roller_radius = 10", "roller_radius = 0.4").replace("to = 8", "to = 0.3")
+    found = check(camgeo.loads(f"{inch}limits = {{ diameter = 3.7 }}\n"))
+    (part,) = found.parts.values()
+    assert part.diameter == pytest.approx(2.0 * 1.9 * 25.4, rel=1e-14)
+    assert part.findings[0].limit == pytest.approx(3.7 * 25.4, rel=1e-15)
+    assert part.body is None
+    assert found.exit_code == 1
+
+
+def test_a_limit_of_the_mass_needs_thickness_and_density() -> None:
+    with pytest.raises(SceneError) as error:
+        camgeo.loads(DISC + "limits.mass = 2\n")
+    assert [each.key for each in error.value.faults] == ["limits.mass", "limits.mass"]
+    shown = str(error.value)
+    assert "needs [part] thickness" in shown
+    assert "needs [effects.balance]" in shown
+
+
+def test_a_bore_that_does_not_fit_is_found_without_milling() -> None:
+    found = check(camgeo.loads(f"{DISC}part = {{ bore = 81 }}\n"))
+    (part,) = found.parts.values()
+    assert part.diameter is None
+    assert [each.severity for each in part.findings] == ["invalid"]
+    assert "the bore reaches 40.5 mm" in part.findings[0].sentence
+    assert found.exit_code == 2
+    assert document(found)["parts"]["disc"]["body"] is None
+
+
+def test_findings_of_a_design_compute_no_part() -> None:
+    design = camgeo.loads(f"{DISC}limits = {{ diameter = 10 }}\n{SOLID}")
+    assert {each.severity for each in design.findings} <= {"ok", "warning"}
+    assert "discs" not in design.__dict__

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +20,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import Path, whole
+from camgeo.outline.path import Path, Pivot, whole
 from camgeo.part import boundaries
 from camgeo.part.boundaries import (
     CurveBoundary,
@@ -214,10 +215,8 @@ def test_rim_must_be_outside(contact: Contact) -> None:
 
 
 def test_undercut_is_no_part() -> None:
+    """It is found when its outline is asked for; a design refuses such a disc before."""
     undercut = whole(WorkingCurve(PITCH, -60.0))
-    with pytest.raises(UndercutError):
-        build_part(Contact.INNER, undercut, OUTER, PartSpec(bore=5.0), 0.01)
-    # Without anything to fit into it, it is found when its outline is asked for.
     part = build_part(Contact.INNER, undercut, OUTER, PartSpec(), 0.01)
     for ask in (part.boundaries[0].arcs, part.boundaries[0].polyline):
         with pytest.raises(UndercutError):
@@ -235,6 +234,29 @@ def test_extreme_radii(name: tuple[str, int]) -> None:
     assert largest_radius(contour) == pytest.approx(float(np.max(radii)), abs=2e-5)
     assert smallest_radius(contour) <= np.min(radii) + 1e-12
     assert largest_radius(contour) >= np.max(radii) - 1e-12
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize(("distance", "nearest", "farthest"), [(-8, 32, 47), (8, 48, 63)])
+def test_extreme_radii_of_a_flank_are_exact(
+    distance: float, nearest: float, farthest: float, rotation: int
+) -> None:
+    pitch = PitchCurve(PLAN, TranslatingRoller(40.0, ROLLER), rotation)
+    flank = CurveBoundary("outline", hole=False, path=whole(WorkingCurve(pitch, distance)))
+    assert flank.nearest() == pytest.approx(nearest, rel=1e-15)
+    radius, angle = flank.farthest()
+    assert radius == pytest.approx(farthest, rel=1e-15)
+    assert angle == pytest.approx(math.pi, rel=1e-15)  # where the upper dwell begins
+
+
+@pytest.mark.parametrize(("radius", "nearest"), [(1.0, 0.0), (2.99, 0.0), (3.01, 0.01), (8, 5)])
+def test_a_disc_beside_the_axis_has_no_room_for_a_bore(radius: float, nearest: float) -> None:
+    """A circle about a point 3 mm away, in three arcs."""
+    third = 2.0 * math.pi / 3.0
+    pivots = tuple(Pivot(3.0 + 0j, radius, cmath.rect(1.0, 0.4 + k * third), third, 0.0, 0.0)
+                   for k in range(3))  # fmt: skip
+    disc = CurveBoundary("outline", hole=False, path=Path(pivots))
+    assert disc.nearest() == pytest.approx(nearest, rel=1e-12)
 
 
 @pytest.mark.parametrize("tolerance", [0.1, 0.001])

@@ -15,6 +15,7 @@ from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, 
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
+    from camgeo.answers.check.parts import PartFound
     from camgeo.cam.disc import Disc
     from camgeo.check.cures.cure import Cure
     from camgeo.design import Design
@@ -120,6 +121,7 @@ class Check(Answer):
     curves : the discs by their names, the main one first. None without a follower.
     cures : what would cure undercut, the cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
+    parts : the part of each disc by names, the main one first; empty if there is no disc.
     machining : the milling programs; None if the scene states no milling, or if there is no disc.
     """
 
@@ -130,6 +132,7 @@ class Check(Answer):
     curves: Mapping[str, Disc]
     cures: tuple[Cure, ...]
     effects: Mapping[str, tuple[Finding, ...]]
+    parts: Mapping[str, PartFound]
     machining: Machining | None = None
 
     @property
@@ -149,11 +152,12 @@ class Check(Answer):
 
     @property
     def exit_code(self) -> int:
-        """2 if there is no such mechanism or no program of it can be planned, 1 if a limit is
-        broken, there is no such disc, or a program must not be run.
+        """2 if there is no such mechanism or part or no program of it can be planned, 1 if a limit
+        is broken, there is no such disc, or a program must not be run.
         """
         milling = () if self.machining is None else self.machining.findings
-        return exit_code(chain(self.findings, *self.effects.values(), milling))
+        parts = (each.findings for each in self.parts.values())
+        return exit_code(chain(self.findings, *self.effects.values(), *parts, milling))
 
 
 def check(design: Design) -> Check:
@@ -162,14 +166,22 @@ def check(design: Design) -> Check:
     found = design.findings
     wrong = any(finding.severity == "invalid" for finding in found)
     named = () if wrong else design.scene.effects
+    parts = _parts(design) if design.judgement.cams and not forbidding(found) else {}
     return Check(
         design.scene,
         found,
         {name: cam.disc for name, cam in cams},
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
+        parts,
         None if design.scene.milling is None or forbidding(found) else _machining(design),
     )
+
+
+def _parts(design: Design) -> dict[str, PartFound]:
+    from camgeo.answers.check.parts import part_of  # a motion alone has none
+
+    return {disc.name: part_of(disc) for disc in design.discs}
 
 
 def _machining(design: Design) -> Machining:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import Check, Machining
+from camgeo.answers.check.parts import Body, PartFound
 from camgeo.wording import clock
 
 if TYPE_CHECKING:
@@ -26,9 +27,35 @@ def text(answer: Check) -> str:
         lines += [f"  {'' if cure.works else 'no cure: '}{cure.sentence}" for cure in answer.cures]
     for name, found in answer.effects.items():
         lines += ["", f"{name}:", *finding_lines(found)]
+    several = len(answer.parts) > 1
+    for name, part in answer.parts.items():
+        lines += ["", f"part of {name}:" if several else "part:", *_part(part)]
     if answer.machining is not None:
         lines += _machining(answer.machining)
     return "\n".join(lines)
+
+
+def _part(found: PartFound) -> list[str]:
+    """Size, mass and moments of inertia of a part."""
+    told = [f"area of the {each.name} {each.area:.6g} mm^2" for each in found.layers]
+    if found.body is not None:
+        told += _body(found.body)
+    return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in told)]
+
+
+def _body(body: Body) -> list[str]:
+    centre = ", ".join(_shown(each, body.solid.centre_error) for each in body.solid.centre)
+    lines = [f"volume {body.solid.volume:.6g} mm^3, centre of mass ({centre}) mm"]
+    if body.axial_inertia is None or body.inertia is None:
+        return [*lines, "no mass: the scene states no density"]
+    about = ", ".join(f"{each:.6g}" for each in body.inertia.diagonal())
+    axial = f"moment of inertia about the cam axis {body.axial_inertia:.6g} kg mm^2"
+    return [*lines, f"{axial}; about x, y, z through the centre of mass {about} kg mm^2"]
+
+
+def _shown(value: float, error: float) -> str:
+    """A coordinate that its error may be all of is 0."""
+    return "0" if abs(value) <= error else f"{value:.6g}"
 
 
 def _machining(found: Machining) -> list[str]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import groupby
 from typing import Final
 
 from camgeo.check.finding import Finding
@@ -23,9 +22,8 @@ from camgeo.effects.wording import KG, at, missed
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import phase
-from camgeo.outline.moments import Moments, path_moments, total
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.part import Boundary, Part
+from camgeo.part.mass import disc_moments
+from camgeo.part.part import Part
 from camgeo.units import RPM
 
 TAKEN: Final = 0.1
@@ -272,33 +270,4 @@ def no_row_finding(
         value=None if fault else GRAM_MM * reached,
         limit=None if fault else GRAM_MM * unbalance,
         unit="" if fault else "g mm",
-    )
-
-
-def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
-    """Mass [t] as the area, and mass times centre of mass [t mm] as the first moment.
-
-    Parameters
-    ----------
-    part : with known thickness. Each boundary counts with the height of its walls.
-    density : [t/mm^3].
-    tolerance : of the integrals over the outlines, see `camgeo.outline.moments.path_moments`.
-    """
-
-    def of_boundary(boundary: Boundary) -> Moments:
-        if isinstance(boundary, CurveBoundary):
-            return path_moments(boundary.path, tolerance).counter_clockwise()
-        if isinstance(boundary, ExactBoundary):
-            return boundary.exact.moments.counter_clockwise()
-        raise EffectError(
-            f"the mass inside the boundary {boundary.name!r}, a {type(boundary).__name__}, is"
-            " unknown"
-        )
-
-    # Inside a boundary there is material along its wall; inside a hole there is none.
-    return total(
-        total(
-            of_boundary(wall.boundary).scaled(-1.0 if wall.boundary.hole else 1.0) for wall in walls
-        ).scaled(density * height)
-        for height, walls in groupby(part.walls, lambda wall: wall.z1 - wall.z0)
     )

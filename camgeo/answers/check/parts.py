@@ -1,0 +1,119 @@
+"""The part of a disc as `camgeo check` describes it: size, mass properties, and their limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from camgeo.check.finding import Finding, held
+from camgeo.errors import GeometryError, ToleranceError
+from camgeo.part.mass import Solid, largest_diameter, section_area, solid
+from camgeo.wording import at_cam_angles
+
+if TYPE_CHECKING:
+    from camgeo.numeric.arrays import FloatArray
+    from camgeo.product.product import Product
+    from camgeo.scene.scene import Scene
+
+KG: Final = 1e3
+"""From t to kg, and from t mm^2 to kg mm^2."""
+
+KG_M3: Final = 1e12
+"""From t/mm^3 to kg/m^3."""
+
+BALANCE: Final = "balance"
+"""The effect whose table states the density."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """A layer of the part: its name, the heights of its faces [mm], and its area [mm^2]."""
+
+    name: str
+    z0: float
+    z1: float
+    area: float
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """The part as a body.
+
+    Attributes
+    ----------
+    solid : its volume and moments.
+    density : [t/mm^3]; None if the scene does not state it.
+    """
+
+    solid: Solid
+    density: float | None
+
+    @property
+    def stated_density(self) -> float | None:
+        """The density [kg/m^3]."""
+        return None if self.density is None else KG_M3 * self.density
+
+    @property
+    def mass(self) -> float | None:
+        """The mass [kg]."""
+        return None if self.density is None else KG * self.density * self.solid.volume
+
+    @property
+    def axial_inertia(self) -> float | None:
+        """The moment of inertia about the cam axis [kg mm^2]."""
+        return None if self.density is None else KG * self.density * self.solid.axial
+
+    @property
+    def inertia(self) -> FloatArray | None:
+        """(3, 3) inertia tensor about the centre of mass [kg mm^2]."""
+        return None if self.density is None else KG * self.density * self.solid.inertia
+
+
+@dataclass(frozen=True, slots=True)
+class PartFound:
+    """What a check finds of a part.
+
+    Attributes
+    ----------
+    diameter : of the circle about the cam axis that it sweeps [mm]; None if there is no such part.
+    layers : from the lowest upward; empty if there is no such part.
+    body : None if the scene does not state all heights.
+    findings : diameter and mass, with their limits; or why there is no such part.
+    """
+
+    diameter: float | None
+    layers: tuple[Slice, ...]
+    body: Body | None
+    findings: tuple[Finding, ...]
+
+
+def part_of(disc: Product) -> PartFound:
+    """The part of a disc that exists."""
+    try:
+        part = disc.drawn.part
+    except (GeometryError, ToleranceError) as error:
+        return PartFound(None, (), None, (Finding("part", "invalid", str(error)),))
+    limits = disc.scene.limits
+    diameter, angle = largest_diameter(part)
+    where = "" if angle is None else f" {at_cam_angles(angle)}"
+    statement = f"largest diameter {diameter:.6g} mm{where}"
+    found = [held("largest-diameter", statement, diameter, limits.diameter, "mm", angle)]
+    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
+    try:
+        body = Body(solid(part), _density(disc.scene))
+    except GeometryError:  # heights that the scene does not state
+        return PartFound(diameter, layers, None, tuple(found))
+    if body.mass is not None:
+        most = None if limits.mass is None else KG * limits.mass
+        found.append(held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg"))
+    return PartFound(diameter, layers, body, tuple(found))
+
+
+def _density(scene: Scene) -> float | None:
+    """Of the part [t/mm^3], where the scene states it."""
+    if BALANCE not in scene.effects:
+        return None
+    from camgeo.effects.registry import find_effect  # few scenes name an effect
+
+    density: float = find_effect(BALANCE).parse(scene.effects[BALANCE]).density
+    return density
