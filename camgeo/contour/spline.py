@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from camgeo.contour.bezier import CUBIC, area, beziers_of_spline, length
-from camgeo.contour.contour import is_straight
+from camgeo.contour.contour import Contour, is_straight
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.outline.moments import segment_areas
 
@@ -240,3 +240,15 @@ class SplineFit:
     contour: SplineContour
     deviation: float
     tolerance: float
+
+
+def strands_of(contour: Contour) -> SplineContour:
+    """The lines and arcs of a contour, each a strand."""
+    pieces = zip(
+        contour.vertices.tolist(),
+        contour.ends.tolist(),
+        contour.sweeps.tolist(),
+        contour.centres.tolist(),
+        strict=True,
+    )
+    return SplineContour(tuple(Arc(*piece) for piece in pieces))

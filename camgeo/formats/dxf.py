@@ -10,7 +10,9 @@ from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
 from camgeo.numeric.checked import instance, one_of
 
-ENTITIES: Final = ("arcs", "polyline", "spline")
+SINGLE: Final = "lines-and-arcs"
+
+ENTITIES: Final = ("arcs", SINGLE, "polyline", "spline")
 """The entities that curves are drawn as."""
 
 
@@ -20,8 +22,8 @@ class DxfSpec:
 
     Attributes
     ----------
-    entity : "arcs" (lines and arcs), "polyline" (straight pieces only) or "spline" (cubic splines;
-        dwells and turns stay arcs).
+    entity : "arcs" (polylines of lines and arcs), "lines-and-arcs" (the same as single entities),
+        "polyline" (straight pieces only) or "spline" (cubic splines; dwells and turns stay arcs).
     auxiliary : whether pitch curve, base circle and centre mark are drawn too, on their own layers.
     """
 

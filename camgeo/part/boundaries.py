@@ -17,7 +17,7 @@ from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
-from camgeo.contour.spline import Arc, SplineContour, SplineFit
+from camgeo.contour.spline import SplineContour, SplineFit, strands_of
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import instance, positive
@@ -211,15 +211,7 @@ class ExactBoundary(Pickled):
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself, at either effort: lines and arcs already are strands."""
-        contour = self.exact.counter_clockwise()
-        pieces = zip(
-            contour.vertices.tolist(),
-            contour.ends.tolist(),
-            contour.sweeps.tolist(),
-            contour.centres.tolist(),
-            strict=True,
-        )
-        return SplineFit(SplineContour(tuple(Arc(*piece) for piece in pieces)), 0.0, tolerance)
+        return SplineFit(strands_of(self.exact.counter_clockwise()), 0.0, tolerance)
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Bound [mm] in closed form, see `camgeo.contour.exact`; for a spline by its arcs."""

@@ -36,7 +36,6 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
         names = ", ".join(boundary.name for boundary in boundaries)
         found = counted(len(contours), "closed contour")
         raise FileError(f"{found}, expected {len(boundaries)}: {names}")
-    # Those that the part was built with, where it has several boundaries.
     outlines = [boundary.arcs(TOPOLOGY_TOLERANCE, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
     return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)

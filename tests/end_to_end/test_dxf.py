@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 
-from tests.end_to_end.built import CHORDS, DENSE, Built
+from tests.end_to_end.built import CHORDS, DENSE, Built, Exact
 from tests.end_to_end.exact import half_width
 from tests.measuring import DensePath, Outline
 
@@ -45,6 +45,25 @@ def _turns(outline: Outline) -> np.ndarray:
     return np.asarray(np.angle(np.exp(1j * (first - np.roll(last, 1)))))
 
 
+def _layers(built: Built) -> tuple[str, ...]:
+    """Layers of the part: of what is cut through, and of the flanks of a groove."""
+    part = built.design.scene.part
+    if not built.groove:
+        return ("CUT",)
+    assert part is not None
+    assert part.groove_depth is not None
+    return ("CUT", f"BLIND_{part.groove_depth / UNITS[built.design.scene.unit][2]:.6g}")
+
+
+def _part(built: Built) -> list[tuple[Outline, Exact]]:
+    """The polylines of the part with their exact outlines, layer by layer."""
+    found = []
+    for layer, exact in zip(_layers(built), (built.through, built.groove), strict=False):
+        wanted = sorted(exact, key=lambda each: -each.area)
+        found += list(zip(_outlines(built, layer), wanted, strict=True))
+    return found
+
+
 def test_document(built: Built) -> None:
     document = built.drawing
     assert not document.audit().errors
@@ -54,7 +73,8 @@ def test_document(built: Built) -> None:
     assert document.header["$MEASUREMENT"] == measurement
     kinds = {(entity.dxf.layer, entity.dxftype()) for entity in document.modelspace()}
     # Nothing else, and no text anywhere.
-    drawn = {("CUT", "LWPOLYLINE"), ("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
+    drawn = {("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
+    drawn |= {(layer, "LWPOLYLINE") for layer in _layers(built)}
     # The contact of a flat face runs on the outline itself: there is no pitch curve to be drawn.
     assert kinds == drawn | (
         set() if not built.design.cam.follower.rolls else {("PITCH_CURVE", "LWPOLYLINE")}
@@ -62,11 +82,8 @@ def test_document(built: Built) -> None:
 
 
 def test_cut_layer(built: Built) -> None:
-    wanted = sorted(built.through + built.groove, key=lambda exact: -exact.area)
-    found = _outlines(built, "CUT")
-    assert len(found) == len(wanted)
     worst = 0.0
-    for outline, exact in zip(found, wanted, strict=True):
+    for outline, exact in _part(built):
         assert np.max(np.abs(outline.sweeps)) <= np.pi * (1.0 + 1e-12)
         there = np.max(outline.distances(exact.points[:: len(exact.points) // POINTS]))
         back = np.max(exact.path.distances(outline.dense(POINTS)))
@@ -80,9 +97,7 @@ def test_cut_layer(built: Built) -> None:
 
 def test_each_corner_is_a_vertex_once(built: Built) -> None:
     """The corner itself, to the rounding of coordinates; its two pieces turn as the flank does."""
-    found = _outlines(built, "CUT")
-    wanted = sorted(built.through + built.groove, key=lambda exact: -exact.area)
-    for outline, exact in zip(found, wanted, strict=True):
+    for outline, exact in _part(built):
         turns = _turns(outline)
         for corner in exact.corners:
             near = np.flatnonzero(np.abs(outline.starts - corner) < 2.0 * built.tolerance)
@@ -96,7 +111,7 @@ def test_each_corner_is_a_vertex_once(built: Built) -> None:
 
 def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
     """About the roller's centre at a jump of the velocity, of the roller's radius."""
-    outlines = _outlines(built, "CUT")
+    outlines = [outline for outline, _ in _part(built)]
     for flank in built.flanks:
         for hinge, arm, sweep in flank.turns:
             if hinge in flank.corners:

@@ -26,6 +26,8 @@ from camgeo.formats.format import Options, Values
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion import plan
 from camgeo.motion.laws import make_law
+from camgeo.outline.moments import Moments, SecondMoments
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 from camgeo.product.drawn import DrawnDisc
 from camgeo.product.milled import MilledDisc
@@ -102,6 +104,22 @@ class CircleBoundary:
     def deviation(self, contour: Contour | SplineContour) -> float:
         assert isinstance(contour, Contour)
         return off_circle(contour, self.radius, self.centre)
+
+    @property
+    def exact(self) -> ExactBoundary:
+        return ExactBoundary(self.name, self.hole, Contour.circle(self.radius, self.centre))
+
+    def moments(self, tolerance: float) -> Moments:
+        return self.exact.moments(tolerance)
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        return self.exact.second_moments(tolerance)
+
+    def farthest(self) -> tuple[float, float | None]:
+        return self.exact.farthest()
+
+    def nearest(self) -> float:
+        return self.exact.nearest()
 
     def offset(self, distance: float) -> CircleBoundary:
         return replace(self, radius=self.radius + (-distance if self.hole else distance))

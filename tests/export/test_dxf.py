@@ -31,6 +31,7 @@ PRODUCTS = {
     "inch": StubProduct(unit="inch"),
     "groove": StubProduct(groove=True),
     "polyline": StubProduct(dxf=DxfSpec("polyline")),
+    "single": StubProduct(dxf=DxfSpec("lines-and-arcs"), groove=True),
     "cut only": StubProduct(dxf=DxfSpec(auxiliary=False)),
     "large": StubProduct(scale=1e4),
 }
@@ -94,6 +95,35 @@ def test_entities_layers_and_units() -> None:
         "scene": product.scene_hash,
         "tolerance mm": "0.01",
     }
+
+
+def test_edges_that_do_not_go_through_are_on_a_layer_with_their_depth() -> None:
+    data = WRITER.write(StubProduct(groove=True), 0.01).data
+    drawing = drawing_of(data)
+    layers = [item.layer for item in drawing.items]
+    assert layers[:4] == ["CUT", "CUT", "BLIND_3", "BLIND_3"]
+    assert [record.text(2) for record in drawing.layers].count("BLIND_3") == 1
+    # Whoever reads no particular layer gets the whole part, and nothing else.
+    assert len(drawing.contours(None)) == 4
+    rim, bore = drawing.contours("CUT")
+    assert rim.area > math.pi * 59.0**2
+    assert bore.area < math.pi * 11.0**2
+    inch = drawing_of(WRITER.write(StubProduct(groove=True, unit="inch"), 0.01).data)
+    assert "BLIND_0.11811" in {item.layer for item in inch.items}
+
+
+def test_single_lines_and_arcs_are_those_of_the_polylines() -> None:
+    drawings = [
+        drawing_of(WRITER.write(StubProduct(dxf=DxfSpec(entity)), 0.01).data)
+        for entity in ("arcs", "lines-and-arcs")
+    ]
+    kinds = {item.kind for item in drawings[1].items if item.layer == "CUT"}
+    assert kinds == {"ARC"}
+    for one, other in zip(*(each.contours("CUT") for each in drawings), strict=True):
+        assert isinstance(one, Contour)
+        assert isinstance(other, Contour)
+        assert len(one) == len(other)
+        assert one.area == pytest.approx(other.area, rel=1e-12)
 
 
 def test_without_auxiliary_geometry_only_the_cut_is_drawn() -> None:
@@ -235,5 +265,5 @@ def test_a_broken_drawing_is_refused(old: bytes, new: bytes, message: str) -> No
 
 
 def test_a_missing_boundary_is_refused() -> None:
-    with pytest.raises(FileError, match="2 closed contours, expected 4"):
+    with pytest.raises(FileError, match="has no layer 'BLIND_3'"):
         WRITER.measure(StubProduct(groove=True), WRITER.write(StubProduct(), 0.01).data)

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from camgeo.contour.contour import Contour
-from camgeo.formats.dxf import FORMAT
+from camgeo.formats.dxf import FORMAT, SINGLE
 from camgeo.product.product import Product
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
+from camgeo_export.layers import layered
 from camgeo_export.matching import deviation
 
 KINDS: dict[str, tuple[str, ...]] = {
-    "CUT": ("LWPOLYLINE",),
     "PITCH_CURVE": ("LWPOLYLINE",),
     "BASE_CIRCLE": ("CIRCLE",),
     "CENTRE": ("LINE",),
 }
-"""What each layer holds; anything else does not belong in the drawing."""
+"""What each auxiliary layer holds; anything else does not belong in the drawing."""
 
-SPLINE_KINDS = ("SPLINE", "ARC", "LINE")
-"""What layer CUT holds where splines are drawn."""
+PART_KINDS: dict[str, tuple[str, ...]] = {
+    "arcs": ("LWPOLYLINE",),
+    SINGLE: ("ARC", "LINE"),
+    "polyline": ("LWPOLYLINE",),
+    "spline": ("SPLINE", "ARC", "LINE"),
+}
+"""What the layers of the part hold, by the option `entity`."""
 
 MEASUREMENT = {"mm": "1", "inch": "0"}
 
@@ -31,7 +36,10 @@ def measure(product: Product, data: bytes) -> float:
     """
     drawing = drawing_of(data)
     _check(drawing, product)
-    largest = deviation(drawing.contours("CUT"), product.drawn.part.boundaries)
+    largest = max(
+        deviation(drawing.contours(name), boundaries)
+        for name, boundaries in layered(product).items()
+    )
     if not product.options[FORMAT].auxiliary:
         return largest
     scale = drawing.scale()
@@ -49,9 +57,8 @@ def measure(product: Product, data: bytes) -> float:
 
 def _check(drawing: Drawing, product: Product) -> None:
     options = product.options[FORMAT]
-    kinds = dict(KINDS) if options.auxiliary else {"CUT": KINDS["CUT"]}
-    if options.entity == "spline":
-        kinds["CUT"] = SPLINE_KINDS
+    kinds = dict(KINDS) if options.auxiliary else {}
+    kinds |= dict.fromkeys(layered(product), PART_KINDS[options.entity])
     if not product.drawn.has_pitch_curve:
         kinds.pop("PITCH_CURVE", None)
     for item in drawing.items:

@@ -22,12 +22,10 @@ from camgeo.wording import counted
 from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
 from camgeo_export.dxf.items import Item, Tag, read_items
 from camgeo_export.errors import FileError, finite
+from camgeo_export.layers import CUT, of_the_part
 
 MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
 """Millimetres of the units that $INSUNITS names: inch, foot, mm, cm, m."""
-
-CUT = "CUT"
-"""Default layer, if it exists."""
 
 LINES_AND_ARCS = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE")
 CURVES = (*LINES_AND_ARCS, "SPLINE")
@@ -128,7 +126,8 @@ class Drawing:
 
         Parameters
         ----------
-        layer : whose entities are read; None for layer CUT if it exists, else for all.
+        layer : whose entities are read; None for layer CUT and those of edges that do not go
+            through, if CUT exists, else for all.
         unit : of the drawing, needed if the drawing does not state it.
         gaps : end points up to this far apart [mm] are joined, by the first of these that joins
             all pieces to closed contours; None for rounding only.
@@ -157,8 +156,9 @@ class Drawing:
         layers = sorted({item.layer for item in self.items})
         if layer is not None and layer not in layers:
             raise FileError(f"{self.name}: has no layer {layer!r}; there are {', '.join(layers)}")
-        wanted = layer if layer is not None else CUT if CUT in layers else None
-        chosen = [item for item in self.items if wanted is None or item.layer == wanted]
+        ours = of_the_part(layers) if CUT in layers else tuple(layers)
+        wanted = ours if layer is None else (layer,)
+        chosen = [item for item in self.items if item.layer in wanted]
         for item in chosen:
             if item.kind in REFUSED and item.kind not in kinds:
                 raise item.fault(f"is not a line or arc; supported: {', '.join(kinds)}")

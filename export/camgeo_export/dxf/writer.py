@@ -1,9 +1,10 @@
 """DXF: the part's boundaries as closed polylines with bulges or as splines, at true size.
 
-R2010, one LWPOLYLINE per boundary on layer CUT. As splines a boundary is a chain of cubic SPLINE
-entities with knots and control points, and an ARC or LINE wherever it is exactly one. The pitch
-curve, always a polyline, the base circle and the mark of the cam axis are on their own layers, so
-that a shop can remove them. No text, no dimensions.
+R2010, one LWPOLYLINE per boundary, on layer CUT if it goes through the disc, else on a layer named
+by its depth (`camgeo_export.layers`). As splines a boundary is a chain of cubic SPLINE entities
+with knots and control points, and an ARC or LINE wherever it is exactly one. The pitch curve,
+always a polyline, the base circle and the mark of the cam axis are on their own layers, so that a
+shop can remove them. No text, no dimensions.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from ezdxf.layouts.layout import Modelspace
 from ezdxf.lldxf.types import DXFTag
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.formats.dxf import FORMAT
+from camgeo.contour.spline import CubicSpline, SplineContour, strands_of
+from camgeo.formats.dxf import FORMAT, SINGLE
 from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.product.product import Product
@@ -35,14 +36,18 @@ from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
 from camgeo_export.dxf.view import show
 from camgeo_export.errors import FileError
+from camgeo_export.layers import CUT, layered
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
 MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 
 PITCH = "PITCH_CURVE"
 
-LAYERS = {"CUT": 7, PITCH: 3, "BASE_CIRCLE": 5, "CENTRE": 1}
-"""Layers and their colour numbers."""
+AUXILIARY = {PITCH: 3, "BASE_CIRCLE": 5, "CENTRE": 1}
+"""Layers besides those of the part, and their colour numbers."""
+
+THROUGH, NOT_THROUGH = 7, 6
+"""Colour numbers of layer CUT, and of the layers of edges that are not to be cut through."""
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the fit may use; the rest is for rounding to the nearest double and
@@ -71,10 +76,14 @@ class DxfWriter:
         drawing = product.options[FORMAT]
         straight = drawing.entity == "polyline"
         share = FIT_SHARE * tolerance
-        cut = [_cut(boundary, product, share) for boundary in product.drawn.part.boundaries]
+        cut = {
+            name: [_cut(boundary, product, share) for boundary in boundaries]
+            for name, boundaries in layered(product).items()
+        }
+        curves = [curve for each in cut.values() for curve in each]
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
-        _limit(sum(map(len, (*cut, *([] if pitch is None else [pitch])))))
+        _limit(sum(map(len, (*curves, *([] if pitch is None else [pitch])))))
         # ezdxf stamps time and random identifiers on a file when creating and when writing it
         with _fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
@@ -87,7 +96,7 @@ class DxfWriter:
                 document.classes.add_class(kind)
             stream = io.StringIO()
             document.write(stream)
-        return Written(stream.getvalue().encode(document.output_encoding), _facts(product, cut))
+        return Written(stream.getvalue().encode(document.output_encoding), _facts(product, curves))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
@@ -105,17 +114,20 @@ def _limit(pieces: int) -> None:
 
 
 def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
-    """A boundary as drawn; a drawing of splines has no bulges, not even in the bore."""
+    """A boundary as drawn; a drawing of splines or of single lines and arcs has no bulges, not even
+    in the bore.
+    """
     entity = product.options[FORMAT].entity
     if entity == "spline":
         return boundary.spline(share, product.drawn.effort).contour.split(math.pi)
     if entity == "polyline":
         return boundary.polyline(share, product.drawn.effort).contour
-    return boundary.arcs(share, product.drawn.effort).contour.split(math.pi)
+    arcs = boundary.arcs(share, product.drawn.effort).contour.split(math.pi)
+    return strands_of(arcs) if entity == SINGLE else arcs
 
 
 def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
-    """How many entities and pieces of each kind layer CUT holds."""
+    """How many entities and pieces of each kind the layers of the part hold."""
     splines = [
         spline for curve in cut if isinstance(curve, SplineContour) for spline in curve.splines
     ]
@@ -157,21 +169,25 @@ def _describe(document: Drawing, product: Product, tolerance: float) -> None:
     properties.append("tolerance mm", repr(tolerance))
 
 
-def _draw(space: Modelspace, product: Product, cut: list[Curve], pitch: Contour | None) -> None:
+def _draw(
+    space: Modelspace, product: Product, cut: dict[str, list[Curve]], pitch: Contour | None
+) -> None:
     scale, auxiliary = MM_PER[product.unit], product.options[FORMAT].auxiliary
-    for name, colour in LAYERS.items():
-        if name == "CUT" or (auxiliary and (pitch is not None or name != PITCH)):
+    for name in cut:
+        space.doc.layers.add(name, color=THROUGH if name == CUT else NOT_THROUGH)
+    for name, colour in AUXILIARY.items():
+        if auxiliary and (pitch is not None or name != PITCH):
             space.doc.layers.add(name, color=colour)
-    for contour in cut:
-        if isinstance(contour, SplineContour):
-            _strands(space, contour, scale, "CUT")
-        else:
-            _polyline(space, contour, scale, "CUT")
-    drawn = cut
+    for name, curves in cut.items():
+        for contour in curves:
+            if isinstance(contour, SplineContour):
+                _strands(space, contour, scale, name)
+            else:
+                _polyline(space, contour, scale, name)
+    drawn = [curve for each in cut.values() for curve in each]
     if auxiliary:
         _auxiliary(space, product, pitch, scale)
-        drawn = [
-            *cut,
+        drawn += [
             *([pitch] if pitch is not None else []),
             Contour.circle(product.drawn.base_radius),
         ]

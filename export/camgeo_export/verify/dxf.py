@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.exact import distance_between
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.formats.dxf import FORMAT
+from camgeo.part.part import Boundary
 from camgeo.product.product import Product
 from camgeo.reading import DRAWING, check_text
 from camgeo.verifying.verification import (
@@ -23,6 +25,7 @@ from camgeo.verifying.verification import (
 from camgeo_export.dxf.measure import MEASUREMENT
 from camgeo_export.dxf.reader import Drawing, drawing_of
 from camgeo_export.errors import FileError
+from camgeo_export.layers import CUT, layered
 from camgeo_export.matching import AnyContour
 from camgeo_export.verify.entities import contents_check, flat_checks
 from camgeo_export.verify.plane import contour_checks, matched
@@ -31,8 +34,12 @@ from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
 HEAD_BYTES = 200_000
 """Part of a drawing that holds its header."""
 
-OURS = ("CUT", "PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
-"""Layers of our drawings; the last three only if auxiliary curves are drawn."""
+AUXILIARY = ("PITCH_CURVE", "BASE_CIRCLE", "CENTRE")
+"""Layers of our drawings besides those of the part, if auxiliary curves are drawn."""
+
+EARLIER = "of an earlier version, which drew edges that do not go through on layer CUT too"
+
+Boundaries = tuple[Boundary, ...]
 
 NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
@@ -78,21 +85,26 @@ class DxfVerifier:
         except FileError as error:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, product, reading)]
+        layers = _layers_of(drawing, product) if reading.ours else {reading.layer: None}
         if reading.ours:
-            checks.append(contents_check(drawing, _layers(product)))
-        layer = "CUT" if reading.ours else reading.layer
+            checks.append(contents_check(drawing, (*map(str, layers), *_auxiliary_of(product))))
+        if reading.ours and len(layers) == 1 < len(layered(product)):
+            checks.append(reported("layers", CUT, note=EARLIER))
         try:
-            contours, gap = _contours(drawing, reading, layer, tolerance)
+            read = {name: _contours(drawing, reading, name, tolerance) for name in layers}
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
+        gap = max(largest for _, largest in read.values())
         checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
-        items = drawing.items if reading.ours else drawing.on(layer)
+        items = drawing.items if reading.ours else drawing.on(reading.layer)
         checks += flat_checks(items, drawing.scale(reading.unit), tolerance)
-        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
-        pairs, count = matched(contours, shapes)
-        checks.append(count)
-        for shape, contour in pairs:
-            checks += contour_checks(shape, contour, tolerance, extra=gap)
+        for name, (contours, _) in read.items():
+            boundaries = layers[name] or product.drawn.part.boundaries
+            shapes = shapes_of(boundaries, product.drawn.base_radius, tolerance)
+            pairs, count = matched(contours, shapes)
+            checks.append(count if len(read) == 1 else replace(count, of=f"layer {name}"))
+            for shape, contour in pairs:
+                checks += contour_checks(shape, contour, tolerance, extra=gap)
         if reading.ours and product.options[FORMAT].auxiliary:
             checks += _auxiliary(product, drawing, reading, tolerance)
             checks.append(_centre(drawing, tolerance))
@@ -118,12 +130,23 @@ def _unit(drawing: Drawing, product: Product, reading: Reading) -> Check:
     return equal("unit", name, product.unit, note=f"the scene is in {product.unit}")
 
 
-def _layers(product: Product) -> tuple[str, ...]:
-    """Those of the drawing that our writer makes."""
-    layers: tuple[str, ...] = OURS if product.options[FORMAT].auxiliary else OURS[:1]
-    if not product.drawn.has_pitch_curve:
-        layers = tuple(name for name in layers if name != "PITCH_CURVE")
-    return layers
+def _layers_of(drawing: Drawing, product: Product) -> dict[str | None, Boundaries | None]:
+    """The boundaries on each layer of the part in one of our drawings.
+
+    Earlier versions drew all of them on layer CUT.
+    """
+    layers: dict[str | None, Boundaries | None] = {}
+    layers.update(layered(product))
+    earlier = set(layers).isdisjoint({item.layer for item in drawing.items} - {CUT})
+    return {CUT: None} if earlier else layers
+
+
+def _auxiliary_of(product: Product) -> tuple[str, ...]:
+    """The layers that our writer makes besides those of the part."""
+    if not product.options[FORMAT].auxiliary:
+        return ()
+    pitch = product.drawn.has_pitch_curve
+    return tuple(name for name in AUXILIARY if pitch or name != "PITCH_CURVE")
 
 
 def _contours(
