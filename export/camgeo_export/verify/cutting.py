@@ -107,8 +107,13 @@ def _of_cut(
         ),
         _feeds(cut, others, rounding, tolerance),
     ]  # fmt: skip
+    slope = 0.0
     for move in moves:
-        if not _at_a_height(cut, move, program.step):
+        if move.start != move.end and move.z_start != move.z_end:
+            slope = abs(move.z_end - move.z_start) / move.course.length
+        # A piece of a ramp that is too short for its drop to be printed is level.
+        short = 0.0 < move.course.length * slope <= program.step
+        if not (short or _at_a_height(cut, move, program.step)):
             note = f"line {move.line}: a cut at Z {move.z_end:g} mm, which is not one of its depths"
             return [*checks, failed("moves", note, cut.name)]
     lowest = min((move.z_end for move in moves), default=cut.bottom)
