@@ -36,6 +36,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("cam",),
     ("check",),
     ("contour",),
+    ("inspection",),
     ("part",),
     ("effects",),
     ("toolpath",),

@@ -1,0 +1,25 @@
+"""Quantiles of Student's t against a published table (Abramowitz and Stegun, table 26.10)."""
+
+from __future__ import annotations
+
+import pytest
+
+from camgeo.numeric.student import FEWEST, quantile
+
+
+@pytest.mark.parametrize(
+    ("freedom", "at_95", "at_975"),
+    [(8, 1.860, 2.306), (10, 1.812, 2.228), (20, 1.725, 2.086), (60, 1.671, 2.000),
+     (120, 1.658, 1.980)],
+)  # fmt: skip
+def test_it_is_that_of_the_table(freedom: int, at_95: float, at_975: float) -> None:
+    assert quantile(0.95, freedom) == pytest.approx(at_95, abs=5.1e-4)
+    assert quantile(0.975, freedom) == pytest.approx(at_975, abs=5.1e-4)
+
+
+def test_it_is_as_exact_as_stated() -> None:
+    """With 8 degrees of freedom the quantile is 2.3060041350333704 (closed form, to its digits)."""
+    assert FEWEST == 8
+    assert quantile(0.975, 8) == pytest.approx(2.3060041350333704, rel=2e-5)
+    assert quantile(0.5, 9) == 0.0
+    assert quantile(0.025, 9) == pytest.approx(-quantile(0.975, 9), rel=1e-14)
