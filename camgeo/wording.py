@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from camgeo.units import TURN
+
+FINEST: Final = 7
+"""Decimals of measured values in mm, inch or degrees; what is beyond is rounding."""
 
 
 def counted(number: int, noun: str, plural: str = "") -> str:
@@ -20,6 +24,12 @@ def listed(words: Sequence[str], most: int | None = None) -> str:
     more = 0 if most is None else max(0, len(words) - most)
     *first, last = [*words[:most], f"{more} more"] if more else words
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def small(value: float, unit: str, *, signed: bool = False) -> str:
+    """A measured value with its unit, "0.00512 mm", to four digits and no finer than `FINEST`."""
+    rounded = round(value, FINEST) + 0.0
+    return f"{rounded:{'+' * signed}.4g} {unit}"
 
 
 def told_apart(one: float, other: float) -> tuple[str, str]:

@@ -25,6 +25,10 @@ EARLIER: Final = {
 """Present names of commands, kinds and groups, by those of earlier versions, which are still read.
 """
 
+SMALLEST: Final = 1e-9
+LARGEST: Final = 1e6
+"""Of lengths [mm] above 0 that options state."""
+
 Written = tuple[Path, bytes, str]
 """A file to write: where, what, and what is reported of it."""
 
@@ -140,6 +144,22 @@ def number(text: str) -> float:
     value = float(decimal(text))
     if math.isinf(value):
         raise argparse.ArgumentTypeError(f"{text!r} is too large for a number")
+    return value
+
+
+def from_0(text: str) -> float:
+    """The number in the text of an option, not below 0."""
+    value = number(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError("must be a number from 0 on")
+    return value
+
+
+def positive(text: str) -> float:
+    """The length in the text of an option, above 0."""
+    value = number(text)
+    if not SMALLEST <= value <= LARGEST:
+        raise argparse.ArgumentTypeError(f"must be a number from {SMALLEST:g} to {LARGEST:g}")
     return value
 
 

@@ -55,6 +55,8 @@ COMMANDS = (
     "plot",
     "setup",
     "replay",
+    "probe",
+    "inspect",
     "laws",
     "machines",
     "slotted-lever",

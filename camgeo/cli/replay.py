@@ -14,7 +14,7 @@ from camgeo.cli.command import (
     add_scene,
     check_step,
     decimal,
-    number,
+    from_0,
     opened,
     show,
     tables,
@@ -59,11 +59,11 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not state one"
     )
     parser.add_argument(
-        "--gap", metavar="MM", type=_from_0, default=GAP,
+        "--gap", metavar="MM", type=from_0, default=GAP,
         help=f"end points of a drawing up to this far apart are joined; default {GAP:g}",
     )  # fmt: skip
     parser.add_argument(
-        "--corner", metavar="DEG", type=_from_0, default=FLAT,
+        "--corner", metavar="DEG", type=from_0, default=FLAT,
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
@@ -99,10 +99,3 @@ def run(arguments: argparse.Namespace) -> int:
         files = pictures(found, arguments, "lift, velocity, acceleration")
     write_files(files, arguments)
     return show(found, arguments)
-
-
-def _from_0(text: str) -> float:
-    value = number(text)
-    if value < 0.0:
-        raise argparse.ArgumentTypeError("must be a number from 0 on")
-    return value

@@ -321,7 +321,8 @@ class ExactFlank:
         points, tangents = self.curve.points_and_tangents(phi)
         normals = self._outward * 1j * self.curve.pitch.rotation * tangents
         turned = phi % TURN
-        return Places(course, np.where(turned < TURN, turned, 0.0), points, normals)
+        turned[(turned < SNAP) | (TURN - turned < SNAP)] = 0.0
+        return Places(course, turned, points, normals)
 
     def _on(self, element: IntArray, along: FloatArray) -> Places:
         """Places on the elements of these numbers (n,), `along` (n,) [rad] from their starts."""

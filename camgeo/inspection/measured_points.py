@@ -63,7 +63,7 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
     ------
     GeometryError
         With file and line, if the table is not as described, x and y have different units, a
-        coordinate is too large or a normal is zero.
+        coordinate is too large or a normal is zero, or there are fewer than 12 different points.
     """
     found = read_columns(data, file, ASKED)
     units = {UNITS[each.lower()] for each in found.units[:2] if each}
@@ -78,6 +78,9 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
             message = f"too large; allowed: coordinates up to {COORDINATE:g}"
             raise fault(file, found.lines[row], repr(float(values[row])), message)
     points = (x + 1j * y) * scale
+    if len(np.unique(points)) < FEWEST:
+        message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
+        raise fault(file, found.lines[-1], "", message)
     if not stated:
         return MeasuredPoints(points)
     size = np.hypot(*stated)

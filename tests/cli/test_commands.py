@@ -30,7 +30,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 NAMES = (
     "new", "check", "build", "verify", "lint", "table", "plot", "setup", "replay", "accuracy",
     "laws", "explain", "stability", "slotted-lever", "import", "size",
-    "machines",
+    "machines", "probe", "inspect",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

@@ -18,10 +18,11 @@ import pytest
 from matplotlib.figure import Figure as Page
 
 import camgeo
+from camgeo.cam.disc import Disc
 from camgeo.check.sizing.smallest import size as sized
 from camgeo.check.sizing.task import task_of
 from camgeo.cli.plot import RENDERERS
-from camgeo.figure import accuracy, laws, plots, replay, size, slotted_lever, stability
+from camgeo.figure import accuracy, inspection, laws, plots, replay, size, slotted_lever, stability
 from camgeo.figure.layout import grid, limits, log_limits, rooms, round_ticks
 from camgeo.figure.marks import (
     Area,
@@ -38,9 +39,13 @@ from camgeo.figure.marks import (
     over,
 )
 from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel, entries
+from camgeo.inspection.deviation import Deviations, Gap
+from camgeo.inspection.exact_flank import ExactFlank
+from camgeo.inspection.pressed import lift_errors
 from camgeo.mechanism.slotted_lever import SlottedLever
 from camgeo.mechanism.slotted_lever_drive import DrivenLever
 from camgeo.motion.laws.comparison import compare
+from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_outline
 from camgeo.stability.measure import Reading
 from camgeo_export.plots.render import draw, render
@@ -56,8 +61,12 @@ def of_size() -> Figure:
     return size.figure(design.name, [(task, sized(task, np.radians(45.0), 0.5))])
 
 
+def of_disc(name: str) -> Disc:
+    return camgeo.load(FIXTURES / "scenes" / f"{name}.toml").cam.disc
+
+
 def of_replay() -> Figure:
-    disc = camgeo.load(FIXTURES / "scenes" / "swallow_tail.toml").cam.disc
+    disc = of_disc("swallow_tail")
     found = replay_outline(disc.pitch_curve, disc.outline("inner").path, step=np.radians(1.0))
     return replay.figure(found, title="replay", unit="mm", scale=1.0, joints=(0.0, 1.0))
 
@@ -67,7 +76,23 @@ def of_stability() -> Figure:
     return stability.figure([reading, replace(reading, quantity="lift", error=3.0)], 4.0)
 
 
+def of_inspection() -> Figure:
+    flank = ExactFlank(of_disc("plate_translating").outline("inner").path, Flank.INNER)
+    places = flank.at(np.linspace(0.0, 6.0, 40))
+    found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
+    return inspection.figure(
+        found,
+        lift_errors(flank, found),
+        title="measured",
+        unit=("mm", 1.0),
+        lift_unit=("mm", 1.0),
+        tolerance=0.01,
+        joints=(0.0, 1.0),
+    )
+
+
 OF_DATA: dict[str, Callable[[], Figure]] = {
+    "inspection": of_inspection,
     "laws": lambda: laws.figure(compare("R-R", {})),
     "replay": of_replay,
     "size": of_size,
@@ -158,6 +183,7 @@ def test_every_name_in_a_legend_is_that_of_something_drawn(case: str) -> None:
 def test_the_text_in_each_picture() -> None:
     """The picture shows its subject: names and words that must be in it."""
     wanted = {
+        "inspection": {"allowed", "deviation [mm]", "lift error [mm]", "measured"},
         "laws": {"f′ f″", "law", "modified-sine"},
         "replay": {"actual", "demanded", "ripple"},
         "size": {"by Flocke", "exact", "present design"},

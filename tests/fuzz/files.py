@@ -6,12 +6,16 @@ import io
 import re
 import tempfile
 import zipfile
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Final
 
+from camgeo.answers.probe import probe
+from camgeo.answers.render import table
 from camgeo.design import Design
+from camgeo.inspection.alignment import Align
 from camgeo.scene.load import load_scene
 from camgeo.toolpath.machine import names
 from tests.fuzz.case import SCENE, Case, Step
@@ -65,6 +69,8 @@ def file_case(rng: Random) -> Case:
     if chance < 0.8:
         path = rng.choice(sorted((FIXTURES / "reference" / "ocv").glob("*.ocv")))
         return Case({path.name: damaged(rng, path.read_bytes())}, (("import", path.name),), "ocv")
+    if chance < 0.85:
+        return _measured(rng)
     name = rng.choice(("measured", "points", "feed", "setzhub"))
     folder = FIXTURES / "scenes"
     files = {SCENE: (folder / f"{name}.toml").read_bytes()}
@@ -72,6 +78,23 @@ def file_case(rng: Random) -> Case:
     target = rng.choice(tuple(files))
     files[target] = damaged(rng, files[target])
     return Case(files, (("check", SCENE), ("table", SCENE, "--step", "5")), f"read by {name}")
+
+
+@cache
+def probed(name: str) -> bytes:
+    """Points of the main flank of a scene, with normals, as for a measuring machine."""
+    design = Design(load_scene(FIXTURES / "scenes" / f"{name}.toml"))
+    found = probe(design, design.cam.contact.main, step=Decimal(4), ball=1.5)
+    return table(found).csv().encode()
+
+
+def _measured(rng: Random) -> Case:
+    name = rng.choice(("setzhub", "tappet", "groove", "trimmed_ring"))
+    scene = (FIXTURES / "scenes" / f"{name}.toml").read_bytes()
+    files = {SCENE: scene, "points.csv": damaged(rng, probed(name))}
+    align = rng.choice(tuple(Align))
+    step: Step = ("inspect", SCENE, "points.csv", "--align", align, "-o", "o.csv", "--force")
+    return Case(files, (step,), f"measured points of {name}")
 
 
 def _built(rng: Random) -> Case:

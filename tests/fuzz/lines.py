@@ -15,7 +15,7 @@ from camgeo.motion.laws import FAMILIES
 from camgeo.toolpath.machine import names as machines
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import WORDS
-from tests.fuzz.files import outputs
+from tests.fuzz.files import outputs, probed
 from tests.fuzz.scenes import FIXTURES, fixtures
 
 NUMBERS: Final = ("0", "1", "2", "5", "10", "30", "45", "60", "90", "0.5", "0.1", "100", "360")
@@ -47,6 +47,7 @@ BY_METAVAR: Final = {
     "NAME|PROFILE": (*machines(), SCENE),
     "D=MM": ("1=3", "7=0.5", "1=0", "1", "=3", "x=1"),
     "CONTOUR": ("out/cam.dxf", "out/cam.csv"),
+    "MEASURED": ("points.csv", "out/setzhub.csv", "points-outer.csv"),
     "PROJECT": ("project.ocv",),
     "WHAT": tuple(plots.names()),
     "COMMAND": ("check", "build", "table"),
@@ -70,6 +71,7 @@ def line_case(rng: Random) -> Case:
     files |= {
         f"out/{name}": data for name, data in outputs("setzhub").items() if rng.random() < 0.5
     }
+    files["points.csv"] = probed(rng.choice(("setzhub", "tappet")))
     files["project.ocv"] = rng.choice(tuple(ocv_projects())).read_bytes()
     return Case(files, (line(rng), line(rng)), f"command lines, {path.stem}")
 

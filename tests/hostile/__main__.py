@@ -24,7 +24,7 @@ from camgeo_export.threemf.parts import parts_of
 from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
 from tests.hostile.readers import READERS, good
-from tests.hostile.texts import Named, contours, drawings, programs, tables
+from tests.hostile.texts import Named, contours, drawings, points, programs, tables
 
 INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "dxf": drawings,
@@ -34,6 +34,7 @@ INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "stl": bodies,
     "3mf": packages,
     "contour": contours,
+    "inspect": points,
     "lifts": tables,
     "speeds": partial(tables, any_text=False),
     "loads": partial(tables, any_text=False),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable, Mapping
 from functools import cache, partial
@@ -9,11 +10,14 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
+from camgeo.answers.inspect import of_points
 from camgeo.answers.replay import Reader
 from camgeo.effects.effect import DataFile
 from camgeo.effects.load.profile import read_load_table
 from camgeo.effects.speed_fluctuation.table import read_motor
 from camgeo.errors import CamgeoError
+from camgeo.inspection.alignment import Align
+from camgeo.inspection.measured_points import read_points
 from camgeo.motion.motion_tables import read_lift_table, read_speed_table
 from camgeo.product.product import Product
 from camgeo.scene.ocv import import_project
@@ -83,6 +87,18 @@ def table(data: bytes, read: Callable[[bytes], object]) -> str:
     return ""
 
 
+def inspected(data: bytes) -> str:
+    """Why `camgeo inspect` refuses measured points, however they are aligned."""
+    disc = product()
+    for align in Align:
+        try:
+            points = read_points(data, "points.csv")
+            of_points(disc, disc.cam.contact.main, points, "points.csv", align=align)
+        except CamgeoError as error:
+            return str(error)
+    return ""
+
+
 def scene(data: bytes) -> str:
     """Why a scene is refused."""
     try:
@@ -130,6 +146,7 @@ READERS: Final[Mapping[str, Callable[[bytes], str]]] = {
     "stl": partial(verified, kind="stl"),
     "3mf": partial(verified, kind="3mf"),
     "contour": partial(replayed, reader=CONTOUR),
+    "inspect": inspected,
     "lifts": partial(table, read=partial(read_lift_table, file="lift.csv")),
     "speeds": partial(table, read=partial(read_speed_table, file="speed.csv")),
     "loads": partial(table, read=lambda data: read_load_table(DataFile("load.csv", data))),
@@ -148,6 +165,10 @@ def good(name: str) -> bytes:
     files: dict[str, Callable[[], bytes]] = {
         "replay-dxf": lambda: made("dxf"),
         "lint": lambda: made("gcode"),
+        "inspect": lambda: "".join(
+            f"{30 * math.cos(k / 3):.6f};{30 * math.sin(k / 3):.6f};{math.cos(k / 3):.6f};1\n"
+            for k in range(19)
+        ).encode(),
         "contour": lambda: b"x,y,bulge\n10,0,0.1\n0,10,0\n-10,0,0.5\n0,-10,0\n",
         "lifts": lambda: ("\n".join(f"{10 * k},{k * (36 - k)}" for k in range(37))).encode(),
         "speeds": lambda: (FIXTURES / "scenes" / "points_speed.csv").read_bytes(),

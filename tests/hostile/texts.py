@@ -182,3 +182,27 @@ def tables(good: bytes, *, any_text: bool = True) -> Named:
     yield "mixed decimals", b"0;0\n1,5;1.5\n360;0\n"
     yield "one row", b"0,0\n"
     yield "huge", b"0,0\n180,1e31\n360,0\n"
+
+
+def points(good: bytes) -> Named:
+    """Of measured points."""
+    yield from damaged(good)
+    rows = b"1,2\n" * 11
+    for name, number in WRONG_NUMBERS.items():
+        yield f"x {name}", rows + f"{number},1\n".encode()
+        yield f"normal {name}", b"1,2,1,0\n" * 11 + f"1,1,0,{number}\n".encode()
+    yield "too few", rows
+    yield "too many", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(50_001))
+    yield "lines", b"0,0\n" * 400_001
+    yield "columns", b"x," + b"a," * 2_000_000 + b"y\n" + rows
+    yield "equal headings", b"x,x\n" + rows
+    yield "another unit", b"x [furlong],y\n" + rows
+    yield "two units", b"x [mm],y [inch]\n" + rows + rows
+    yield "mixed decimals", b"1;2\n" * 11 + b"1,5;2.5\n"
+    yield "normals of no length", b"".join(b"%d,2,0,0\n" % k for k in range(12))
+    yield "half a normal", b"x,y,nx\n" + b"1,2,1\n" * 12
+    yield "one place", b"1,1\n" * 50_000
+    yield "the cam axis", b"0,0\n" * 20
+    yield "far away", b"1e9,-1e9\n" * 40_000
+    yield "far away in a row", b"".join(b"1e8,%d\n" % k for k in range(50_000))
+    yield "beyond 1e9", rows + b"2e9,0\n"

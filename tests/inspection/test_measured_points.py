@@ -10,6 +10,8 @@ from camgeo.inspection.measured_points import MOST, read_points
 
 ROWS = [(float(k), 0.5 * k * k) for k in range(12)]
 
+NORMAL = "".join(f"{x},{y},1,0\n" for x, y in ROWS)
+
 PLAIN = "".join(f"{x},{y}\n" for x, y in ROWS)
 
 
@@ -40,7 +42,8 @@ def test_normals_become_unit_vectors() -> None:
         (f"x [m],y\n{PLAIN}", "unit of the x; allowed: mm or inch"),
         (PLAIN + "1e10,0\n", "line 13: '10000000000.0': too large"),
         ("1,2,3\n" * 12, "3 columns; without a heading 2 or 4 are allowed, x and y, or x, y, nx"),
-        ("1,2,1,0\n" * 12 + "1,2,0,0\n", "line 13: a normal of no length"),
+        ("1,2\n" * 40, "line 40: fewer than 12 different points"),
+        (f"{NORMAL}1,2,0,0\n", "line 13: a normal of no length"),
         ("x,y,nx\n" + "1,2,1\n" * 12, "0 columns of ny"),
         ("a,b\n1,2\n", "0 columns of x; allowed: one, called x"),
     ],

@@ -1,0 +1,213 @@
+"""The result of `camgeo inspect`, rendered as text, JSON, table and picture."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.answers.inspect import Inspection, inspect, of_points
+from camgeo.answers.probe import probe
+from camgeo.answers.render import figure, table, text
+from camgeo.design import Design
+from camgeo.errors import FileError, GeometryError, SceneError
+from camgeo.inspection.alignment import Align
+from camgeo.inspection.exact_flank import ExactFlank
+from camgeo.inspection.measured_points import MeasuredPoints
+from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.path import Flank
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, SCENES, document
+from tests.inspection.flanks import BUMP, bump, disc_of, every, flank_of, measured
+
+FOLDER = FIXTURES / "scenes"
+
+FRAME = (0.4 - 0.3j, 0.02)
+
+
+def found_on(
+    name: str,
+    side: Flank = Flank.INNER,
+    *,
+    away: FloatArray | float = 0.0,
+    count: int = 180,
+    **options: object,
+) -> Inspection:
+    """Points that are `away` [mm] from a flank."""
+    points = MeasuredPoints(measured(every(flank_of(name, side), count), away))
+    return of_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
+
+
+@pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    if design.scene.follower is None or not design.judgement.has_outline:
+        pytest.skip("no flank of a real disc")
+    disc, side = design.disc, design.cam.contact.main
+    flank = ExactFlank(disc.cam.disc.outline(side).path, side)
+    places = every(flank, 72)
+    rng = np.random.default_rng(1)
+    away = rng.normal(0.0, 1e-3, 72)
+    points = MeasuredPoints(measured(places, away, *FRAME), places.normals * np.exp(1j * FRAME[1]))
+    found = of_points(disc, side, points, "points.csv", align=Align.FREE)
+    reported = document(found)
+    x, y = reported["shift_mm"]
+    assert abs(complex(x, y) - FRAME[0]) < 3.0 * np.hypot(*reported["shift_uncertainty_mm"])
+    off = np.radians(reported["turn_deg"]) - FRAME[1]
+    assert abs(off) < 3.0 * np.radians(reported["turn_uncertainty_deg"])
+    assert reported["confidence"] == 0.95
+    assert {each["name"] for each in reported["findings"]} >= {"profile", "coverage", "normals"}
+    assert len(table(found).values) == 72
+    assert (reported["lift"] is None) == (found.lift is None)
+    assert ("lift error" in text(found)) == (found.lift is not None)
+    assert found.lift is not None or scene.stem == "cut_lobe"
+    json.dumps(figure(found).to_data(), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "side"),
+    [("plate_translating", Flank.INNER), ("tappet", Flank.INNER), ("groove", Flank.INNER),
+     ("groove", Flank.OUTER), ("flat_rocker", Flank.INNER)],
+)  # fmt: skip
+def test_five_micrometres_come_back_with_their_lift_error(name: str, side: Flank) -> None:
+    """By datum, with 1 um of noise and without; the lift error to the first order."""
+    places = every(flank_of(name, side), 720)
+    exact = found_on(name, side, away=bump(places.phi), count=720)
+    largest = exact.deviations.extremes.highest
+    assert largest.value == pytest.approx(BUMP, abs=1e-4)
+    assert exact.lift is not None
+    pitch = flank_of(name, side).curve.pitch
+    leverage = float(pitch.leverage(np.radians([60.0]))[0]) * -side.sign
+    worst = max(exact.lift.errors.extremes.highest, exact.lift.errors.extremes.lowest,
+                key=lambda each: abs(each.value))  # fmt: skip
+    assert worst.value * leverage == pytest.approx(BUMP, abs=1e-4)
+    assert abs(worst.place - np.radians(60.0)) < np.radians(1.0)
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, 720)
+    noisy = found_on(name, side, away=bump(places.phi) + noise, count=720)
+    apart = noisy.deviations.values - bump(noisy.deviations.places.phi)
+    assert np.max(np.abs(apart)) < noisy.deviations.uncertainty < 5e-3
+    assert noisy.lift is not None
+    at = int(np.argmin(np.abs(noisy.lift.errors.phi - np.radians(60.0))))
+    lifted = float(noisy.lift.errors.errors[at]) * leverage
+    assert abs(lifted - BUMP) < noisy.deviations.uncertainty
+
+
+def test_text_and_document_are_of_one_result() -> None:
+    found = found_on("plate_translating", tolerance=0.01)
+    other = replace(found, count=98765, file="other.csv")
+    assert document(other)["count"] == 98765
+    assert text(other).startswith("plate_translating: 98,765 points of the inner flank, other.csv")
+    assert document(found)["shift_mm"] is document(found)["turn_deg"] is None
+    assert "shift" not in text(found)
+    assert document(found)["tolerance_mm"] == 0.01
+
+
+def test_a_profile_out_of_tolerance_breaks_a_limit() -> None:
+    away = 0.001 * np.sin(np.arange(180.0))
+    assert found_on("plate_translating", away=away, tolerance=0.00201).exit_code == 0
+    found = found_on("plate_translating", away=away, tolerance=0.0019)
+    assert found.exit_code == 1
+    assert "BROKEN  profile" in text(found)
+    assert document(found)["findings"][0]["name"] == "profile"
+
+
+def test_radial_normals_are_told() -> None:
+    places = every(flank_of("setzhub", Flank.INNER), 90)
+    points = MeasuredPoints(places.points, places.points)
+    found = of_points(disc_of("setzhub"), Flank.INNER, points, "radial.csv")
+    (told,) = (each for each in found.findings if each.name == "radial-normals")
+    assert told.severity == "warning"
+    assert "along the radius" in text(found)
+    wrong = MeasuredPoints(places.points, -places.normals * np.exp(0.1j))
+    found = of_points(disc_of("setzhub"), Flank.INNER, wrong, "wrong.csv")
+    names = {each.name: each.severity for each in found.findings}
+    assert names["normals"] == names["normals-inward"] == "warning"
+
+
+def test_a_round_cam_is_told() -> None:
+    scene = load_scene(FOLDER / "plate_translating.toml")
+    design = Design(scene.with_values({"motion": [{"dwell": 360}]}))
+    flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
+    rng = np.random.default_rng(3)
+    points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
+    found = of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+    assert "too round" in text(found)
+    assert "turn                  +0 deg ± unknown" in text(found)
+    assert document(found)["turn_uncertainty_deg"] is None
+    small = scene.with_values({"motion": [
+        {"law": "polynomial-345", "span": 180, "to": 0.05},
+        {"law": "polynomial-345", "span": 180, "to": 0},
+    ]})  # fmt: skip
+    design = Design(small)
+    flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
+    points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
+    found = of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+    assert "hardly shows the turn" in text(found)
+
+
+def test_errors_of_form_are_told_to_sway_a_fit() -> None:
+    places = every(flank_of("plate_translating", Flank.INNER), 180)
+    found = found_on("plate_translating", away=bump(places.phi), align=Align.FREE)
+    (told,) = (each for each in found.findings if each.name == "form")
+    assert told.severity == "warning"
+    assert "form" not in {each.name for each in found_on("plate_translating").findings}
+
+
+def test_a_gap_leaves_the_follower_unknown() -> None:
+    flank = flank_of("plate_translating", Flank.INNER)
+    points = MeasuredPoints(flank.at(np.radians(np.arange(0.0, 200.0, 2.0))).points)
+    found = of_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
+    assert found.lift is None
+    assert "no points from cam angle 198 to 0 deg" in text(found)
+    assert "lift error" not in text(found)
+    assert "lift error" not in " ".join(table(found).names)
+    json.dumps(figure(found).to_data(), allow_nan=False)
+
+
+def test_the_name_of_a_file_tells_flank_and_disc(tmp_path: Path) -> None:
+    groove = Design(load_scene(FOLDER / "groove.toml"))
+    (inner, outer) = probe(groove).each
+    for answer, side in ((inner, "inner"), (outer, "outer")):
+        path = tmp_path / f"points-{side}.csv"
+        path.write_text(table(answer).csv())
+        found = inspect(groove, path)
+        assert found.flank == side
+        assert found.deviations.profile < 1e-12
+    assert inspect(groove, tmp_path / "points-outer.csv", "inner").deviations.profile > 1.0
+    pair = Design(load_scene(FOLDER / "conjugate_lever.toml"))
+    (main, other) = probe(pair).each
+    for answer, ending in ((main, ""), (other, "-return")):
+        path = tmp_path / f"points{ending}.csv"
+        path.write_text(table(answer).csv())
+        found = inspect(pair, path)
+        assert found.disc.name == f"conjugate_lever{ending}"
+        assert found.deviations.profile < 1e-12
+
+
+def test_points_of_probe_come_back_in_inches_and_as_centres(tmp_path: Path) -> None:
+    inch = Design(load_scene(FOLDER / "inch.toml"))
+    path = tmp_path / "p.csv"
+    path.write_text(table(probe(inch, ball=1.5)).csv())
+    found = inspect(inch, path)
+    assert found.deviations.profile < 1e-12
+    assert table(found).names[1] == "x [inch]"
+    columns = table(probe(inch, ball=1.5)).columns
+    rows = np.column_stack((columns["ball x [inch]"], columns["ball y [inch]"]))
+    path.write_text("".join(f"{x!r};{y!r}\n".replace(".", ",") for x, y in rows.tolist()))
+    assert inspect(inch, path, ball=1.5).deviations.profile < 1e-12
+    assert inspect(inch, path, ball=1.5, unit="mm").deviations.profile > 1.0
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    design = Design(load_scene(FOLDER / "plate_translating.toml"))
+    with pytest.raises(SceneError, match="cannot be read"):
+        inspect(design, tmp_path / "none.csv")
+    (tmp_path / "large.csv").write_bytes(bytes(16_000_001))
+    with pytest.raises(FileError, match="16,000,000"):
+        inspect(design, tmp_path / "large.csv")
+    (tmp_path / "few.csv").write_text("1,2\n3,4\n")
+    with pytest.raises(GeometryError, match=r"few.csv, line 2: 2 rows"):
+        inspect(design, tmp_path / "few.csv")

@@ -1,0 +1,106 @@
+"""The result of `camgeo probe`, rendered as text, JSON and tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camgeo.answers.probe import Probing, probe
+from camgeo.answers.probe.rendering import flank_table, lift_table
+from camgeo.answers.render import table, text
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, SCENES, document
+
+FOLDER = FIXTURES / "scenes"
+
+STEP = Decimal(10)
+
+
+def probed(name: str, ball: float = 0.0) -> Probing:
+    return probe(Design(load_scene(FOLDER / f"{name}.toml")), step=STEP, ball=ball)
+
+
+@pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
+def test_documents_are_what_their_schema_says(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    if design.scene.follower is None or not design.judgement.has_outline:
+        pytest.skip("no flank of a real disc")
+    found = probe(design, step=STEP, ball=0.5, tolerance=0.02)
+    reported = document(found)
+    flanks = [(disc.name, flank) for disc in design.discs for flank in disc.cam.contact.flanks]
+    assert [(each["name"], each["flank"]) for each in reported["flanks"]] == flanks
+    assert reported["step_deg"] == 10.0
+    assert reported["ball_mm"] == 0.5
+    for each, own in zip(reported["flanks"], found.flanks, strict=True):
+        columns = flank_table(found, own).columns
+        assert each["count"] == len(columns["phi [deg]"]) <= 36
+        assert np.hypot(columns["nx"], columns["ny"]) == pytest.approx(1.0)
+        unit = design.scene.unit
+        mm = 1.0 if unit == "mm" else 25.4
+        for axis in "xy":
+            apart = columns[f"ball {axis} [{unit}]"] - columns[f"{axis} [{unit}]"]
+            assert apart == pytest.approx(0.5 / mm * columns[f"n{axis}"], abs=1e-12)
+        assert columns[f"upper [{unit}]"] == pytest.approx(0.01 / mm)
+        assert columns[f"lower [{unit}]"] == pytest.approx(-0.01 / mm)
+    curve = lift_table(found)
+    assert curve.names[0] == "phi [deg]"
+    assert len(curve.values) == 36
+    assert len(text(found).splitlines()) >= 2 * len(flanks)
+
+
+def test_text_and_document_are_of_one_result() -> None:
+    found = probed("plate_translating")
+    (one,) = found.flanks
+    other = replace(found, flanks=(replace(one, length=12.3456),))
+    assert document(other)["flanks"][0]["length_mm"] == 12.3456
+    assert "12.3456 mm long" in text(other)
+    assert "12.3456" not in text(found)
+    assert document(found)["spacing_mm"] is document(found)["tolerance_mm"] is None
+    assert set(table(found).names) == {"phi [deg]", "x [mm]", "y [mm]", "nx", "ny", "s [mm]"}
+
+
+def test_a_ball_that_does_not_fit_breaks_a_limit() -> None:
+    assert probed("setzhub", ball=1.0).exit_code == 0
+    found = probed("setzhub", ball=60.0)
+    assert found.exit_code == 1
+    assert "BROKEN  ball" in text(found)
+    (broken,) = (each for each in found.flanks[0].findings if each.severity == "broken")
+    assert isinstance(broken, Finding)
+    assert document(found)["flanks"][0]["findings"][0]["cam_angle_deg"] == pytest.approx(
+        np.degrees(broken.cam_angle or 0.0)
+    )
+
+
+def test_lifts_are_those_of_the_value_table() -> None:
+    design = Design(load_scene(FOLDER / "setzhub.toml"))
+    found = probe(design, step=STEP)
+    values = design.tabulated.table(STEP).columns
+    assert np.array_equal(table(found).columns["psi [deg]"], values["psi [deg]"])
+    assert np.array_equal(lift_table(found).columns["psi [deg]"], values["psi [deg]"])
+    for axis in "xy":
+        own = table(found).columns[f"{axis} [mm]"]
+        assert own == pytest.approx(values[f"inner {axis} [mm]"], abs=1e-12)
+
+
+def test_the_lift_curve_of_a_trimmed_cam_is_what_its_disc_makes() -> None:
+    found = probed("swallow_tail")
+    scene = load_scene(FOLDER / "swallow_tail.toml")
+    demanded = Design(scene).drive.motion.jet(found.lift_curve[:, 0])[0]
+    assert np.max(np.abs(found.lift_curve[:, 1] - demanded)) > 0.01
+    assert found.flanks[0].count < 36
+    assert "no point" in text(found)
+
+
+def test_even_points_say_so() -> None:
+    design = Design(load_scene(FOLDER / "plate_translating.toml"))
+    found = probe(design, spacing=5.0)
+    assert found.step is None
+    assert document(found)["spacing_mm"] == 5.0
+    assert "evenly along it" in text(found)
+    assert probe(design).step == 1

@@ -1,0 +1,80 @@
+"""`camgeo probe`: the files it writes, and calls that are refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import main
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+PLATE, GROOVE, PAIR = (
+    str(SCENES / f"{name}.toml") for name in ("plate_translating", "groove", "conjugate_lever")
+)
+
+Capture = pytest.CaptureFixture[str]
+
+
+def test_points_and_lift_curve_are_written_as_a_set(tmp_path: Path, capsys: Capture) -> None:
+    points, lift = tmp_path / "p.csv", tmp_path / "l.csv"
+    words = ["probe", PLATE, "--step", "5", "--ball", "1.5", "--tolerance", "0.02"]
+    assert main([*words, "-o", str(points), "--lift", str(lift)]) == 0
+    rows = list(csv.reader(points.read_text().splitlines()))
+    assert rows[0] == [
+        "phi [deg]", "x [mm]", "y [mm]", "nx", "ny", "s [mm]", "ball x [mm]", "ball y [mm]",
+        "upper [mm]", "lower [mm]",
+    ]  # fmt: skip
+    assert [row[0] for row in rows[1:4]] == ["0.0", "5.0", "10.0"]
+    assert len(rows) == 73
+    assert lift.read_text().startswith("phi [deg],s [mm]\n0.0,0.0\n5.0,")
+    out, err = capsys.readouterr()
+    assert out.startswith("plate_translating: 72 points of the inner flank, every 5 deg")
+    assert f"{points}: 72 rows" in err
+    assert f"{lift}: lift curve, 72 rows" in err
+
+
+@pytest.mark.parametrize(
+    ("scene", "names"),
+    [(GROOVE, ["p-inner.csv", "p-outer.csv"]), (PAIR, ["p-return.csv", "p.csv"])],
+)
+def test_each_flank_has_a_file(scene: str, names: list[str], tmp_path: Path) -> None:
+    assert main(["probe", scene, "--spacing", "20", "-o", str(tmp_path / "p.csv")]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+
+
+def test_the_document_sums_the_points_up(capsys: Capture) -> None:
+    assert main(["probe", GROOVE, "--flank", "outer", "--step", "10", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert [each["flank"] for each in record["flanks"]] == ["outer"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--step", "1", "--spacing", "1"], "--step and --spacing are both given"),
+        (["--step", "0"], "from 0.01 to 30 are allowed"),
+        (["--spacing", "0"], "must be a number from 1e-09 to 1e+06"),
+        (["--ball", "-1"], "must be a number from 0 on"),
+        (["--lift", "lift.txt"], "must end in .csv"),
+        (["-o", "points.png"], "must end in one of .csv"),
+        (["-o", "a.csv", "--lift", "a.csv"], "name the same file"),
+        (["-o", "a.csv", "--lift", "b/a.csv"], "in the same folder"),
+    ],
+)
+def test_wrong_calls_are_refused(words: list[str], message: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["probe", PLATE, *words])
+    assert stopped.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_the_lift_curve_may_not_have_the_name_of_a_flank(tmp_path: Path, capsys: Capture) -> None:
+    names = ["-o", str(tmp_path / "p.csv"), "--lift", str(tmp_path / "p-inner.csv")]
+    with pytest.raises(SystemExit):
+        main(["probe", GROOVE, "--step", "30", *names])
+    assert "--lift names the file of a flank" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
