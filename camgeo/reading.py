@@ -59,6 +59,17 @@ STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
 
 PACKAGE: Final = Limits("3MF package", 16_000_000)
 
+STEP: Final = Limits("STEP file", 8_000_000)
+
+INSTANCES: Final = 100_000
+"""Entities of a STEP file, of which a piece of a wall takes twenty."""
+
+PARAMETERS: Final = 500_000
+"""Commas and brackets of a STEP file, which begin or end its parameters."""
+
+NESTED: Final = 8
+"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
+
 CONTOUR: Final = Limits("CSV contour", 16_000_000, lines=200_000)
 
 VERIFIED: Final = Limits("file to be verified", 32_000_000)

@@ -98,8 +98,8 @@ def parser(commands: Sequence[str] = COMMANDS) -> Parser:
     """The parser of `commands`; no module of another command is imported."""
     top = Parser(
         prog="camgeo",
-        description="From a scene file to DXF, G-code, STL and 3MF of a cam, each proved to be"
-        " within its tolerance.",
+        description="From a scene file to DXF, G-code, STL, 3MF and STEP of a cam, each proved to"
+        " be within its tolerance.",
         epilog="example:\n  camgeo new oscillating-roller -o my-cam.toml\n"
         "  camgeo check my-cam.toml\n  camgeo build my-cam.toml -o out\n\n"
         "exit codes:\n"

@@ -15,7 +15,7 @@ from camgeo.verifying.verify import Wanted, endings, files_in, write_verificatio
 from camgeo.writing.write import VERIFICATION
 
 SUMMARY: Final = (
-    "read DXF, G-code, STL and 3MF files back and measure them against the exact curves"
+    "read DXF, G-code, STL, 3MF and STEP files back and measure them against the exact curves"
 )
 
 EXAMPLE: Final = (

@@ -88,6 +88,22 @@ class CubicSpline:
         """The same curve in the opposite direction."""
         return type(self)(self.knots[0] + (self.knots[-1] - self.knots[::-1]), self.controls[::-1])
 
+    def divided(self, knot: float) -> tuple[Self, Self]:
+        """The same curve in two parts that meet at a knot between its ends, inserted by Boehm."""
+        knots, controls = self.knots, self.controls
+        while (count := int(np.count_nonzero(knots == knot))) < DEGREE:
+            last = int(np.searchsorted(knots, knot, "right")) - 1
+            moved = np.arange(last - DEGREE + 1, last - count + 1)
+            share = (knot - knots[moved]) / (knots[moved + DEGREE] - knots[moved])
+            new = controls[moved - 1] + share * (controls[moved] - controls[moved - 1])
+            controls = np.concatenate((controls[: moved[0]], new, controls[moved[-1] :]))
+            knots = np.insert(knots, last + 1, knot)
+        first = int(np.searchsorted(knots, knot))
+        return (
+            type(self)(np.append(knots[: first + DEGREE], knot), controls[:first]),
+            type(self)(np.insert(knots[first:], 0, knot), controls[first - 1 :]),
+        )
+
     def between(self, start: complex, end: complex) -> Self:
         """The same curve with its ends moved to `start` and `end` [mm]."""
         controls = np.concatenate(([start], self.controls[1:-1], [end]))

@@ -19,6 +19,7 @@ FORMATS: Final = {
     "gcode": "gcode:FORMAT",
     "stl": "plain:STL",
     "3mf": "plain:THREEMF",
+    "step": "step:FORMAT",
     "csv": "csv:FORMAT",
     "svg": "plain:SVG",
     "png": "plain:PNG",

@@ -17,7 +17,7 @@ from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
-from camgeo.contour.spline import SplineContour, SplineFit, strands_of
+from camgeo.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import instance, positive
@@ -102,7 +102,7 @@ class CurveBoundary(Pickled):
         if isinstance(contour, SplineContour):
             from camgeo.contour.cubics.deviation import spline_deviation  # few files have splines
 
-            return spline_deviation(self.path, contour)
+            return _once(self.known, contour, lambda: spline_deviation(self.path, contour))
         return _once(self.known, contour, lambda: deviation(self.path, contour))
 
     def offset(self, distance: float) -> CurveBoundary:
@@ -129,16 +129,30 @@ class CurveBoundary(Pickled):
         return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
 
 
-def _once(known: dict[Any, Any], contour: Contour, find: Callable[[], float]) -> float:
+def _once(
+    known: dict[Any, Any], contour: Contour | SplineContour, find: Callable[[], float]
+) -> float:
     """The deviation of `contour`, found now or known for the same numbers from another start."""
-    first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
-    # + 0.0 turns -0.0 into 0.0
-    numbers = (np.roll(each + 0.0, first) for each in (contour.vertices, contour.sweeps))
-    key = hashlib.blake2b(b"".join(each.tobytes() for each in numbers)).digest()
+    key = hashlib.blake2b(numbers_of(contour)).digest()
     if key not in known:
         known[key] = find()
     deviation: float = known[key]
     return deviation
+
+
+def numbers_of(contour: Contour | SplineContour) -> bytes:
+    """All numbers of a contour; of lines and arcs the same wherever it begins."""
+    if isinstance(contour, SplineContour):
+        return b"".join(
+            each.knots.tobytes() + each.controls.tobytes()
+            if isinstance(each, CubicSpline)
+            else np.array([each.start, each.end, each.sweep, each.centre]).tobytes()
+            for each in contour.strands
+        )
+    first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
+    # + 0.0 turns -0.0 into 0.0
+    rolled = (np.roll(each + 0.0, first) for each in (contour.vertices, contour.sweeps))
+    return b"".join(each.tobytes() for each in rolled)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,1 +1,1 @@
-"""Writers of camgeo: DXF, G-code, STL, 3MF, CSV, pictures, and the machine profiles."""
+"""Writers of camgeo: DXF, G-code, STL, 3MF, STEP, CSV, pictures, and the machine profiles."""

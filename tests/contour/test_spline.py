@@ -178,3 +178,18 @@ def test_split_arcs_are_the_same_in_equal_parts(sweep: float) -> None:
         assert isinstance(part, Arc)
         assert abs(part.sweep) <= math.pi
         assert abs(part.end - centre) == pytest.approx(arc.radius, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "knots", [(1.0, 2.5, 3.0, 4.0), (3.0,), (3.0, 3.0, 5.0), (2.0, 3.0, 3.0, 3.0)]
+)
+def test_a_spline_divided_at_a_knot_is_the_same(knots: tuple[float, ...]) -> None:
+    random = np.random.default_rng(1)
+    controls = random.normal(size=len(knots) + 4) + 1j * random.normal(size=len(knots) + 4)
+    spline = CubicSpline(np.array([0.0] * 4 + list(knots) + [6.0] * 4), controls)
+    one, other = spline.divided(3.0)
+    both = np.concatenate((one.beziers, other.beziers))
+    assert np.max(np.abs(both - spline.beziers)) <= 1e-15 * len(controls)
+    assert (one.start, one.end, other.end) == (spline.start, other.start, spline.end)
+    assert (one.knots[-4:] == 3.0).all()
+    assert (other.knots[:4] == 3.0).all()

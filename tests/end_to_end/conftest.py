@@ -19,9 +19,12 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     """The scene and its folder of files."""
     folder = tmp_path_factory.mktemp(request.param.stem)
     built = Built(load(request.param), folder)
+    # In the formats of the scene, and as STEP, which no scene need name.
+    formats = ",".join((*built.design.scene.output.formats, "step"))
     # A disc that is trimmed breaks a limit, and is made.
     broken = 1 if built.is_trimmed else 0
     with redirect_stdout(io.StringIO()) as reported:
-        assert main(["build", str(request.param), "-o", str(folder), "--json"]) == broken
+        words = ["build", str(request.param), "-o", str(folder), "--only", formats, "--json"]
+        assert main(words) == broken
     validator("camgeo.answers.build").validate(json.loads(reported.getvalue()))
     return built

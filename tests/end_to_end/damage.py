@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
@@ -440,3 +441,46 @@ flip_triangle = in_model(
     lambda text: re.sub(r'v1="(\d+)" v2="(\d+)"', r'v1="\2" v2="\1"', text, count=1)
 )
 change_3mf_unit = in_model(lambda text: text.replace('unit="millimeter"', 'unit="inch"'))
+
+
+# STEP ---------------------------------------------------------------------------------------------
+
+
+def swap_sense(kind: str) -> Damage:
+    """The last entity of a kind that ends in a truth value has the other one."""
+
+    def swapped(data: bytes) -> bytes:
+        *_, last = re.finditer(rf"={kind}\(.*\.([TF])\.\);".encode(), data)
+        other = b"F" if last.group(1) == b"T" else b"T"
+        return data[: last.start(1)] + other + data[last.end(1) :]
+
+    return swapped
+
+
+def move_step_vertex(data: bytes) -> bytes:
+    """The outermost vertex, outwards; the curves that end there stay where they are."""
+    places = {}
+    for number in re.findall(rb"=VERTEX_POINT\('',#(\d+)\);", data):
+        found = re.search(rb"\n#%s=CARTESIAN_POINT\('',\((.*?)\)\);" % number, data)
+        assert found is not None
+        places[number] = found
+    points = {k: [float(x) for x in found.group(1).split(b",")] for k, found in places.items()}
+    outermost = max(points, key=lambda k: math.hypot(*points[k][:2]))
+    x, y, z = points[outermost]
+    share = 1.0 + MOVED / math.hypot(x, y)
+    found = places[outermost]
+    moved = f"{share * x!r},{share * y!r},{z:.1f}".encode()
+    return data[: found.start(1)] + moved + data[found.end(1) :]
+
+
+def drop_step_face(data: bytes) -> bytes:
+    """It is still in the file, but no longer in the shell."""
+    return re.sub(rb"(=CLOSED_SHELL\('',\()#\d+,", rb"\g<1>", data)
+
+
+def change_radius(data: bytes) -> bytes:
+    """That of the first cylinder alone."""
+    found = re.search(rb"=CYLINDRICAL_SURFACE\('',#\d+,(.*?)\);", data)
+    assert found is not None
+    radius = repr(float(found.group(1)) + MOVED).encode()
+    return data[: found.start(1)] + radius + data[found.end(1) :]

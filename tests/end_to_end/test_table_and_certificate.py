@@ -148,7 +148,7 @@ def test_certificate(built: Built) -> None:
         named.add(record["file"])
     assert {path.name for path in built.folder.iterdir()} == named | {"certificate.json"}
     assert {record["format"] for record in certificate["files"]} == {
-        "dxf", "gcode", "stl", "3mf", "csv", "svg", "png",
+        "dxf", "gcode", "stl", "3mf", "step", "csv", "svg", "png",
     }  # fmt: skip
     bad = {f["name"] for f in certificate["findings"] if f["severity"] in ("broken", "no-disc")}
     assert bad == BROKEN.get(built.design.name, set())

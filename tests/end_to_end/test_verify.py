@@ -18,7 +18,7 @@ from tests.long_form import LONG
 
 FOLDER = SCENES[0].parent
 
-FORMATS = ("dxf", "gcode", "stl", "3mf")
+FORMATS = ("dxf", "gcode", "stl", "3mf", "step")
 
 DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
     "dxf: a moved vertex": (".dxf", d.move_dxf_vertex, {"deviation"}),
@@ -60,6 +60,15 @@ DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
     "3mf: scaled": (".3mf", d.scale_3mf, {"deviation", "area", "volume", "height"}),
     "3mf: another unit": (".3mf", d.change_3mf_unit, {"unit", "deviation", "volume"}),
     "3mf: cut short": (".3mf", d.cut_short, {"file"}),
+    "step: a sense swapped": (".step", d.swap_sense("ADVANCED_FACE"), {"walls"}),
+    "step: an edge turned": (".step", d.swap_sense("EDGE_CURVE"), {"uncertainty"}),
+    "step: an edge of a loop turned": (".step", d.swap_sense("ORIENTED_EDGE"), {"closed"}),
+    "step: a moved vertex": (".step", d.move_step_vertex, {"uncertainty", "deviation"}),
+    "step: a face dropped": (".step", d.drop_step_face, {"closed", "contents"}),
+    "step: another radius": (".step", d.change_radius, {"uncertainty"}),
+    "step: another unit": (".step", d.replaced(b".MILLI.", b".CENTI."), {"unit", "deviation"}),
+    "step: no such entity": (".step", d.replaced(b"_LOOP('',(#", b"_LOOP('',(#9"), {"file"}),
+    "step: cut short": (".step", d.cut_short, {"file"}),
 }  # fmt: skip
 """Kinds of damage: ending, what is done, and the checks that fail even without a certificate."""
 
@@ -174,7 +183,7 @@ def test_what_is_built_passes(
     ]
     records = {record["file"]: record for record in reported["files"]}
     assert set(records) == {path.name for path in built.folder.iterdir()} - {"certificate.json"}
-    for suffix in (".dxf", ".ngc", ".stl", ".3mf"):
+    for suffix in (".dxf", ".ngc", ".stl", ".3mf", ".step"):
         record = records[built.file(suffix).name]
         # The readers are others, and the sense in which a contour is run may be too.
         certain = built.deviation(suffix)
@@ -236,7 +245,7 @@ def test_any_digit_is_caught_with_its_certificate(
     assert "only its geometry is checked" in record["checks"][0]["note"]
 
 
-@pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf"])
+@pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf", ".step"])
 @pytest.mark.parametrize("certified", [True, False], ids=["certified", "alone"])
 def test_another_scene_is_reported(
     suffix: str,

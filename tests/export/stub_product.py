@@ -23,6 +23,7 @@ from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
+from camgeo.formats.step import StepSpec
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion import plan
 from camgeo.motion.laws import make_law
@@ -158,6 +159,7 @@ class StubProduct(Product):
     effort: Effort = "fewest"
     groove: bool = False
     dxf: DxfSpec = field(default_factory=DxfSpec)
+    step: StepSpec = field(default_factory=StepSpec)
     gcode: GcodeSpec = field(default_factory=GcodeSpec)
     tool: Tool = TOOL
     thickness: float | None = 8.0
@@ -175,7 +177,7 @@ class StubProduct(Product):
 
     @property
     def options(self) -> Options:
-        return Options({"dxf": self.dxf, "gcode": self.gcode})
+        return Options({"dxf": self.dxf, "gcode": self.gcode, "step": self.step})
 
     @property
     def values(self) -> Values:

@@ -19,9 +19,10 @@ from camgeo.formats.dxf import DxfSpec
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Layer, Part
+from camgeo_export.drawn import FIT_SHARE
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.reader import READER, drawing_of
-from camgeo_export.dxf.writer import FIT_SHARE, WRITER
+from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
 from tests.contour.cams import flank
 from tests.export.stub_product import CircleBoundary, StubProduct

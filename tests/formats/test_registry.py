@@ -116,12 +116,12 @@ def register(monkeypatch: pytest.MonkeyPatch, *entries: Entry) -> None:
 
 
 def test_others_are_loaded_when_they_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    form = Format("step", ".step", no_options)
-    named, left = Entry("step", Writer(form)), Entry("iges", Writer(None))
+    form = Format("sat", ".sat", no_options)
+    named, left = Entry("sat", Writer(form)), Entry("iges", Writer(None))
     register(monkeypatch, named, left, Entry("dxf", None))
-    assert foreign_names() == ("iges", "step")
+    assert foreign_names() == ("iges", "sat")
     assert (named.loads, left.loads) == (0, 0)
-    assert find_format("step") is form
+    assert find_format("sat") is form
     assert (named.loads, left.loads) == (1, 0)
     with pytest.raises(UnknownNameError, match=r'no format "igs" \(did you mean "iges"\?\)'):
         find_format("igs")
@@ -129,9 +129,9 @@ def test_others_are_loaded_when_they_are_named(monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.mark.parametrize("writer", [None, Writer(None), Writer(Format("iges", ".i", no_options))])
 def test_what_is_no_writer_of_its_format(writer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    register(monkeypatch, Entry("step", writer))
+    register(monkeypatch, Entry("sat", writer))
     with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers is not a writer of "):
-        find_format("step")
+        find_format("sat")
 
 
 def test_a_writer_that_cannot_be_loaded_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,9 +139,9 @@ def test_a_writer_that_cannot_be_loaded_is_reported(monkeypatch: pytest.MonkeyPa
         def load(self) -> Any:
             raise ImportError("No module named 'toy'")
 
-    register(monkeypatch, Broken("step", None))
+    register(monkeypatch, Broken("sat", None))
     with pytest.raises(CamgeoError, match=r"toy:WRITER of camgeo.writers cannot be loaded: No mod"):
-        find_format("step")
+        find_format("sat")
 
 
 @pytest.mark.parametrize("name", FORMATS)

@@ -32,6 +32,7 @@ from camgeo.reading import DRAWING_LINES
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
 from camgeo.writing.writer import Written
+from camgeo_export.drawn import FIT_SHARE, curve_of
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.measure import measure
 from camgeo_export.dxf.view import show
@@ -48,10 +49,6 @@ AUXILIARY = {PITCH: 3, "BASE_CIRCLE": 5, "CENTRE": 1}
 
 THROUGH, NOT_THROUGH = 7, 6
 """Colour numbers of layer CUT, and of the layers of edges that are not to be cut through."""
-
-FIT_SHARE = 0.98
-"""Share of the tolerance that the fit may use; the rest is for rounding to the nearest double and
-for the slack of the bound by which the file is measured."""
 
 POLYLINE_SHARES = (0.6, 0.3)
 """Shares of the fit and of its chords where arcs are to be drawn as straight pieces."""
@@ -75,9 +72,8 @@ class DxfWriter:
         """The drawing, in the unit of the product; all of it within `tolerance` [mm]."""
         drawing = product.options[FORMAT]
         straight = drawing.entity == "polyline"
-        share = FIT_SHARE * tolerance
         cut = {
-            name: [_cut(boundary, product, share) for boundary in boundaries]
+            name: [_cut(boundary, product, tolerance) for boundary in boundaries]
             for name, boundaries in layered(product).items()
         }
         curves = [curve for each in cut.values() for curve in each]
@@ -113,17 +109,13 @@ def _limit(pieces: int) -> None:
         )
 
 
-def _cut(boundary: Boundary, product: Product, share: float) -> Curve:
+def _cut(boundary: Boundary, product: Product, tolerance: float) -> Curve:
     """A boundary as drawn; a drawing of splines or of single lines and arcs has no bulges, not even
     in the bore.
     """
     entity = product.options[FORMAT].entity
-    if entity == "spline":
-        return boundary.spline(share, product.drawn.effort).contour.split(math.pi)
-    if entity == "polyline":
-        return boundary.polyline(share, product.drawn.effort).contour
-    arcs = boundary.arcs(share, product.drawn.effort).contour.split(math.pi)
-    return strands_of(arcs) if entity == SINGLE else arcs
+    curve = curve_of(boundary, entity, product, tolerance)
+    return strands_of(curve) if entity == SINGLE and isinstance(curve, Contour) else curve
 
 
 def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import trimesh
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
+from camgeo.part.boundaries import numbers_of
 from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
 from camgeo.reading import COORDINATE
 from camgeo.verifying.verification import Check, failed, near
 from camgeo.wording import counted
+from camgeo_export.matching import AnyContour
 from camgeo_export.verify.mesh import (
     border_loops,
     levels_of,
@@ -50,9 +53,8 @@ def body_checks(
     vertices, triangles : (n, 3) [mm] and (m, 3), as in the file.
     tolerance : [mm].
     """
-    part = product.drawn.part
     try:
-        wanted = part.levels
+        product.drawn.part.require_heights()
     except GeometryError as error:
         return [failed("body", f"there is none to compare it with: {error.message}")]
     if not len(triangles) or not np.abs(vertices).max(initial=0.0) <= COORDINATE:  # or NaN
@@ -66,41 +68,69 @@ def body_checks(
     levels, ranges = levels_of(corners[:, :, 2], tolerance)
     flat: BoolArray = (levels == levels[:, :1]).all(axis=1)
     checks.append(upright(corners[~flat], tolerance))
+    numbers = np.where(flat, levels[:, 0], -1)
+
+    def contours(number: int) -> list[AnyContour]:
+        return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
+
+    found = volume(vertices, triangles)
+    return checks + level_checks(product, ranges, contours, found, tolerance)
+
+
+def level_checks(
+    product: Product,
+    ranges: FloatArray,
+    contours: Callable[[int], Sequence[AnyContour]],
+    volume: float,
+    tolerance: float,
+    extra: float = 0.0,
+) -> list[Check]:
+    """Flat faces, their boundaries, and the volume, against the part.
+
+    Parameters
+    ----------
+    ranges : (k, 2) least and greatest height [mm] of the flat faces at each level, ascending.
+    contours : gives those that bound the flat faces at a level; raises CamgeoError or KeyError.
+    volume : [mm^3].
+    tolerance : [mm].
+    extra : further contributions to the deviation [mm].
+    """
+    part = product.drawn.part
+    wanted = part.levels
     if len(ranges) != len(wanted):
         note = f"flat faces at {counted(len(ranges), 'height')}, not at {len(wanted)}: "
         note += ", ".join(level.name for level in wanted)
-        checks.append(failed("height", note))
-    else:
-        shapes = shapes_of(part.boundaries, product.drawn.base_radius, tolerance)
-        by_name = {shape.name: shape for shape in shapes}
-        done: dict[tuple[str, bytes], None] = {}
-        for number, level in enumerate(wanted):
-            exact = level.z - wanted[0].z
-            off = ranges[number] - exact
-            height = exact + float(off[np.argmax(np.abs(off))])
-            checks.append(near("height", height, exact, tolerance, "mm", level.name))
-            faces = triangles[flat & (levels[:, 0] == number)]
-            own = [by_name[boundary.name] for boundary in level.boundaries]
-            checks += _level_checks(vertices, faces, own, tolerance, level.name, done)
-        checks += _volume(part, by_name, vertices, triangles, tolerance)
-    return checks
+        return [failed("height", note)]
+    shapes = shapes_of(part.boundaries, product.drawn.base_radius, tolerance)
+    by_name = {shape.name: shape for shape in shapes}
+    done: dict[tuple[str, bytes], None] = {}
+    checks = []
+    for number, level in enumerate(wanted):
+        exact = level.z - wanted[0].z
+        off = ranges[number] - exact
+        height = exact + float(off[np.argmax(np.abs(off))])
+        checks.append(near("height", height, exact, tolerance, "mm", level.name))
+        own = [by_name[boundary.name] for boundary in level.boundaries]
+        found = partial(contours, number)
+        checks += _level_checks(found, own, tolerance, extra, level.name, done)
+    return checks + _volume(part, by_name, volume, tolerance)
 
 
 def _level_checks(
-    vertices: FloatArray,
-    triangles: IntArray,
+    contours: Callable[[], Sequence[AnyContour]],
     shapes: list[Shape],
     tolerance: float,
+    extra: float,
     name: str,
     done: dict[tuple[str, bytes], None],
 ) -> list[Check]:
     """The boundaries of one face; results of another face with the same points are reused."""
     try:
-        loops = border_loops(triangles)
+        found = [each.counter_clockwise() for each in contours()]
     except (CamgeoError, KeyError) as error:
         note = f"the boundary of the face cannot be traced: {error}"
         return [failed("deviation", note, name)]
-    pairs, count = matched([polygon(vertices[loop]).counter_clockwise() for loop in loops], shapes)
+    pairs, count = matched(found, shapes)
     checks = (
         []
         if count.ok
@@ -108,28 +138,15 @@ def _level_checks(
     )
     for shape, contour in pairs:
         if contour is not None:
-            assert isinstance(contour, Contour)  # polygons
-            key = (shape.name, np.roll(contour.vertices, -_first(contour)).tobytes())
+            key = (shape.name, numbers_of(contour))
             if key in done:
                 continue
             done[key] = None
-        checks += contour_checks(shape, contour, tolerance, where=name)
+        checks += contour_checks(shape, contour, tolerance, extra=extra, where=name)
     return checks
 
 
-def _first(contour: Contour) -> int:
-    """The vertex at which to begin, independent of where the loop was entered."""
-    order = np.lexsort((contour.vertices.imag, contour.vertices.real))
-    return int(order[0])
-
-
-def _volume(
-    part: Part,
-    shapes: dict[str, Shape],
-    vertices: FloatArray,
-    triangles: IntArray,
-    tolerance: float,
-) -> list[Check]:
+def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: float) -> list[Check]:
     """Exact areas times heights; off by at most the tolerance along all faces."""
     if any(shape.area is None for shape in shapes.values()):
         return []
@@ -140,7 +157,7 @@ def _volume(
         faces.append(shapes[wall.boundary.name].length * height)
     faces += [abs(_area(each.below, shapes) - _area(each.above, shapes)) for each in part.levels]
     exact, allowed = math.fsum(volumes), tolerance * math.fsum(faces)
-    return [near("volume", volume(vertices, triangles), exact, allowed, "mm^3")]
+    return [near("volume", volume, exact, allowed, "mm^3")]
 
 
 def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:

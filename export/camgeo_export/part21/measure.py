@@ -1,0 +1,48 @@
+"""A STEP file of ours read back and compared with the exact curves."""
+
+from __future__ import annotations
+
+from camgeo.errors import GeometryError
+from camgeo.product.product import Product
+from camgeo.units import MM_PER
+from camgeo.wording import counted
+from camgeo_export.errors import FileError
+from camgeo_export.matching import deviation
+from camgeo_export.part21.model import Model
+from camgeo_export.part21.solid import solid_of
+from camgeo_export.part21.text import exchange_of
+from camgeo_export.verify.contents import UNCERTAINTY, contents_check
+from camgeo_export.verify.shell import bounds_of, gap, levels, shell_checks
+
+
+def measure(product: Product, data: bytes) -> float:
+    """Largest proved deviation [mm] of the solid from the part, in the plane and in height.
+
+    Raises FileError unless it is one closed, outward, upright shell in the unit of the product.
+    """
+    part = product.drawn.part
+    try:
+        wanted = part.levels
+    except GeometryError as error:
+        raise FileError(f"no solid to compare this with: {error.message}") from None
+    exchange = exchange_of(data)
+    model = Model.of(exchange)
+    solid = solid_of(model)
+    if solid.unit != MM_PER[product.unit]:
+        raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
+    for check in (
+        contents_check(exchange, model, solid, part, product.name),
+        *shell_checks(solid, UNCERTAINTY),
+    ):
+        if not check.ok:
+            raise FileError(f"the solid fails the check '{check.name}': {check.note}")
+    ranges, contours = levels(bounds_of(solid), UNCERTAINTY)
+    if len(ranges) != len(wanted):
+        found = counted(len(ranges), "height")
+        raise FileError(f"flat faces at {found}, expected {len(wanted)}")
+    largest = 0.0
+    for heights, found_here, exact in zip(ranges.tolist(), contours, wanted, strict=True):
+        z = exact.z - wanted[0].z
+        off = max(abs(height - z) for height in heights)
+        largest = max(largest, off, deviation(found_here, exact.boundaries) + gap(solid))
+    return largest

@@ -1,0 +1,169 @@
+"""The closed shell of a part: a face for each piece of a wall, and the flat faces with their holes.
+
+Neighbours share their edges, which each uses once in either direction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from camgeo.contour.contour import Contour
+from camgeo.contour.simple import winding_number
+from camgeo.errors import GeometryError
+from camgeo.part.part import Level, Part, Wall
+from camgeo_export.step.geometry import Pen, Strand
+from camgeo_export.step.text import DERIVED, Ref, flag
+
+
+@dataclass(frozen=True, slots=True)
+class Ring:
+    """A boundary of the part as the file has it.
+
+    Attributes
+    ----------
+    strands : its pieces, one after the other, with the material on their left.
+    contour : of lines and arcs, the same or close to it; shows what lies inside.
+    """
+
+    strands: tuple[Strand, ...]
+    contour: Contour
+
+
+@dataclass(frozen=True, slots=True)
+class FlatFace:
+    """A flat face by the names of its boundaries: the outer one first, then those of its holes."""
+
+    names: tuple[str, ...]
+    upwards: bool
+
+
+def flat_faces(level: Level, rings: dict[str, Ring]) -> list[FlatFace]:
+    """The faces at one height: each between a ring and those that lie next inside it.
+
+    Along a boundary that ends here the face looks upwards on the side of the material, along one
+    that begins it looks downwards there.
+    """
+    ends = {each.name for each in level.below}
+    holes = {each.name for each in level.boundaries if each.hole}
+    names = [each.name for each in level.boundaries]
+    around = {name: _around(name, names, rings) for name in names}
+    found = []
+    for name in names:
+        if len(around[name]) % 2 == 0:
+            within = [one for one in names if around[one] == {*around[name], name}]
+            found.append(FlatFace((name, *within), upwards=(name in ends) != (name in holes)))
+    return found
+
+
+def _around(name: str, names: Sequence[str], rings: dict[str, Ring]) -> set[str]:
+    """The names of the rings around one of them."""
+    place = complex(rings[name].contour.vertices[0])
+    return {one for one in names if one != name and winding_number(rings[one].contour, place)}
+
+
+def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
+    """Raise GeometryError if walls do not connect all flat faces, given by their heights."""
+    groups: dict[tuple[float, FlatFace], set[tuple[float, FlatFace]]] = {}
+    for z, flat in faces.items():
+        groups |= {(z, face): {(z, face)} for face in flat}
+    for wall in part.walls:
+        ends = ((z, _face_of(faces[z], wall)) for z in (wall.z0, wall.z1))
+        one, other = (groups[each] for each in ends)
+        if one is not other:
+            one |= other
+            groups |= dict.fromkeys(other, one)
+    if len({id(group) for group in groups.values()}) > 1:
+        message = "a STEP file holds one body without closed cavities, which this part is not"
+        raise GeometryError(message, key="part")
+
+
+def _face_of(faces: Iterable[FlatFace], wall: Wall) -> FlatFace:
+    return next(face for face in faces if wall.boundary.name in face.names)
+
+
+@dataclass(frozen=True, slots=True)
+class _Edges:
+    """The edges of a wall, piece by piece: of its lower and its upper ring."""
+
+    lower: list[Ref]
+    upper: list[Ref]
+
+
+class Shell:
+    """Adds the faces of a part, its lowest one at Z = 0."""
+
+    def __init__(self, pen: Pen, part: Part, rings: dict[str, Ring]) -> None:
+        self.pen = pen
+        self.part = part
+        self.rings = rings
+        self.bottom = part.levels[0].z
+        self.edges: dict[tuple[str, float], list[Ref]] = {}
+        self.faces: list[Ref] = []
+
+    def add(self) -> Ref:
+        """The shell; raises GeometryError if it would be several."""
+        flat = {level.z: flat_faces(level, self.rings) for level in self.part.levels}
+        require_one_body(self.part, flat)
+        for wall in self.part.walls:
+            self._wall(wall)
+        for level in self.part.levels:
+            ends = {each.name for each in level.below}
+            for face in flat[level.z]:
+                self._flat(level, face, ends)
+        return self.pen.file.add("CLOSED_SHELL", "", self.faces)
+
+    def _wall(self, wall: Wall) -> None:
+        """The faces along a boundary, and the edges above and below."""
+        name, file = wall.boundary.name, self.pen.file
+        strands = self.rings[name].strands
+        z0, z1 = wall.z0 - self.bottom, wall.z1 - self.bottom
+        feet, heads = ([self._vertex(each, z) for each in strands] for z in (z0, z1))
+        posts = [
+            file.add("EDGE_CURVE", "", foot, head, self.pen.upright(each.start, z0), flag(True))
+            for each, foot, head in zip(strands, feet, heads, strict=True)
+        ]
+        lower, upper = [], []
+        for k, strand in enumerate(strands):
+            after = (k + 1) % len(strands)
+            curve, same = self.pen.edge_curve(strand, z0)
+            above, _ = self.pen.edge_curve(strand, z1)
+            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], curve, flag(same)))
+            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, flag(same)))
+            surface, outwards = self.pen.wall(strand, z0, curve)
+            around = [
+                (lower[k], True),
+                (posts[after], True),
+                (upper[k], False),
+                (posts[k], False),
+            ]
+            self._face(name, [self._loop(around)], surface, outwards)
+        self.edges |= {(name, wall.z0): lower, (name, wall.z1): upper}
+
+    def _flat(self, level: Level, face: FlatFace, ends: set[str]) -> None:
+        """One flat face; its walls have the edges of rings that end here in reverse."""
+        loops = []
+        for name in face.names:
+            edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
+            loops.append(self._loop(edges if name in ends else edges[::-1]))
+        surface = self.pen.level_plane(level.z - self.bottom, upwards=face.upwards)
+        self._face(level.name, loops, surface, same=True)
+
+    def _vertex(self, strand: Strand, z: float) -> Ref:
+        return self.pen.file.add("VERTEX_POINT", "", self.pen.point(strand.start, z))
+
+    def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
+        file = self.pen.file
+        uses = [
+            file.add("ORIENTED_EDGE", "", DERIVED, DERIVED, edge, flag(forward))
+            for edge, forward in edges
+        ]
+        return file.add("EDGE_LOOP", "", uses)
+
+    def _face(self, name: str, loops: list[Ref], surface: Ref, same: bool) -> None:
+        kinds = ["FACE_OUTER_BOUND", *["FACE_BOUND"] * (len(loops) - 1)]
+        bounds = [
+            self.pen.file.add(kind, "", loop, flag(True))
+            for kind, loop in zip(kinds, loops, strict=True)
+        ]
+        self.faces.append(self.pen.file.add("ADVANCED_FACE", name, bounds, surface, flag(same)))

@@ -1,0 +1,93 @@
+"""STEP, AP242: the part as one solid between cylinders and planes, or splines drawn out.
+
+Its walls follow the same lines, arcs or splines as the drawing, its edges are shared, and faces
+have the names of the part's boundaries and levels. The lower face is at Z = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+from camgeo.contour.spline import Arc
+from camgeo.formats.step import FORMAT
+from camgeo.part.part import Part
+from camgeo.product.product import Product
+from camgeo.reading import INSTANCES
+from camgeo.units import MM_PER
+from camgeo.wording import counted
+from camgeo.writing.writer import Written
+from camgeo_export.errors import FileError
+from camgeo_export.part21.measure import measure
+from camgeo_export.step.frame import END, add_context, add_product, header
+from camgeo_export.step.geometry import Pen
+from camgeo_export.step.rings import ring_of
+from camgeo_export.step.shell import Ring, Shell
+from camgeo_export.step.text import Entities
+
+ENTITIES = 20
+"""Entities of a file for each piece of a wall, at least."""
+
+
+class StepWriter:
+    """Writes a STEP file."""
+
+    format = FORMAT
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The solid, in the unit of the product, within `tolerance` [mm].
+
+        Raises GeometryError with the key of a height that the scene does not give, and FileError
+        if the file would be larger than `camgeo.reading` allows.
+        """
+        part = product.drawn.part
+        part.require_heights()
+        rings = {each.name: ring_of(each, product, tolerance) for each in part.boundaries}
+        _limit(sum(len(rings[wall.boundary.name].strands) for wall in part.walls))
+        file = Entities()
+        shape = add_product(file, product.name)
+        context = add_context(file, product.unit)
+        pen = Pen(file, MM_PER[product.unit])
+        shell = Shell(pen, part, rings)
+        solid = file.add("MANIFOLD_SOLID_BREP", product.name, shell.add())
+        axes = pen.placement(pen.point(0j, 0.0), pen.direction(0j, 1.0), 1.0)
+        representation = file.add(
+            "ADVANCED_BREP_SHAPE_REPRESENTATION", product.name, (axes, solid), context
+        )
+        file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
+        text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])
+        return Written(text.encode("ascii"), _facts(part, rings, len(shell.faces)))
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Read the solid back, without what wrote it, and measure it against the exact curves
+        [mm].
+        """
+        return measure(product, data)
+
+
+def _limit(pieces: int) -> None:
+    """Raise FileError if a solid with walls of so many pieces would not be read back."""
+    if ENTITIES * pieces > INSTANCES:
+        raise FileError(
+            f"the solid would have walls of {counted(pieces, 'piece')}, of {ENTITIES} entities"
+            f" each; at most {INSTANCES:,} are allowed in a STEP file that is read; a larger"
+            " tolerance needs fewer"
+        )
+
+
+def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | float | str]:
+    """How many faces there are, of which kinds the pieces of walls are, and the volume."""
+    strands = [each for wall in part.walls for each in rings[wall.boundary.name].strands]
+    arcs = [each for each in strands if isinstance(each, Arc)]
+    bent = sum(1 for each in arcs if each.sweep)
+    splines = len(strands) - len(arcs)
+    volumes = [
+        math.fsum(strand.moment for strand in rings[wall.boundary.name].strands)
+        * (wall.z1 - wall.z0)
+        for wall in part.walls
+    ]
+    counts: dict[str, int | float | str] = {"faces": faces, "cylinders": bent}
+    counts |= {"splines": splines} if splines else {}
+    return counts | {"planes": faces - bent - splines, "volume_mm3": math.fsum(volumes)}
+
+
+WRITER = StepWriter()

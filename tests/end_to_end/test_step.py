@@ -1,0 +1,74 @@
+"""STEP of each fixture scene: one solid, its faces counted, measured against the exact cam."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.formats.dxf import FORMAT as DXF
+from camgeo.units import MM_PER
+from camgeo_export.part21.model import Model
+from camgeo_export.part21.solid import Solid, solid_of
+from camgeo_export.part21.text import exchange_of
+from camgeo_export.verify.shell import bounds_of, is_flat, volume_of
+from tests.end_to_end.built import Built, Exact
+
+READ: dict[str, Solid] = {}
+
+
+@pytest.fixture
+def solid(built: Built) -> Solid:
+    """The solid, read once for each scene."""
+    if built.design.name not in READ:
+        data = built.file(".step").read_bytes()
+        READ[built.design.name] = solid_of(Model.of(exchange_of(data)))
+    return READ[built.design.name]
+
+
+def _facts(built: Built) -> dict[str, Any]:
+    files = {record["file"]: record for record in built.certificate["files"]}
+    found: dict[str, Any] = files[built.file(".step").name]
+    return found
+
+
+def test_each_piece_of_the_drawing_is_a_wall(built: Built, solid: Solid) -> None:
+    """And the flat faces are two, with a groove three and what it leaves."""
+    walls = [face for face in solid.faces if not is_flat(face)]
+    assert len(solid.faces) == _facts(built)["faces"]
+    assert len(solid.faces) - len(walls) == (4 if built.groove else 2)
+    if built.design.disc.options[DXF].entity == "arcs":
+        drawn: Any = built.drawing.modelspace().query('LWPOLYLINE[layer!="PITCH_CURVE"]')
+        assert len(walls) == sum(len(polyline) for polyline in drawn)
+    names = {face.name for face in walls}
+    assert names == {each.name for each in built.design.disc.drawn.part.boundaries}
+
+
+def test_its_volume_is_that_of_its_arcs(built: Built, solid: Solid) -> None:
+    found = volume_of(bounds_of(solid))
+    assert found == pytest.approx(_facts(built)["volume_mm3"], rel=1e-12)
+    assert found == pytest.approx(
+        built.volume, abs=built.tolerance * built.length * built.thickness
+    )
+    assert solid.unit == MM_PER[built.design.scene.unit]
+
+
+def test_areas_and_centroids_are_those_of_the_cam(built: Built, solid: Solid) -> None:
+    """Of all loops of all flat faces."""
+    for bound in bounds_of(solid):
+        exact = min(built.through + built.groove, key=lambda each: abs(each.area - abs(bound.area)))
+        slack = built.tolerance * exact.length
+        assert abs(bound.area) == pytest.approx(exact.area, abs=slack)
+        assert isinstance(bound.contour, Contour)
+        moments = bound.contour.moments
+        off = abs(moments.first / moments.area - _centroid(exact))
+        assert off <= slack * float(np.max(np.abs(exact.points))) / exact.area
+
+
+def _centroid(exact: Exact) -> complex:
+    """Of the dense polygon."""
+    start, end = exact.points, np.roll(exact.points, -1)
+    cross = (start.conj() * end).imag
+    return complex(np.sum((start + end) * cross) / (3.0 * np.sum(cross)))
