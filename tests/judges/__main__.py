@@ -132,7 +132,11 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
         lambda extent: compared("grbl", grbl.run, extent, absolute_centres=False),
     ),
     ("Grbl 1.1, its planner", grbl_planner.absent, timed),
-    ("FreeCAD", freecad.missing, partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME})),
+    (
+        "FreeCAD",
+        freecad.missing,
+        partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME, "step": VOLUME}),
+    ),
     ("LibreCAD", librecad.missing, partial(read, librecad.judge, {"dxf": SIZE})),
     ("PrusaSlicer", prusa.missing, partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME})),
     ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),

@@ -14,13 +14,16 @@ from ezdxf.filemanagement import read
 
 import camgeo
 from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.formats.step import WALLS
 from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
+from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from tests.judges.programs import FIXTURES, TOLERANCE, scene_of
 
-WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF}
+WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF, "step": STEP}
 
 
 @dataclass(frozen=True)
@@ -32,15 +35,24 @@ class Given:
     path : of the file.
     size : width and height of all that is drawn [mm]; of drawings.
     volume : [mm^3]; of bodies.
+    near : how far, relatively, another program's volume may be from it.
+    faces : of a solid; 0 for a body of triangles.
     """
 
     path: Path
     size: tuple[float, float] = (0.0, 0.0)
     volume: float = 0.0
+    near: float = 1e-4
+    faces: int = 0
+
+
+EXACT: Final = 1e-9
+"""How near a program computes the volume between planes and cylinders; between splines it
+integrates more coarsely, as near as that of triangles."""
 
 
 def scenes(kind: str) -> list[str]:
-    """Names of the fixture scenes that have a file of a kind: "dxf", "stl" or "3mf"."""
+    """Names of the fixture scenes that have a file of a kind: "dxf", "stl", "3mf" or "step"."""
     found = []
     for path in sorted(FIXTURES.glob("*.toml")):
         scene = camgeo.load(path).scene
@@ -53,7 +65,11 @@ def scenes(kind: str) -> list[str]:
 def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
     """The files of a kind of all discs of scenes."""
     for name in names:
-        for number, product in enumerate(camgeo.load(FIXTURES / f"{name}.toml").discs):
+        design = camgeo.load(FIXTURES / f"{name}.toml")
+        if kind == "step":
+            yield from _steps(folder, design)
+            continue
+        for number, product in enumerate(design.discs):
             written = WRITERS[kind].write(product, TOLERANCE)
             path = folder / f"{name}_{number}.{kind}"
             path.write_bytes(written.data)
@@ -61,6 +77,18 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
                 yield Given(path, size=_size(written.data))
             else:
                 yield Given(path, volume=float(str(written.facts["volume_mm3"])))
+
+
+def _steps(folder: Path, design: Design) -> Iterator[Given]:
+    """The solids of all discs of a design, with either kind of walls."""
+    for walls in WALLS:
+        for number, product in enumerate(design.with_output({"step.walls": walls}).discs):
+            written = STEP.write(product, TOLERANCE)
+            path = folder / f"{product.name}_{walls}_{number}.step"
+            path.write_bytes(written.data)
+            volume, faces = (written.facts[key] for key in ("volume_mm3", "faces"))
+            near = Given.near if "splines" in written.facts else EXACT
+            yield Given(path, volume=float(volume), near=near, faces=int(faces))
 
 
 def sheets(into: Path, names: list[str]) -> Iterator[Path]:

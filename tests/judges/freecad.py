@@ -1,4 +1,4 @@
-"""FreeCAD imports drawings and bodies: of our size, closed, and of our volume."""
+"""FreeCAD imports drawings, bodies and solids: of our size, closed, and of our volume."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ NAMES: Final = ("freecadcmd", "FreeCADCmd", "freecad.cmd")
 
 SCRIPT: Final = Path(__file__).with_name("freecad_script.py")
 
-SIZE, VOLUME = 0.02, 1e-4
-"""How far a size [mm] and, relatively, a volume may be from ours."""
+SIZE = 0.02
+"""How far a size may be from ours [mm]."""
 
 
 def missing() -> str:
@@ -38,9 +38,12 @@ def judge(given: Given) -> float:
         if apart > SIZE:
             raise Refusal(f"{given.path.name} is {read['size']} mm large, not {given.size}")
         return apart
+    faces = read.get("faces", 0)
+    if faces != given.faces:
+        raise Refusal(f"{given.path.name} has {faces} faces, not {given.faces}")
     if not read["solid"]:
         raise Refusal(f"{given.path.name} is not one closed body: {read}")
     apart = abs(read["volume"] / given.volume - 1.0)
-    if apart > VOLUME:
+    if apart > given.near:
         raise Refusal(f"{given.path.name}: its volume is {read['volume']}, not {given.volume:g}")
     return apart

@@ -41,10 +41,24 @@ def solid(path: str) -> dict[str, Any]:
     return {"solid": bool(closed and not turned), "volume": mesh.Volume}
 
 
+def shape(path: str) -> dict[str, Any]:
+    """Whether a STEP file is one valid solid, its faces and its volume."""
+    import Part  # only there inside FreeCAD
+
+    read = Part.Shape()
+    read.read(path)
+    read.check(True)  # raises where isValid, which looks less closely, may not
+    one = read.ShapeType == "Solid" and len(read.Solids) == 1 and read.isValid()
+    return {"solid": bool(one), "volume": read.Volume, "faces": len(read.Faces)}
+
+
+READERS = {".dxf": drawing, ".stl": solid, ".step": shape}
+
+
 def main(path: str) -> None:
     """Print the line that tests/judges/freecad.py reads."""
     try:
-        told = drawing(path) if path.endswith(".dxf") else solid(path)
+        told = READERS[Path(path).suffix](path)
     except Exception as error:  # whatever it raises is what it says of the file
         told = {"error": f"{type(error).__name__}: {error}"}
     sys.stdout.write(f"\ncamgeo: {json.dumps(told)}\n")  # behind what it says of its progress

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -36,6 +37,7 @@ linuxcnc = pytest.mark.skipif(bool(rs274.absent()), reason=rs274.absent() or "is
 grbl_parser = pytest.mark.skipif(bool(grbl.absent()), reason=grbl.absent() or "is there")
 slicer = pytest.mark.skipif(bool(prusa.missing()), reason=prusa.missing() or "is there")
 browser = pytest.mark.skipif(bool(chromium.missing()), reason=chromium.missing() or "is there")
+cad = pytest.mark.skipif(bool(freecad.missing()), reason=freecad.missing() or "is there")
 suite = pytest.mark.skipif(bool(bad.absent()), reason=bad.absent() or "is there")
 
 
@@ -123,7 +125,7 @@ def test_a_path_that_differs_is_told() -> None:
 
 
 READERS = {
-    "freecad": (freecad, ("dxf", "stl")),
+    "freecad": (freecad, ("dxf", "stl", "step")),
     "librecad": (librecad, ("dxf",)),
     "prusa": (prusa, ("stl", "3mf")),
     "lib3mf": (lib3mf_reader, ("3mf",)),
@@ -205,6 +207,7 @@ def test_the_size_of_what_is_stroked_is_read_from_a_page() -> None:
         ('{"solid": false, "volume": 10.0}', "not one closed body"),
         ('{"solid": true, "volume": 10.1}', "its volume is"),
         ('{"error": "it has no curves"}', "it has no curves"),
+        ('{"solid": true, "volume": 10.0, "faces": 7}', "has 7 faces, not 0"),
     ],
 )
 def test_what_freecad_says_is_judged(
@@ -237,3 +240,12 @@ def test_the_table_fails_on_a_judge_that_is_absent_only_if_all_are_wanted(
     monkeypatch.setattr("tests.judges.__main__.JUDGES", judges)
     assert (main([]), main(["--all"])) == (0, 1)
     assert capsys.readouterr().out.count("absent: gone") == 2 * len(JUDGES)
+
+
+@cad
+def test_freecad_refuses_a_solid_without_one_of_its_faces(tmp_path: Path) -> None:
+    given, *_ = files(tmp_path, "step", [SIX[0]])
+    data = given.path.read_bytes()
+    given.path.write_bytes(re.sub(rb"(=CLOSED_SHELL\('',\()#\d+,", rb"\1", data))
+    with pytest.raises(Refusal, match=r"not one closed body|has \d+ faces|BRep"):
+        freecad.judge(given)
