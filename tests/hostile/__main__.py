@@ -23,7 +23,8 @@ from typing import Any, Final
 from camgeo_export.threemf.parts import parts_of
 from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
-from tests.hostile.readers import READERS, good
+from tests.hostile.readers import ENDINGS, READERS, good
+from tests.hostile.solids import solids
 from tests.hostile.texts import Named, contours, drawings, points, programs, tables
 
 INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
@@ -33,6 +34,7 @@ INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "lint": programs,
     "stl": bodies,
     "3mf": packages,
+    "step": solids,
     "contour": contours,
     "inspect": points,
     "lifts": tables,
@@ -121,7 +123,7 @@ def main(arguments: Sequence[str]) -> int:
     seeds = range(wanted.seed, wanted.seed + wanted.mutations)
     warnings.simplefilter("error")
     code = 0
-    for name in ("dxf", "gcode", "stl", "3mf"):
+    for name in ENDINGS:
         good(name)
     for reader in wanted.readers or INPUTS:
         child = os.fork()

@@ -59,7 +59,7 @@ def hostile() -> list[Result]:
 
 def test_there_are_many_for_every_reader(hostile: list[Result]) -> None:
     counts = Counter(each.reader for each in hostile)
-    assert len(counts) == 16
+    assert len(counts) == 17
     assert min(counts.values()) >= 20
     assert len({(each.reader, each.name) for each in hostile}) == len(hostile) >= 500
 
@@ -76,5 +76,5 @@ def test_none_takes_long_or_much_memory(hostile: list[Result]) -> None:
 def test_mutated_files_crash_no_reader() -> None:
     """`--mutations 300` of another seed runs more."""
     found = results("--mutations", "12", "--seed", "1")
-    assert len(found) == 16 * 12
+    assert len(found) == 17 * 12
     assert [each for each in found if each.error] == []

@@ -40,6 +40,9 @@ CODED: Final = re.compile(
 )
 """A directive in a string, a backslash that is doubled, or one that is wrong."""
 
+RECORDS: Final = 20
+"""Of a header, which has three, and at most four more."""
+
 BEYOND: Final = 0x110000
 """First number that is no character."""
 
@@ -136,6 +139,8 @@ class _Parser:
         while self.token != "ENDSEC":
             header.append(self.record())
             self.take(";")
+            if len(header) > RECORDS:
+                self.fail(f"the header has more than {RECORDS} records")
         instances: dict[int, tuple[Record, ...]] = {}
         if whole:
             for token in ("ENDSEC", ";", "DATA", ";"):
