@@ -64,7 +64,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     if spec is None:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
     toolpath = product.milled.toolpath(TOLERANCE)
-    runs, part = runs_of(toolpath), product.drawn.part
+    runs, part = runs_of(toolpath), product.milled.part
     setup = setup_of(product.milled.cuts, runs, part, spec.stock, spec.holding, TOLERANCE)
     found = plotted(toolpath, setup.blank, setup.top, TOLERANCE)
     columns = min(2, max(1, len(found)))

@@ -181,10 +181,16 @@ class ExactBoundary(Pickled):
             instance("part", self.core, Contour, "a circle, or None")
 
     @property
+    def is_round(self) -> bool:
+        """Whether what a round cutter makes is a circle."""
+        circle = self.core or self.exact
+        return circle.arc_count == len(circle) and not np.any(circle.centres != circle.centres[0])
+
+    @property
     def round_radius(self) -> float:
         """Radius [mm] of what a round cutter makes; GeometryError if that is not a circle."""
         circle = self.core or self.exact
-        if circle.arc_count < len(circle) or np.ptp(circle.centres) != 0.0:
+        if not self.is_round:
             raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
         return float(circle.radii[0])
 

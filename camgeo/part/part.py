@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import Any, Protocol
@@ -204,6 +205,25 @@ class Part:
     def thickness(self) -> float:
         """From the lowest to the highest face [mm]; 0 if the scene gives none."""
         return self.layers[-1].z1 - self.layers[0].z0
+
+    def lowered(self) -> Part:
+        """The same part with its highest face at height 0."""
+        high = self.layers[-1].z1
+        if not high:
+            return self
+        layers = (replace(each, z0=each.z0 - high, z1=each.z1 - high) for each in self.layers)
+        return Part(tuple(layers))
+
+    def without(self, names: Collection[str]) -> Part:
+        """The same part without the holes and marks of these names."""
+        if not names:
+            return self
+
+        def left(layer: Layer) -> Layer:
+            kept = tuple(each for each in layer.boundaries if each.name not in names)
+            return replace(layer, boundaries=kept)
+
+        return Part(tuple(left(layer) for layer in self.layers))
 
     @property
     def walls(self) -> tuple[Wall, ...]:

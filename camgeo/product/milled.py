@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, TypeVar
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
-from camgeo.lazy import Ledger, lazy
+from camgeo.lazy import Ledger, built, lazy
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
     from camgeo.formats.format import Options
+    from camgeo.part.part import Part
     from camgeo.product.drawn import DrawnDisc
     from camgeo.scene.scene import Scene
     from camgeo.toolpath.cut import ContourCut, Cut
@@ -60,6 +61,11 @@ class MilledDisc(Pickled):
         """Tools, blank, holding and operations; None if the scene says nothing on milling."""
         return self.scene.milling
 
+    @built
+    def part(self) -> Part:
+        """The part as programs see it: its highest face is at height 0."""
+        return self.drawn.part.lowered()
+
     @lazy
     def sequence(self) -> Sequence:
         """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
@@ -74,7 +80,7 @@ class MilledDisc(Pickled):
             raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
         assert self.spec is not None  # for the scene has a tool
         options = self.options[FORMAT]
-        return sequence_of(self.drawn.part, self.spec, options.heights, options.compensation)
+        return sequence_of(self.part, self.spec, options.heights, options.compensation)
 
     def _planned(self, plan: Callable[[], Planned]) -> Planned:
         """What `plan` makes; what it finds wrong is the scene's fault."""
@@ -141,7 +147,7 @@ class MilledDisc(Pickled):
         from camgeo.toolpath.zero import zero_of
 
         stock = Stock() if self.spec is None else self.spec.stock
-        return self._planned(lambda: zero_of(self.options[FORMAT], stock, self.drawn.part))
+        return self._planned(lambda: zero_of(self.options[FORMAT], stock, self.part))
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
@@ -160,7 +166,7 @@ class MilledDisc(Pickled):
         """What the simulation of a program finds that lies within `tolerance` [mm]."""
         from camgeo.toolpath.verdict import flaws_of
 
-        part, spec = self.drawn.part, self.spec
+        part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
         return self.ledger.run("simulation", lambda: flaws_of(toolpath, part, spec, tolerance))
 
@@ -168,7 +174,7 @@ class MilledDisc(Pickled):
         """How the cutter is engaged in each roughing operation of a program."""
         from camgeo.toolpath.engaged import engaged_of
 
-        part, spec = self.drawn.part, self.spec
+        part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
         return self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
 

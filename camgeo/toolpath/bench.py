@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Self
 
+import numpy as np
+
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
@@ -16,6 +18,9 @@ from camgeo.toolpath.tool import COMPUTED, CONTROL, END_MILL, Tool, ToolError
 
 SAME: Final = 2.0**-48
 """Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
+
+BORE: Final = "bore"
+"""Name of the boundary about the cam axis."""
 
 ALLOWANCE_SHARE: Final = 0.05
 LARGEST_ALLOWANCE: Final = 0.5
@@ -68,6 +73,23 @@ class Bench:
         """Z of the lower face of the part [mm]."""
         return self.part.layers[0].z0
 
+    @property
+    def bosses(self) -> tuple[Wall, ...]:
+        """The walls around what stands on a face of the disc."""
+        stand = [layer.boundaries[0] for layer in self.part.layers if layer not in self.part.disc]
+        return tuple(wall for wall in self.part.walls if wall.boundary in stand)
+
+    @property
+    def holes(self) -> tuple[Wall, ...]:
+        """The walls of round holes beside the bore, and of marks."""
+        return tuple(
+            wall
+            for wall in self.part.walls
+            if isinstance(wall.boundary, ExactBoundary)
+            and wall.boundary.hole
+            and wall.boundary.name != BORE
+        )
+
     def is_through(self, wall: Wall) -> bool:
         """Whether the wall reaches the lower face."""
         return wall.z0 == self.lower_face
@@ -118,13 +140,15 @@ class Bench:
     # Why tools do not fit -----------------------------------------------------------------------
 
     def too_short(self, tool: Tool, bottom: float, top: float = 0.0) -> str:
-        """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]."""
-        depth = top - bottom
+        """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]; the holder
+        stays above the upper face of the part.
+        """
+        depth, reach = top - bottom, max(top, 0.0) - bottom
         if tool.flute_length is not None and tool.flute_length < depth:
             text = f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
             return Reason(text, "flute_length")
-        if tool.stick_out is not None and tool.stick_out < depth:
-            text = f"it sticks out {tool.stick_out:g} mm, less than {depth:g} mm"
+        if tool.stick_out is not None and tool.stick_out < reach:
+            text = f"it sticks out {tool.stick_out:g} mm, less than {reach:g} mm"
             return Reason(text, "stick_out")
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
@@ -146,6 +170,17 @@ class Bench:
             f" the largest that fits has {largest_diameter(place):g} mm",
             "diameter",
         )
+
+    def no_engraver(self, tool: Tool, wall: Wall) -> str:
+        """Why a tool does not make a mark in one pass."""
+        width = 2.0 * float(np.max(bore_of(wall).exact.radii))
+        if tool.kind != END_MILL or tool.corner_radius:
+            return "a mark is cut with a flat end mill"
+        if abs(tool.diameter - width) > SAME * width:
+            return f"it is not as wide as the {wall.boundary.name}, {width:g} mm"
+        if bore_of(wall).is_round and not tool.plunges:
+            return "a dot takes a tool that plunges"
+        return self.too_short(tool, self.bottom(wall), wall.z1)
 
     def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:
         """Why a tool cannot finish a wall at full depth from `top` [mm]."""

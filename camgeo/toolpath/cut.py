@@ -1,7 +1,7 @@
 """What an operation cuts, exactly, before any tolerance.
 
-Three kinds: along a closed path of the cutter's centre, over an area between boundaries, and at
-points. All refer to boundaries of the part, and none knows the scene.
+Four kinds: along a closed path of the cutter's centre, over an area between boundaries, at points,
+and along a line. All refer to boundaries of the part, and none knows the scene.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from camgeo.numeric.checked import (
 )
 from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.holding import Obstacle, Tabs
-from camgeo.toolpath.tool import COMPUTED, CompensationWord, Rounds, Text, Tool, Truth
+from camgeo.toolpath.tool import COMPUTED, DRILL, CompensationWord, Rounds, Text, Tool, Truth
 
 MOST_PASSES: Final = 10_000
 """Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
@@ -100,6 +100,11 @@ class Cut:
         """Radius of the cutter where it meets a wall [mm]."""
         return self.tool.radius
 
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """Names of the part's boundaries along which it cuts."""
+        return ()
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContourCut(Cut):
@@ -154,6 +159,11 @@ class ContourCut(Cut):
         """As of `Cut`."""
         return self.contact or self.tool.radius
 
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """As of `Cut`."""
+        return tuple(name for name in (self.right, self.left) if name)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaCut(Cut):
@@ -199,6 +209,11 @@ class AreaCut(Cut):
             message = f"must be at most the cutter's diameter, {self.tool.diameter:g} mm"
             raise GeometryError(message, "toolpath", f"{self.stepover:g}")
 
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """As of `Cut`."""
+        return tuple(wall.name for wall in self.walls)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointCut(Cut):
@@ -207,6 +222,7 @@ class PointCut(Cut):
     Attributes
     ----------
     points : complex [mm].
+    holes : names of the part's boundaries produced.
 
     Raises
     ------
@@ -215,13 +231,56 @@ class PointCut(Cut):
     """
 
     points: tuple[complex, ...]
+    holes: tuple[str, ...] = ("bore",)
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)
         points = instance("toolpath", self.points, tuple, "a tuple of points")
         if not points:
             raise GeometryError("needs a point", "toolpath", shown(points))
+        holes = instance("toolpath", self.holes, tuple, "a tuple of names")
+        instances("toolpath", holes, (str,), "names")
         hold(self, points=tuple(point("toolpath", each, "mm") for each in points))
+
+    @property
+    def sinking(self) -> float:
+        """Feed into the material [mm/min]."""
+        return self.tool.feed if self.tool.kind == DRILL else self.tool.plunge_feed
+
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """As of `Cut`."""
+        return self.holes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineCut(Cut):
+    """Along a line of the cutter's centre, as wide as the cutter: an engraved mark.
+
+    Attributes
+    ----------
+    start, end : of the line [mm].
+    slot : name of the part's boundary produced.
+
+    Raises
+    ------
+    GeometryError
+        As `Cut`; with key "toolpath" if the line has no length.
+    """
+
+    start: Annotated[complex, point, "toolpath"]
+    end: Annotated[complex, point, "toolpath"]
+    slot: Annotated[Text, "toolpath"] = ""
+
+    def __post_init__(self) -> None:
+        Cut.__post_init__(self)
+        if self.start == self.end:
+            raise GeometryError("needs a line with a length", "toolpath", shown(self.start))
+
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """As of `Cut`."""
+        return (self.slot,) if self.slot else ()
 
 
 def slack_of(allowance: float) -> float:

@@ -10,8 +10,9 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Part
+from camgeo.toolpath.bench import BORE
 from camgeo.toolpath.course import course_of, level
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
+from camgeo.toolpath.cut import ContourCut, Cut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
 from camgeo.toolpath.setup import Chamfer, Run, Setup
@@ -72,9 +73,11 @@ def setup_of(
     """What a program starts from, and the part that must come of it, within `tolerance` [mm].
 
     `cuts` say which walls are cut, and where the outline of the blank is not known, `runs` how far
-    it must reach. A bore with a keyway counts as round: a round cutter leaves the keyway to be
-    broached. Without a holding nothing is said of pieces that come loose.
+    it must reach. Holes and marks that no cut makes are none of that part: they are made otherwise.
+    A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Without a
+    holding nothing is said of pieces that come loose.
     """
+    made = part.without(left_out(part, cuts := tuple(cuts)))
     bodies = tuple(
         Body(
             layer.name,
@@ -82,7 +85,7 @@ def setup_of(
             layer.z1,
             tuple(_contour(each, tolerance) for each in layer.boundaries),
         )
-        for layer in part.layers
+        for layer in made.layers
     )
     low, high = part.layers[0].z0, part.layers[-1].z1
     outline, rim = _blank(cuts, runs, part, stock, tolerance)
@@ -111,6 +114,17 @@ def setup_of(
         chamfers=tuple(_chamfers(cuts, tolerance)),
         lowest=lowest,
         joined=max(joined, default=None),
+    )
+
+
+def left_out(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
+    """Names of the holes and marks that no cut makes, and of a bore if no round cutter makes it."""
+    made = _produced(cuts)
+    return tuple(
+        each.name
+        for each in part.boundaries
+        if isinstance(each, ExactBoundary) and each.hole and each.name not in made
+        if each.name != BORE or not each.is_round
     )
 
 
@@ -169,13 +183,7 @@ def _blank(
 
 def _produced(cuts: Iterable[Cut]) -> set[str]:
     """Names of the boundaries that are cut."""
-    found: set[str] = set()
-    for cut in cuts:
-        if isinstance(cut, ContourCut):
-            found |= {cut.right, cut.left}
-        elif isinstance(cut, AreaCut):
-            found |= {wall.name for wall in cut.walls}
-    return found
+    return {name for cut in cuts for name in cut.produced}
 
 
 def _rectangle(corner: complex, centre: complex) -> Contour:

@@ -2,24 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
+from camgeo.contour.contour import Contour
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
-from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
 from camgeo.part.part import Boundary, Wall
-from camgeo.toolpath.bench import Bench, flank_curve
-from camgeo.toolpath.cut import MOST_SLACK, AreaCut, ContourCut, PointCut, passes, slack_of
+from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.cut import (
+    MOST_SLACK,
+    AreaCut,
+    ContourCut,
+    LineCut,
+    PointCut,
+    passes,
+    slack_of,
+)
 from camgeo.toolpath.stock import ROUND
-from camgeo.toolpath.tool import Tool, ToolError
+from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
 LOOPS: Final = 0.5
 LARGEST_LOOPS: Final = 0.9
 """Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
 usually, and at most, so that no core is left in them.
 """
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of the contour of the disc, around which more is cleared than that."""
+
+BESIDE: Final = 1.25
+"""Diameters of the widest cutter that are cleared beside the disc: a slot, and an allowance."""
 
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
@@ -64,6 +82,21 @@ def clear_outside(
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
     made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
     return made if spirals(made, wall.boundary, MOST_SLACK) else None
+
+
+def clear_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> AreaCut:
+    """Around what stands on the disc, down to the face that it stands on: all of a blank whose
+    outline is known, else as far as cutters go that lay the disc free.
+    """
+    name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
+    strategy, walls = "rough", [wall.boundary]
+    if bench.milling.stock.outline is None:
+        disc = bench.part.outermost.arcs(COARSE, "fast")
+        widest = max(each.diameter for each in bench.milling.tools if each.kind == END_MILL)
+        radius = largest_radius(disc.contour) + disc.deviation + BESIDE * widest
+        edge = ExactBoundary("edge of what is cleared", hole=True, exact=Contour.circle(radius))
+        strategy, walls = "moat", [wall.boundary, edge]
+    return clear_area(bench, name, strategy, tool, top, bottom, tuple(walls), allowance)
 
 
 def loops_along(
@@ -173,8 +206,50 @@ def clear_area(
 
 def drill_at(name: str, tool: Tool, top: float, bottom: float, place: complex) -> PointCut:
     """Straight down, in pecks of the tool's stepdown if it states one."""
+    return drill_all(name, tool, top, bottom, {"bore": place})
+
+
+def drill_all(
+    name: str, tool: Tool, top: float, bottom: float, holes: Mapping[str, complex]
+) -> PointCut:
+    """Straight down in each of the `holes`, places [mm] by the names of their boundaries."""
     depths = passes(top, bottom - tool.tip_length, tool.stepdown)
-    return PointCut(name=name, strategy="drill", tool=tool, top=top, depths=depths, points=(place,))
+    places = tuple(holes.values())
+    return PointCut(
+        name=name, strategy="drill", tool=tool, top=top, depths=depths, points=places,
+        holes=tuple(holes),
+    )  # fmt: skip
+
+
+def engraved(bench: Bench, wall: Wall, tool: Tool, top: float) -> LineCut | PointCut:
+    """A mark as wide as the tool: a slot along its middle line, or a dot."""
+    boundary = bore_of(wall)
+    ends = ends_of(boundary)
+    assert ends is not None  # as of every mark
+    name, bottom = f"engrave {boundary.name}", bench.bottom(wall)
+    if ends[0] == ends[1]:
+        made = drill_all(name, tool, top, bottom, {boundary.name: ends[0]})
+        return replace(made, depths=(bottom,))
+    return LineCut(
+        name=name, strategy="engrave", tool=tool, top=top, depths=depths_of(tool, top, bottom),
+        start=ends[0], end=ends[1], slot=boundary.name,
+    )  # fmt: skip
+
+
+def ends_of(boundary: ExactBoundary) -> tuple[complex, complex] | None:
+    """The ends of the middle line of a slot with round ends [mm], of a circle twice its middle.
+
+    None of any other boundary.
+    """
+    contour = boundary.exact
+    bent = contour.sweeps != 0.0
+    middles = np.unique(contour.centres[bent])
+    radii = contour.radii[bent]
+    if not len(middles) or len(middles) > 2 or np.ptp(radii) > SAME * radii[0]:
+        return None
+    if np.ptp(np.abs(contour.sweeps[bent])) or len(radii) != 2:
+        return None
+    return complex(middles[0]), complex(middles[-1])
 
 
 def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:

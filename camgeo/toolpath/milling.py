@@ -43,8 +43,9 @@ ROUGH: Final = "rough"
 FINISH: Final = "finish"
 SLOT: Final = "slot"
 CHAMFER: Final = "chamfer"
+ENGRAVE: Final = "engrave"
 
-OPERATIONS: Final = (FACE, DRILLING, BORE, ROUGH, FINISH, SLOT, CHAMFER)
+OPERATIONS: Final = (FACE, DRILLING, BORE, ROUGH, FINISH, SLOT, CHAMFER, ENGRAVE)
 
 RAMP: Final = "ramp"
 TROCHOIDAL: Final = "trochoidal"
@@ -55,6 +56,9 @@ STRATEGIES: Final = (RAMP, TROCHOIDAL, SPIRAL)
 
 ALONG_A_WALL: Final = (ROUGH, FINISH, CHAMFER)
 """Kinds of operations that name their boundary."""
+
+MAY_NAME_IT: Final = (DRILLING, ENGRAVE)
+"""Kinds that have a usual one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -285,8 +289,9 @@ def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     kind = table["kind"]
     if kind in ALONG_A_WALL and "boundary" not in table:
         yield "boundary", f'is missing: which wall is to be cut by "{kind}"'
-    if kind not in ALONG_A_WALL and "boundary" in table:
-        yield "boundary", f'belongs to {", ".join(ALONG_A_WALL)}; "{kind}" knows what it cuts'
+    if kind not in (*ALONG_A_WALL, *MAY_NAME_IT) and "boundary" in table:
+        known = ", ".join((*ALONG_A_WALL, *MAY_NAME_IT))
+        yield "boundary", f'belongs to {known}; "{kind}" knows what it cuts'
     if kind != ROUGH and "strategy" in table:
         yield "strategy", f'belongs to kind "{ROUGH}"'
     if kind == CHAMFER and "size" not in table:

@@ -1,23 +1,29 @@
 """The sequence of cuts for a scene that states none.
 
-First what is cut while the blank is whole and stiff: its face, the bore, the groove; then what
-cuts the part free. Each wall is roughed in passes, and finished at full depth with a round more.
+First what is cut while the blank is whole and stiff: its face, hub, bore and holes, the groove;
+then what cuts the part free. Each wall is roughed in passes, and finished at full depth with a
+round more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Wall
-from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.bench import BORE, SAME, Bench, bore_of, flank_curve
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.fitting import core
 from camgeo.toolpath.making import (
     clear_area,
+    clear_around,
+    drill_all,
     drill_at,
+    engraved,
     finish_along,
     rough_around,
     rough_outside,
@@ -39,8 +45,11 @@ def planned_steps(bench: Bench) -> Iterator[Step]:
     """
     walls = bench.walls
     yield from _face(bench)
-    if "bore" in walls:
-        yield from _bore(bench, walls["bore"])
+    for wall in bench.bosses:
+        yield from _boss(bench, wall)
+    if BORE in walls:
+        yield from _bore(bench, walls[BORE])
+    yield from _holes(bench)
     if "inner flank" in walls:
         yield from _groove(bench, walls["inner flank"], walls["outer flank"])
     if "rim" in walls:
@@ -61,9 +70,53 @@ def _face(bench: Bench) -> Iterator[Step]:
     yield clear_area(bench, "face", "face", tool, top, 0.0, ())
 
 
+def _boss(bench: Bench, wall: Wall) -> Iterator[Step]:
+    """What stands on the disc: cleared around down to its face, then finished."""
+    tool = bench.choose(wall.boundary.name, bench.unfit(wall, top=wall.z1))
+    allowance = bench.allowance(tool, wall)
+    yield clear_around(bench, wall, tool, wall.z1, allowance)
+    room = bench.room_outside(tool, bench.compensation)
+    yield finish_along(bench, wall, tool, wall.z1, room, rest=allowance)
+
+
+def _holes(bench: Bench) -> Iterator[Step]:
+    """Holes beside the bore by a drill of their diameter, marks by an end mill of their width; they
+    are left out where there is none.
+    """
+    through: dict[tuple[float, float], dict[str, complex]] = {}
+    for wall in bench.holes:
+        boundary = bore_of(wall)
+        if bench.is_through(wall):
+            size = boundary.round_radius, wall.z1
+            through.setdefault(size, {})[boundary.name] = complex(boundary.exact.centres[0])
+            continue
+        width = 2.0 * float(np.max(boundary.exact.radii))
+        tool = next(
+            (each for each in bench.milling.tools if not bench.no_engraver(each, wall)), None
+        )
+        if tool is not None:
+            yield engraved(bench, wall, tool, wall.z1)
+            continue
+        text = f"{boundary.name}: left out, no flat end mill of {width:g} mm fits it"
+        yield told(f"{boundary.name}-left-out", text)
+    for (radius, top), holes in through.items():
+        bottom = bench.bottom(bench.walls[next(iter(holes))])
+        names = ", ".join(holes)
+        drill = next((each for each in bench.milling.tools if _drills(each, 2.0 * radius)), None)
+        if drill is not None and not bench.too_short(drill, bottom, top):
+            yield drill_all(f"drill {names}", drill, top, bottom, holes)
+            continue
+        text = f"left out, no drill of {2.0 * radius:g} mm reaches through"
+        yield told("holes-left-out", f"{names}: {text}")
+
+
 def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
-    """Opened from inside; left out where the blank has it."""
+    """Opened from inside; left out where the blank has it, or a round cutter cannot make it."""
     bore, stock = bore_of(wall), bench.milling.stock
+    if not bore.is_round:
+        text = "bore: left out, it is not round; it is to be cut otherwise"
+        yield told("bore-left-out", text)
+        return
     diameter, there = 2.0 * bore.round_radius, stock.bore or 0.0
     keyway = "the keyway is left to be broached" if bore.core is not None else ""
     if there > diameter:
@@ -100,7 +153,7 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
         wall.boundary.path for wall in (inner, outer) if isinstance(wall.boundary, CurveBoundary)
     ]
     like = "the roller" if half == curve.pitch.follower.roller_radius else "the groove"
-    bottom = bench.bottom(outer)
+    bottom, top = bench.bottom(outer), outer.z1
 
     def unfit(tool: Tool) -> str:
         """Where a flank is trimmed, the roller sweeps more than rounds along the flanks clear."""
@@ -119,19 +172,19 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
         return (
             bench.too_large(tool, inner.boundary)
             or bench.too_large(tool, outer.boundary)
-            or bench.too_short(tool, bottom)
+            or bench.too_short(tool, bottom, top)
         )
 
     tool = bench.choose("groove", unfit)
     if as_wide(tool, half):
-        yield slot_between(bench, inner, outer, tool, 0.0)
+        yield slot_between(bench, inner, outer, tool, top)
         return
     side = half - tool.radius
     walls = [(wall, min(bench.allowance(tool, wall), 0.5 * side)) for wall in (outer, inner)]
     for wall, allowance in walls:
-        yield rough_around(bench, wall, tool, 0.0, allowance)
+        yield rough_around(bench, wall, tool, top, allowance)
     for wall, allowance in walls:
-        yield finish_along(bench, wall, tool, 0.0, 0.5 * side, rest=allowance)
+        yield finish_along(bench, wall, tool, top, 0.5 * side, rest=allowance)
 
 
 def as_wide(tool: Tool, half: float) -> bool:
@@ -153,15 +206,15 @@ def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:
 
 def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
     """A wall that cuts the part free: roughed from the blank, then finished."""
-    tool = bench.choose(wall.boundary.name, bench.unfit(wall))
+    tool = bench.choose(wall.boundary.name, bench.unfit(wall, top=wall.z1))
     allowance = bench.allowance(tool, wall)
-    rough = rough_outside(bench, wall, tool, 0.0, allowance)
+    rough = rough_outside(bench, wall, tool, wall.z1, allowance)
     yield rough
     if isinstance(rough, AreaCut):
         room = bench.room_outside(tool, bench.compensation)
     else:  # in a slot as wide as the cutter they begin where it runs
         room = rough.allowance + rough.slack
-    yield finish_along(bench, wall, tool, 0.0, room, rest=allowance)
+    yield finish_along(bench, wall, tool, wall.z1, room, rest=allowance)
 
 
 def told(name: str, sentence: str) -> Finding:

@@ -11,6 +11,7 @@ from camgeo.part.part import Part
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.guard import guarded, require_room, told_of_holding
+from camgeo.toolpath.judged import left_out
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.planned import planned_steps, told
@@ -19,9 +20,6 @@ from camgeo.toolpath.tool import COMPUTED
 
 SEQUENCE: Final = "sequence"
 """Name of the finding that lists a planned sequence."""
-
-MILLED: Final = ("outline", "rim", "inner flank", "outer flank", "bore")
-"""Boundaries that programs make."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +39,12 @@ class Sequence:
 def sequence_of(
     part: Part, milling: MillingSpec, heights: Heights, compensation: str = COMPUTED
 ) -> Sequence:
-    """The cuts of a part from its blank, `compensation` that of finishes that do not state theirs.
+    """The cuts of a part from its blank.
+
+    Parameters
+    ----------
+    part : with its highest face at height 0.
+    compensation : of finishes that do not state theirs.
 
     Raises
     ------
@@ -50,15 +53,17 @@ def sequence_of(
         way, or what is cut free is not held.
     """
     part.require_heights()
-    for each in part.boundaries:
-        if each.name not in MILLED:
-            message = f"the {each.name} is not milled; leave gcode out of the formats"
-            raise GeometryError(message, key="part")
+    if part.layers[0] not in part.disc:
+        message = "a hub on the lower face is milled from there; no program of this side makes it"
+        raise GeometryError(message, key="part.hub.side", value=part.layers[0].name)
     bench = Bench(part, milling, compensation)
     require_room(bench)
     findings: list[Finding] = []
     if milling.operations:
         cuts = stated_cuts(bench)
+        if left := left_out(part, cuts):
+            sentence = f"no operation makes {', '.join(left)}"
+            findings.append(Finding("left-out", "warning", sentence))
     else:
         steps = list(planned_steps(bench))
         cuts = [step for step in steps if isinstance(step, Cut)]

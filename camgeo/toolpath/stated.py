@@ -13,9 +13,11 @@ from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.fitting import tightest
 from camgeo.toolpath.making import (
     clear_area,
+    clear_around,
     clear_outside,
     depths_of,
-    drill_at,
+    drill_all,
+    engraved,
     finish_along,
     loops_along,
     rough_around,
@@ -26,6 +28,7 @@ from camgeo.toolpath.milling import (
     BORE,
     CHAMFER,
     DRILLING,
+    ENGRAVE,
     FACE,
     FINISH,
     RAMP,
@@ -44,6 +47,9 @@ BELOW = 0.1
 
 COARSE = 0.01
 """Tolerance [mm] of the contours between which distances are taken; it counts against them."""
+
+HOLE_NAME, MARK_NAME = "bore", "mark"
+"""What is drilled and engraved if the scene names nothing else."""
 
 FLANKS = ("inner flank", "outer flank")
 
@@ -106,7 +112,13 @@ class _Stated:
 
     def cut(self) -> Cut:
         """The cut; GeometryError with the operation's key if the tool cannot make it."""
-        kinds = {FACE: self._face, DRILLING: self._drill, BORE: self._bore, SLOT: self._slot}
+        kinds = {
+            FACE: self._face,
+            DRILLING: self._drill,
+            BORE: self._bore,
+            SLOT: self._slot,
+            ENGRAVE: self._engrave,
+        }
         if self.spec.kind in kinds:
             return kinds[self.spec.kind]()
         wall = self._wall(self.spec.boundary)
@@ -130,7 +142,7 @@ class _Stated:
 
     def _require_reach(self, wall: Wall) -> None:
         """GeometryError unless the tool reaches all of the wall, its allowance left on it."""
-        self._require(self.bench.unfit(wall, top=self.top)(self.tool))
+        self._require(self.bench.unfit(wall, top=self._top(wall))(self.tool))
         allowance, radius = self.spec.allowance, self.tool.radius
         if not allowance:
             return
@@ -156,13 +168,47 @@ class _Stated:
         return clear_area(self.bench, "face", "face", self.tool, self.top, 0.0, ())
 
     def _drill(self) -> Cut:
-        wall = self._wall("bore")
-        place = complex(bore_of(wall).exact.centres[0])
-        if self.tool.radius > bore_of(wall).round_radius * (1.0 + SAME):
-            self._require("it is larger than the bore")
-        bottom = self.bench.bottom(wall)
-        self._require(self.bench.too_short(self.tool, bottom, self.top))
-        return drill_at("drill bore", self.tool, self.top, bottom, place)
+        """The bore, or holes of one size through the part."""
+        walls = self._holes(self.spec.boundary or HOLE_NAME)
+        for wall in walls:
+            if self.tool.radius > bore_of(wall).round_radius * (1.0 + SAME):
+                self._require(f"it is larger than the {wall.boundary.name}")
+        bottom, top = self.bench.bottom(walls[0]), self._top(walls[0])
+        self._require(self.bench.too_short(self.tool, bottom, top))
+        places = {wall.boundary.name: complex(bore_of(wall).exact.centres[0]) for wall in walls}
+        name = f"drill {', '.join(places)}"
+        return drill_all(name, self.tool, top, bottom, places)
+
+    def _holes(self, name: str) -> list[Wall]:
+        """The hole of that name, or those with it and a number."""
+        numbered = [
+            wall
+            for each, wall in self.bench.walls.items()
+            if each.rpartition(" ")[0] == name and wall in self.bench.holes
+        ]
+        found = numbered or [self._wall(name)]
+        if any(not wall.boundary.hole or not self.bench.is_through(wall) for wall in found):
+            raise GeometryError("it is no hole", f"{self.key}.boundary", f'"{name}"')
+        return found
+
+    def _engrave(self) -> Cut:
+        wall = self._wall(self.spec.boundary or MARK_NAME)
+        if wall not in self.bench.holes or self.bench.is_through(wall):
+            value = f'"{wall.boundary.name}"'
+            raise GeometryError("is no mark", f"{self.key}.boundary", value)
+        self._require(self.bench.no_engraver(self.tool, wall))
+        return engraved(self.bench, wall, self.tool, self._top(wall))
+
+    def _top(self, wall: Wall) -> float:
+        """Z of the upper face of the material over a wall: that of the wall, if what stands beside
+        it has been laid free before.
+        """
+        bosses = {each.boundary.name for each in self.bench.bosses}
+        laid_free = any(
+            bosses & set(cut.produced) and isinstance(cut, AreaCut) and cut.bottom <= wall.z1
+            for cut in self.before
+        )
+        return wall.z1 if laid_free else self.top
 
     def _bore(self) -> Cut:
         wall = self._wall("bore")
@@ -176,6 +222,11 @@ class _Stated:
     def _rough(self, wall: Wall) -> Cut:
         boundary, bench, tool = wall.boundary, self.bench, self.tool
         self._require_reach(wall)
+        if wall in bench.bosses:
+            if self.spec.strategy not in ("", SPIRAL):
+                message = "leaves what is around it; all of that is cleared"
+                raise GeometryError(message, f"{self.key}.strategy", f'"{self.spec.strategy}"')
+            return clear_around(bench, wall, tool, self.top, self.spec.allowance)
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
         if self.spec.strategy == TROCHOIDAL:
@@ -184,7 +235,7 @@ class _Stated:
             return self._cleared(wall, outermost=outermost)
         ramp = self.spec.strategy == RAMP or not outermost
         make = rough_around if ramp else rough_outside
-        return make(bench, wall, tool, self.top, self.spec.allowance)
+        return make(bench, wall, tool, self._top(wall), self.spec.allowance)
 
     def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
         key, value = f"{self.key}.strategy", f'"{SPIRAL}"'
@@ -192,7 +243,7 @@ class _Stated:
             message = "clears what is around the part in a blank whose outline is stated"
             raise GeometryError(message, key, value)
         allowance = self.spec.allowance
-        made = clear_outside(self.bench, wall, self.tool, self.top, allowance)
+        made = clear_outside(self.bench, wall, self.tool, self._top(wall), allowance)
         if made is None:
             message = "rays from the cam axis meet the cutter's path or the blank's edge twice"
             raise GeometryError(message, key, value)
@@ -206,7 +257,7 @@ class _Stated:
         other = None
         if wall.boundary.name in FLANKS:
             (other,) = (self._wall(name) for name in FLANKS if name != wall.boundary.name)
-        return loops_along(bench, wall, other, self.tool, self.top, self.spec.allowance)
+        return loops_along(bench, wall, other, self.tool, self._top(wall), self.spec.allowance)
 
     def _finish(self, wall: Wall) -> Cut:
         """At full depth if the wall is roughed that deep, else in passes that enter on the path."""
@@ -215,12 +266,13 @@ class _Stated:
         bottom = bench.bottom(wall)
         room = self._room(wall, bottom)
         cleared = room is not None
-        depths = (bottom,) if cleared else depths_of(tool, self.top, bottom)
+        top = self._top(wall)
+        depths = (bottom,) if cleared else depths_of(tool, top, bottom)
         made = finish_along(
             bench,
             wall,
             tool,
-            self.top,
+            top,
             room or 0.0,
             rest=self._rest(wall, bottom) if cleared else 0.0,
             depths=depths,
@@ -299,8 +351,9 @@ class _Stated:
         if abs(self.tool.radius - half) > SAME * half:
             width = 2.0 * half
             self._require(f"it is not as wide as the groove, {width:g} mm: rough and finish it")
-        self._require(self.bench.too_short(self.tool, self.bench.bottom(outer), self.top))
-        return slot_between(self.bench, inner, outer, self.tool, self.top)
+        top = self._top(outer)
+        self._require(self.bench.too_short(self.tool, self.bench.bottom(outer), top))
+        return slot_between(self.bench, inner, outer, self.tool, top)
 
     def _chamfer(self, wall: Wall) -> Cut:
         """The upper edge: a pointed cutter runs with its point beside and below the edge."""

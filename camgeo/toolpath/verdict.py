@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo.check.finding import Finding
 from camgeo.part.part import Part
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
+from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.guard import LOOSE_CORE
 from camgeo.toolpath.judged import runs_of, setup_of
 from camgeo.toolpath.milling import MillingSpec
@@ -45,11 +45,7 @@ def settled(
 
 def finished_by(cut: Cut) -> tuple[str, ...]:
     """Names of the walls that a cut leaves as they are to be."""
-    if cut.allowance:
-        return ()
-    if isinstance(cut, ContourCut):
-        return (cut.right, cut.left)
-    return tuple(wall.name for wall in cut.walls) if isinstance(cut, AreaCut) else ("bore",)
+    return () if cut.allowance else cut.produced
 
 
 def verdict(flaws: Iterable[Flaw]) -> tuple[Finding, ...]:

@@ -48,9 +48,10 @@ HOOKED = PitchCurve(
 
 
 def part(contact: Contact, spec: PartSpec = SPEC, pitch: PitchCurve = PITCH) -> Part:
+    """As programs see it."""
     roller = pitch.follower.roller_radius
     inner, outer = (whole(WorkingCurve(pitch, distance)) for distance in (-roller, roller))
-    return build_part(contact, inner, outer, spec, 0.01)
+    return build_part(contact, inner, outer, spec, 0.01).lowered()
 
 
 def tool(diameter: float, number: int = 1, **own: Any) -> Tool:

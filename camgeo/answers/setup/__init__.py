@@ -137,7 +137,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         design.scene,
         machine.name,
         options.work_offset or next(iter(machine.work_offsets)),
-        described(spec.stock, milled.drawn.part, zero),
+        described(spec.stock, milled.part, zero),
         _holding(spec.holding, zero),
         zero.sentence,
         _traverses(options.heights, zero),

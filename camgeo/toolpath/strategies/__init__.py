@@ -15,6 +15,8 @@ from camgeo.toolpath.moves import Heights, Move
 from camgeo.toolpath.strategies.around import profile, slot
 from camgeo.toolpath.strategies.clear import clear
 from camgeo.toolpath.strategies.drill import drill
+from camgeo.toolpath.strategies.engrave import engrave
+from camgeo.toolpath.strategies.moat import moat
 from camgeo.toolpath.strategies.trochoid import trochoid
 
 Strategy = Callable[[Cut, Heights, float, Effort], list[Move]]
@@ -30,5 +32,7 @@ STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType(
         "rough": clear,
         "drill": drill,
         "trochoid": trochoid,
+        "moat": moat,
+        "engrave": engrave,
     }
 )

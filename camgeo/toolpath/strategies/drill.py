@@ -11,7 +11,7 @@ from camgeo.toolpath.strategies.walk import Walk
 def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
     """Each hole to its depths one after the other, out of it for chips after each.
 
-    All of it at the tool's feed: no rapid enters a hole.
+    All of it at the feed of a drill, or the plunge feed of a cutter: no rapid enters a hole.
     """
     if not isinstance(cut, PointCut):
         raise TypeError(f"{cut.name}: the strategy {cut.strategy} cuts at points")
@@ -19,7 +19,7 @@ def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[
     for place in cut.points:
         walk.above(place)
         for z in cut.depths:
-            walk.down(z, feed=cut.tool.feed)
+            walk.down(z, feed=cut.sinking)
             walk.out()
     walk.up()
     return walk.moves

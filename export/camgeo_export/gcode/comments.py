@@ -68,7 +68,7 @@ def about_program(
         if zero.is_of_the_part
         else f"unit {unit}, {zero.sentence}",
         *_from(zero, unit),
-        f"blank: {described(stock, product.drawn.part, zero, unit)}",
+        f"blank: {described(stock, product.milled.part, zero, unit)}",
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",

@@ -43,7 +43,8 @@ def measure(product: Product, data: bytes) -> float:
     program, rest = centred(cuts, program, machine)
     along = {cut.name: cut for cut in cuts if isinstance(cut, ContourCut)}
     areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut)}
-    loops = [loop for loop in program.loops(gap) if loop.operation not in areas]
+    others = {cut.name for cut in cuts} - set(along)
+    loops = [loop for loop in program.loops(gap) if loop.operation not in others]
     _check_complete(cuts, program, loops)
     for name, area in areas.items():
         from camgeo_export.gcode.areas import too_near  # few programs clear areas

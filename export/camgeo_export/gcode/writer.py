@@ -118,7 +118,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     number = spec.program_number + product.position + 2 * (product.program or 0)
     milled, away = product.milled, spec.tool_change_height
     assert milled.spec is not None  # for there are cuts
-    blank = box(milled.spec.stock, product.drawn.part, milled.zero)
+    blank = box(milled.spec.stock, milled.part, milled.zero)
     return Setup(
         product.name, product.unit, words, spec.coolant, spin_up, number, away, milled.zero, blank
     )

@@ -89,7 +89,7 @@ def _of_cut(
     rounding = 0.5 * step * scale * (1.0 + 1e-9)
     turns = 0.5 if machine.spindle.whole_speed else PRINTED
     straight = [move for move in moves if _drops(move) and move.start == move.end]
-    sinking = tool.feed if isinstance(cut, PointCut) else tool.plunge_feed
+    sinking = cut.sinking if isinstance(cut, PointCut) else tool.plunge_feed
     others = [move for move in moves if move not in straight]
     checks = [
         _same("tool", cut.name, ((each.tool, each.line) for each in moves), tool.number, "", 0.0),

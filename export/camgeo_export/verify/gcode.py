@@ -158,7 +158,8 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
         for cut, shape in zip(product.milled.contour_cuts, exact, strict=True)
     }
     areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut)}
-    found = [loop for loop in program.loops(tolerance) if loop.operation not in areas]
+    others = {cut.name for cut in product.milled.cuts} - set(shapes)
+    found = [loop for loop in program.loops(tolerance) if loop.operation not in others]
     loops = [(_owner(loop, shapes), loop) for loop in found]
     checks: list[Check] = []
     for name, area in areas.items():

@@ -56,7 +56,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
     milled = product.milled
     spec = milled.spec
     assert spec is not None  # for the scene has a tool
-    cuts = _cuts(product)
+    cuts, part = _cuts(product), milled.part
     try:
         found = traced(product, program, cuts)
     except FileError as error:
@@ -65,7 +65,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return (LineFinding(line, "unknown-tool", WORK, what),)
     if not found:
         return ()
-    runs, part = [each.run for each in found], milled.drawn.part
+    runs = [each.run for each in found]
     setup = setup_of(cuts, runs, part, spec.stock, spec.holding, FINENESS)
     level = program.step if math.isfinite(program.step) else 0.0
     flaws = simulate(setup, _named_apart(runs), allowed=ALLOWED, level=level).flaws
@@ -91,12 +91,12 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
                 name=wall.boundary.name,
                 strategy="profile",
                 tool=spec.tools[0],
-                top=0.0,
+                top=wall.z1,
                 depths=(wall.z0,),
                 centre=wall.boundary,
                 right=wall.boundary.name,
             )
-            for wall in product.drawn.part.walls
+            for wall in product.milled.part.walls
         )
 
 

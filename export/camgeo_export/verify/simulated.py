@@ -49,10 +49,10 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
         return [failed(NAME, str(error))]
     whole = product.milled if product.milled.whole is None else product.milled.whole
     cuts = whole.cuts
-    setup = setup_of(cuts, runs, product.drawn.part, spec.stock, spec.holding, FINENESS)
+    setup = setup_of(cuts, runs, product.milled.part, spec.stock, spec.holding, FINENESS)
     level = program.step if math.isfinite(program.step) else 0.0
     found = simulate(setup, runs, allowed=ALLOWED + tolerance, level=level)
-    flaws = settled(found.flaws, spec, cuts, product.drawn.part)
+    flaws = settled(found.flaws, spec, cuts, product.milled.part)
     known = [flaw for flaw in flaws if flaw.watched]
     if wrong := [flaw for flaw in flaws if not flaw.watched]:
         return [failed(NAME, flaw.sentence, flaw.operation) for flaw in wrong]

@@ -117,4 +117,4 @@ def test_holes_are_drilled_in_pecks() -> None:
         assert tuple(down) == cut.depths
         up = [move.end[2] for move in there if isinstance(move, Rapid)]
         assert up.count(HEIGHTS.retract) == 4  # above the hole, and after each peck
-    assert all(move.feed == TOOL.feed for move in moves if isinstance(move, Feed))
+    assert all(move.feed == TOOL.plunge_feed for move in moves if isinstance(move, Feed))

@@ -1,0 +1,312 @@
+"""Programs of parts with a hub, a timing mark and holes: planned, stated, and what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.cam.contact import Contact
+from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError, SceneError
+from camgeo.part.spec import DShaft, Holes, Hub, Mark, PartSpec
+from camgeo.product.milled import MilledDisc
+from camgeo.toolpath.cut import AreaCut, LineCut, PointCut
+from camgeo.toolpath.judged import left_out
+from camgeo.toolpath.machine import load
+from camgeo.toolpath.milling import OperationSpec
+from camgeo.toolpath.moves import Feed, Stop
+from camgeo.toolpath.plan import plan_toolpath
+from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.strategies import STRATEGIES
+from tests.toolpath.milled import HEIGHTS, SPEC, named, part, sequence, tool
+
+HUBBED = replace(
+    SPEC,
+    hub=Hub(40.0, 6.0),
+    mark=Mark(26.0, 2.0, 0.5, 5.0, angle=1.0),
+    bolt_circle=Holes(3, 52.0, 4.0),
+)
+"""A disc of 10 mm below a hub of 6 mm, its base circle 32 mm in radius."""
+
+MILL = tool(12.0, flute_length=20.0, stick_out=30.0, stepdown=8.0, stepover=5.0)
+DRILL = tool(4.0, 2, kind="drill", tip_angle=2.0, stepdown=None, stepover=None)
+ENGRAVER = tool(2.0, 3, stepdown=0.3, stepover=None)
+TOOLS = (MILL, DRILL, ENGRAVER)
+
+ROUND = Stock(shape="round", diameter=150.0)
+
+SCENE = """
+camgeo = 1
+name = "hubbed"
+[cam]
+rotation = "ccw"
+[follower]
+kind = "translating-roller"
+base_radius = 40
+roller_radius = 8
+[[motion]]
+dwell = 60
+[[motion]]
+law = "polynomial-345"
+span = 120
+to = 15
+[[motion]]
+dwell = 60
+[[motion]]
+law = "polynomial-345"
+span = 120
+to = 0
+[part]
+thickness = 10
+bore = 20
+keyway = { standard = "DIN 6885-1" }
+hub = { diameter = 38, height = 6 }
+mark = { radius = 26, width = 2, length = 5, depth = 0.5, angle = 70 }
+bolt_circle = { count = 3, circle = 52, hole = 4 }
+[holding]
+kind = "fixture"
+through = 0.5
+[[tool]]
+number = 1
+diameter = 12
+flute_length = 20
+stick_out = 30
+spindle_speed = 3000
+feed = 300
+plunge_feed = 100
+stepdown = 9
+stepover = 5
+[[tool]]
+number = 2
+kind = "drill"
+diameter = 4
+tip_angle = 118
+spindle_speed = 3000
+feed = 100
+[[tool]]
+number = 3
+diameter = 2
+spindle_speed = 6000
+feed = 100
+plunge_feed = 50
+stepdown = 0.3
+[output]
+tolerance = 0.01
+formats = ["gcode"]
+[stock]
+"""
+
+ROUND_BLANK = 'shape = "round"\ndiameter = 102\ntop = 1\n'
+
+STATED = """
+[[operation]]
+kind = "rough"
+boundary = "hub"
+tool = 1
+allowance = 0.4
+[[operation]]
+kind = "finish"
+boundary = "hub"
+tool = 1
+[[operation]]
+kind = "drill"
+boundary = "bolt hole"
+tool = 2
+[[operation]]
+kind = "engrave"
+tool = 3
+[[operation]]
+kind = "bore"
+tool = 1
+[[operation]]
+kind = "rough"
+boundary = "outline"
+tool = 1
+allowance = 0.4
+[[operation]]
+kind = "finish"
+boundary = "outline"
+tool = 1
+"""
+
+
+def _milled(text: str) -> MilledDisc:
+    return camgeo.loads(text).disc.milled
+
+
+def _wrong(milled: MilledDisc) -> list[Finding]:
+    found = milled.findings(milled.toolpath(0.01), 0.01)
+    return [each for each in found if each.severity == "broken"]
+
+
+@pytest.mark.parametrize("stock", [Stock(), ROUND])
+def test_a_hub_is_laid_free_first_and_what_lies_lower_begins_at_the_face(stock: Stock) -> None:
+    found = named(sequence(Contact.INNER, *TOOLS, stock=stock, spec=HUBBED))
+    assert list(found) == [
+        "rough hub", "hub", "rough bore", "bore", "engrave mark",
+        "drill bolt hole 1, bolt hole 2, bolt hole 3", "rough outline", "outline",
+    ]  # fmt: skip
+    tops = [cut.top for cut in found.values()]
+    assert tops == [0.0, 0.0, 0.0, 0.0, -6.0, -6.0, -6.0, -6.0]
+    assert [cut.bottom for cut in found.values()][:2] == [-6.0, -6.0]
+    assert found["engrave mark"].bottom == -6.5
+    assert found["outline"].bottom == -16.5
+    assert isinstance(found["rough hub"], AreaCut)
+    assert found["rough hub"].strategy == ("moat" if stock.outline is None else "rough")
+
+
+@pytest.mark.parametrize("text", [SCENE, SCENE + ROUND_BLANK, SCENE + STATED])
+def test_the_simulation_leaves_the_part(text: str) -> None:
+    milled = _milled(text)
+    assert _wrong(milled) == []
+    assert left_out(milled.part, milled.cuts) == ()
+    if text.endswith(STATED):
+        tops = {cut.name: cut.top for cut in milled.cuts}
+        assert tops["rough hub"] == tops["rough bore"] == 0.0
+        assert tops["engrave mark"] == tops["rough outline"] == tops["outline"] == -6.0
+
+
+def test_a_deeper_hub_is_missed_by_the_simulation() -> None:
+    """A test of the test: the same program in a part whose hub is wider leaves too little."""
+    milled = _milled(SCENE)
+    toolpath = milled.toolpath(0.01)
+    other = _milled(SCENE.replace("diameter = 38", "diameter = 40"))
+    names = {each.name for each in other.findings(toolpath, 0.01) if each.severity == "broken"}
+    assert "gouge" in names
+
+
+def test_what_no_tool_makes_is_left_out_and_told() -> None:
+    found = sequence(Contact.INNER, MILL, spec=HUBBED)
+    told = {each.name: each.sentence for each in found.findings}
+    assert told["mark-left-out"] == "mark: left out, no flat end mill of 2 mm fits it"
+    assert told["holes-left-out"].endswith(
+        "bolt hole 3: left out, no drill of 4 mm reaches through"
+    )
+    left = ("bolt hole 1", "bolt hole 2", "bolt hole 3", "mark")
+    assert left_out(part(Contact.INNER, HUBBED), found.cuts) == left
+    assert {each.severity for each in found.findings} == {"ok"}
+
+
+def test_what_is_left_out_is_not_judged() -> None:
+    """By a planned sequence, and by one that is stated, which is told."""
+    lines = SCENE.split("[[tool]]\nnumber = 2")
+    assert _wrong(_milled(lines[0] + lines[1][lines[1].index("[output]") :])) == []
+    stated = _milled(SCENE + STATED.replace(
+        '[[operation]]\nkind = "engrave"\ntool = 3\n', ""))  # fmt: skip
+    assert _wrong(stated) == []
+    (told,) = (each for each in stated.sequence.findings if each.name == "left-out")
+    assert (told.severity, told.sentence) == ("warning", "no operation makes mark")
+
+
+def test_a_bore_that_is_not_round_is_left_out() -> None:
+    spec = replace(SPEC, d_shaft=DShaft(22.0))
+    found = sequence(Contact.INNER, MILL, spec=spec)
+    assert "bore-left-out" in {each.name for each in found.findings}
+    assert left_out(part(Contact.INNER, spec), found.cuts) == ("bore",)
+
+
+def test_a_dot_is_plunged_by_a_tool_that_may() -> None:
+    spec = replace(SPEC, mark=Mark(26.0, 2.0, 0.5))
+    cut = named(sequence(Contact.INNER, MILL, replace(ENGRAVER, plunges=True), spec=spec))
+    dot = cut["engrave mark"]
+    assert isinstance(dot, PointCut)
+    assert (dot.points, dot.depths, dot.produced) == ((26.0 + 0j,), (-0.5,), ("mark",))
+    assert dot.sinking == ENGRAVER.plunge_feed
+    found = sequence(Contact.INNER, MILL, ENGRAVER, spec=spec)
+    assert "mark-left-out" in {each.name for each in found.findings}
+
+
+@pytest.mark.parametrize("plunges", [True, False])
+def test_a_slot_is_engraved_to_and_fro(plunges: bool) -> None:
+    engraver = replace(ENGRAVER, plunges=plunges)
+    cut = named(sequence(Contact.INNER, MILL, engraver, spec=HUBBED))["engrave mark"]
+    assert isinstance(cut, LineCut)
+    assert abs(cut.end - cut.start) == pytest.approx(3.0)
+    moves = plan_toolpath((cut,), HEIGHTS, load("linuxcnc").arcs, 0.01).operations[0].moves
+    ends = np.array([complex(*each.end[:2]) for each in moves if isinstance(each, Feed)])
+    lowest = min(each.end[2] for each in moves if isinstance(each, Feed))
+    assert lowest == cut.bottom == -6.5
+    off = np.minimum(np.abs(ends - cut.start), np.abs(ends - cut.end))
+    assert np.max(off) < 1e-12
+    walked = [each for each in moves if not isinstance(each, Stop)]
+    for one, other in pairwise(walked):
+        if isinstance(other, Feed) and one.end[2] > other.end[2] and other.end[2] < cut.top:
+            assert plunges == (one.end[:2] == other.end[:2])
+
+
+def test_engagement_around_a_hub_in_a_plate() -> None:
+    milled = _milled(SCENE)
+    found = {each.operation: each for each in milled.engaged(milled.toolpath(0.01))}
+    assert found["rough hub"].largest <= found["rough hub"].limit
+
+
+def test_a_shank_that_meets_the_hub_is_told() -> None:
+    """The outline's cutter reaches down 16.5 mm; above 12 mm its shank is 16 mm wide."""
+    text = SCENE.replace("diameter = 38", "diameter = 63").replace(
+        "flute_length = 20", "flute_length = 12\nshank_diameter = 16"
+    )
+    text = "\n".join(line for line in text.split("\n") if not line.startswith(("mark", "bolt")))
+    text += "bore = 20\n"
+    assert {each.name for each in _wrong(_milled(text))} == {"shank"}
+
+
+def test_a_hub_on_the_lower_face_is_not_for_this_side() -> None:
+    for side in ("lower", "both"):
+        spec = replace(HUBBED, hub=Hub(40.0, 6.0, side))
+        with pytest.raises(GeometryError, match="milled from there") as caught:
+            sequence(Contact.INNER, *TOOLS, spec=spec)
+        assert caught.value.key == "part.hub.side"
+
+
+def test_a_groove_below_a_hub() -> None:
+    spec = PartSpec(thickness=10.0, bore=25.0, rim=150.0, groove_depth=6.0, hub=Hub(40.0, 5.0))
+    found = sequence(Contact.GROOVE, MILL, spec=spec)
+    cuts = named(found)
+    assert list(cuts)[:4] == ["rough hub", "hub", "rough bore", "bore"]
+    assert {cut.top for name, cut in cuts.items() if "flank" in name} == {-5.0}
+    assert {cut.bottom for name, cut in cuts.items() if "flank" in name} == {-11.0}
+
+
+@pytest.mark.parametrize(
+    ("operation", "key", "message"),
+    [
+        (OperationSpec(kind="engrave", tool=1), "tool", "not as wide as the mark"),
+        (OperationSpec(kind="engrave", tool=3, boundary="hub"), "boundary", "is no mark"),
+        (OperationSpec(kind="drill", tool=2, boundary="mark"), "boundary", "it is no hole"),
+        (OperationSpec(kind="drill", tool=2, boundary="hole"), "boundary", "no such wall"),
+        (
+            OperationSpec(kind="rough", tool=1, boundary="hub", strategy="ramp"),
+            "strategy",
+            "all of that is cleared",
+        ),
+    ],
+)
+def test_operations_that_cannot_be(operation: OperationSpec, key: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        sequence(Contact.INNER, *TOOLS, spec=HUBBED, operations=(operation,))
+    assert caught.value.key == f"operation[1].{key}"
+
+
+def test_one_hole_of_several_is_drilled_alone() -> None:
+    operation = OperationSpec(kind="drill", tool=2, boundary="bolt hole 2")
+    (cut,) = sequence(Contact.INNER, *TOOLS, spec=HUBBED, operations=(operation,)).cuts
+    assert isinstance(cut, PointCut)
+    assert (cut.name, cut.produced, cut.top) == ("drill bolt hole 2", ("bolt hole 2",), 0.0)
+
+
+def test_a_moat_lies_between_a_boss_and_a_wall() -> None:
+    cut = named(sequence(Contact.INNER, *TOOLS, spec=HUBBED))["rough hub"]
+    assert isinstance(cut, AreaCut)
+    with pytest.raises(GeometryError, match="around a boss"):
+        STRATEGIES["moat"](replace(cut, walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
+
+
+def test_the_scene_names_the_wrong_key() -> None:
+    text = SCENE.replace("height = 6 }", 'height = 6, side = "both" }')
+    with pytest.raises(SceneError, match=r"part\.hub\.side") as caught:
+        _ = _milled(text).sequence
+    assert "no program of this side" in str(caught.value)
