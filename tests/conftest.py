@@ -14,11 +14,12 @@ import os
 import sys
 from collections.abc import Generator
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 from hypothesis import settings
 
+from tests.long_form import examples
 from tests.quick import BUILDS, BUILT, QUICK, TESTS
 
 # Read when numpy is imported, so before any test module is. Its matrices are small here: a second
@@ -30,8 +31,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-settings.register_profile("fixed", derandomize=True, deadline=None)
-settings.register_profile("random", derandomize=False, deadline=None, print_blob=True)
+EXAMPLES: Final = examples(30, long=100)
+"""Of a property that asks for no other number; 100 is hypothesis's own."""
+
+settings.register_profile("fixed", derandomize=True, deadline=None, max_examples=EXAMPLES)
+settings.register_profile(
+    "random", settings.get_profile("fixed"), derandomize=False, print_blob=True
+)
 settings.load_profile("fixed")
 
 

@@ -13,7 +13,7 @@ from tests.measuring import DensePath, Outline
 UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
 """$INSUNITS, $MEASUREMENT and millimetres of a unit."""
 
-POINTS = 20_000
+POINTS = 10_000
 
 SHARP = 0.05
 """A vertex at which the tangent turns by more [rad] is a corner: those of the scenes turn by more

@@ -15,6 +15,7 @@ from camgeo.design import Design
 from camgeo.effects.registry import EFFECTS
 from camgeo.motion.time_course import in_time
 from tests.effects.scenes import SCENES
+from tests.long_form import some
 
 FOLDER = SCENES.parent / "effects"
 
@@ -83,9 +84,10 @@ def test_force_and_torque_of_the_table_keep_the_power_balance(
     assert np.allclose(torque * 1e3, force * way, rtol=0.0, atol=8.0 * np.spacing(scale))
 
 
-def test_picture(scene: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=3), ids=lambda path: path.stem)
+def test_picture(path: Path, tmp_path: Path) -> None:
     target = tmp_path / "effects.png"
-    assert main(["plot", str(scene), "effects", "-o", str(target)]) == 0
+    assert main(["plot", str(path), "effects", "-o", str(target)]) == 0
     assert target.read_bytes().startswith(b"\x89PNG")
 
 

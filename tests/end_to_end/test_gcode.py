@@ -15,7 +15,7 @@ from tests.end_to_end.exact import TURN, Flank
 from tests.end_to_end.program import Move, Program, outline, run
 from tests.measuring import DensePath, polygon
 
-POINTS = 20_000
+POINTS = 10_000
 
 GAP = 1e-12
 """Printed end points are the same numbers; a closed loop closes exactly [mm]."""

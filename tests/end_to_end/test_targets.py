@@ -1,4 +1,7 @@
-"""The number of pieces on all fixture cams, compared with the limits for small tolerances."""
+"""The number of pieces on all fixture cams, compared with the limits for small tolerances.
+
+Each scene in one form, by turns; in the long form in all of them.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,7 @@ from camgeo.outline.path import Path as Outline
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.paths import break_count
 from tests.end_to_end.built import SCENES
+from tests.long_form import some
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
@@ -44,8 +48,14 @@ def flanks(scene: Path) -> list[CurveBoundary]:
     return [each for each in part.boundaries if isinstance(each, CurveBoundary)]
 
 
-@pytest.mark.parametrize("form", TARGETS)
-@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+PAIRS: Final = [
+    pytest.param(scene, form, id=f"{scene.stem}-{form}")
+    for k, scene in enumerate(SCENES)
+    for form in some(TARGETS, of=len(TARGETS), first=k % len(TARGETS))
+]
+
+
+@pytest.mark.parametrize(("scene", "form"), PAIRS)
 def test_few_pieces(scene: Path, form: str) -> None:
     least, times, more, power = TARGETS[form]
     for flank in flanks(scene):

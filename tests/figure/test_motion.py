@@ -29,6 +29,7 @@ from camgeo.product.product import Product
 from camgeo_export.plots.render import render
 from tests.export.stub_product import CAM, StubProduct
 from tests.figure import drawing
+from tests.long_form import some
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -153,6 +154,9 @@ def test_a_second_scale_shows_values_over_time() -> None:
         )
 
 
+by_scene = pytest.mark.parametrize("scene", some(SCENES, of=3, first=2), ids=lambda path: path.stem)
+
+
 @cache
 def drawn_scene(path: Path) -> tuple[Design, Figure]:
     """The design of a scene and its figure, drawn once."""
@@ -160,7 +164,7 @@ def drawn_scene(path: Path) -> tuple[Design, Figure]:
     return design, drawn(design.disc)
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+@by_scene
 def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> None:
     design, figure = drawn_scene(scene)
     plan, diagram = (text.get_text() for text in figure.texts)
@@ -176,7 +180,7 @@ def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> 
             assert box.x0 >= 0.0 and box.x1 <= width and box.y0 >= 0.0 and box.y1 <= height, text  # noqa: PT018  # one condition, reported with the text
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+@by_scene
 def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
     names = drawn_scene(scene)[1].axes[0]
     boxes = sorted(

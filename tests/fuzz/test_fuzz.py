@@ -7,13 +7,14 @@ from typing import Final
 import pytest
 
 from tests.fuzz.runner import fuzz
+from tests.long_form import examples
 
 SEED: Final = 2026
 
 FIRST: Final = 3
 """Number of the first case: case 2 takes as long as all that are run."""
 
-CASES: Final = 31
+CASES: Final = examples(16, long=31)
 
 
 def test_random_cases(capsys: pytest.CaptureFixture[str]) -> None:
@@ -22,5 +23,5 @@ def test_random_cases(capsys: pytest.CaptureFixture[str]) -> None:
         print(f"\n{report.text}")  # noqa: T201 - so that a run can be repeated
     assert not report.found, "\n\n".join((*report.messages, report.text))
     assert report.cases.total() == CASES
-    assert min(report.cases.values()) >= 4
-    assert report.verified >= 2
+    assert min(report.cases.values()) >= 2
+    assert report.verified >= 1

@@ -23,6 +23,7 @@ from camgeo_export.verify.gcode import VERIFIER
 from tests.interpreter.test_stated_milling import CAM, TABBED
 from tests.judges import rs274
 from tests.judges.paths import difference
+from tests.long_form import some
 
 TOLERANCE: Final = 0.02
 
@@ -87,8 +88,14 @@ def compensated(found: Run) -> list[CutterMove]:
     return [move for move in found.moves if move.compensation]
 
 
-@pytest.mark.parametrize("mode", HELD)
-@pytest.mark.parametrize("machine", HAVE)
+@pytest.mark.parametrize(
+    ("machine", "mode"),
+    [
+        (machine, mode)
+        for k, machine in enumerate(HAVE)
+        for mode in some(HELD, of=len(HELD), first=k % len(HELD))
+    ],
+)
 def test_programs_are_clean_verify_and_measure(machine: str, mode: str) -> None:
     text, profile, disc = program(mode, machine), load(machine), product(mode, machine)
     found = run(text, profile, bench_of(disc, profile))

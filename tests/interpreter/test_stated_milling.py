@@ -18,6 +18,7 @@ from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run_bytes
 from camgeo_export.verify.gcode import VERIFIER
+from tests.long_form import some
 
 TOLERANCE: Final = 0.02
 
@@ -98,8 +99,14 @@ def product_of(folder: Path, held: str, machine: str) -> Product:
     return Design(camgeo.load(path).scene).discs[0]
 
 
-@pytest.mark.parametrize("machine", ["linuxcnc", "haas", "heidenhain"])
-@pytest.mark.parametrize("held", HELD)
+@pytest.mark.parametrize(
+    ("held", "machine"),
+    [
+        (held, machine)
+        for k, held in enumerate(HELD)
+        for machine in some(("linuxcnc", "haas", "heidenhain"), of=3, first=k)
+    ],
+)
 def test_programs_are_clean_and_verify(held: str, machine: str, tmp_path: Path) -> None:
     product, profile = product_of(tmp_path, held, machine), load(machine)
     data = WRITER.write(product, TOLERANCE).data
@@ -219,8 +226,14 @@ def test_strategies_of_roughing_are_clean_and_verify(
         assert ("feed", "rough outline") in [(c.name, c.of) for c in checks if c.ok is False]
 
 
-@pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "heidenhain"])
-@pytest.mark.parametrize("name", EDGED)
+@pytest.mark.parametrize(
+    ("name", "machine"),
+    [
+        (name, machine)
+        for k, name in enumerate(EDGED)
+        for machine in some(("linuxcnc", "fanuc", "heidenhain"), of=2, first=k)
+    ],
+)
 def test_chamfers_are_clean_and_verify(name: str, machine: str, tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(f'{chamfered(name)}machine = "{machine}"\n', "utf-8")
