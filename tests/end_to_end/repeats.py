@@ -88,6 +88,12 @@ DXF_REALS: Final = frozenset(
 
 WORD: Final = re.compile(r"(?<=[A-Z])-?\d+\.\d*")
 
+REAL: Final = re.compile(r"-?\d+\.\d*(?:E-?\d+)?")
+
+FLATNESS: Final = 1e-8
+"""By how much the radius and the centre of an arc may differ, per square of the radius [1/mm]: as
+much as bulges that differ by `LENGTHS` make of chords of half a millimetre."""
+
 VERTEX: Final = re.compile(r' ([xyz])="([^"]*)"')
 
 
@@ -111,7 +117,7 @@ def content(path: Path) -> Content:
     """A file of camgeo's, but a picture, taken apart."""
     parts = {
         ".dxf": _dxf, ".ngc": _gcode, ".stl": _stl, ".3mf": _threemf, ".csv": _table,
-        ".asc": _table, ".json": _certificate,
+        ".step": _step, ".asc": _table, ".json": _certificate,
     }  # fmt: skip
     return parts[path.suffix](path.read_bytes())
 
@@ -143,6 +149,27 @@ def _threemf(data: bytes) -> Content:
     with zipfile.ZipFile(io.BytesIO(data)) as package:
         text = "".join(name + package.read(name).decode() for name in package.namelist())
     return _lengths([VERTEX.sub("#", text)], [float(value) for _, value in VERTEX.findall(text)])
+
+
+def _step(data: bytes) -> Content:
+    text = data.decode("ascii")
+    lines = dict(line[1:].split("=", 1) for line in text.splitlines() if line.startswith("#"))
+    more = dict.fromkeys(lines, 0.0)  # what is allowed in addition, by the numbers of entities
+    for number, line in lines.items():
+        kind, _, values = line.partition("(")
+        if kind in ("CIRCLE", "CYLINDRICAL_SURFACE"):
+            axes, radius = re.findall(r"#(\d+),(.*)\)", values)[0]
+            centre, _, first = re.findall(r"#(\d+)", lines[axes])
+            flatness = FLATNESS * float(radius)
+            more |= {number: flatness * float(radius), first: flatness}
+            more[centre] = flatness * float(radius)
+    numbers: list[float] = []
+    allowed: list[float] = []
+    for number, line in lines.items():
+        found = [float(value) for value in REAL.findall(line)]
+        numbers += found
+        allowed += [LENGTHS + more[number]] * len(found)
+    return Content((REAL.sub("#", text),), np.array(numbers), np.array(allowed))
 
 
 def _table(data: bytes) -> Content:

@@ -26,7 +26,7 @@ from tests.end_to_end.repeats import (
 
 SCENES = [ROOT / "fixtures" / "scenes" / f"{name}.toml" for name in ("querhub", "inch", "measured")]
 
-SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".csv", ".asc", ".json", *PICTURES}
+SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv", ".asc", ".json", *PICTURES}
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,7 @@ from tests.long_form import LONG, some
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5)
 
 FORMATS: Final[dict[Form, tuple[str, ...]]] = {
-    "arcs": ("dxf", "gcode", "stl", "3mf"),
+    "arcs": ("dxf", "gcode", "stl", "3mf", "step"),
     "polyline": ("dxf",),
     "spline": ("dxf",),
 }
@@ -98,7 +98,7 @@ def _against(found: Against, _folder: Path, _hash: str) -> Against:
 
 
 def _formats(design: Design, form: Form, number: int) -> tuple[str, ...]:
-    asked = {"dxf", *design.scene.output.formats}
+    asked = {"dxf", "step", *design.scene.output.formats}
     if not LONG:
         asked -= {"stl" if number // 4 % 2 else "3mf"}
     return tuple(name for name in FORMATS[form] if name in asked)

@@ -14,6 +14,8 @@ from camgeo.toolpath import plan
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.gcode import speller
 from camgeo_export.solid import prism
+from camgeo_export.step import writer as step_writer
+from tests.export.stub_product import StubProduct
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
 
@@ -23,6 +25,7 @@ SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
     [
         ("stl", prism, "FACETS", "stl: the body would have at least "),
         ("3mf", prism, "FACETS", "3mf: the body would have at least "),
+        ("step", step_writer, "INSTANCES", "step: the solid would have walls of "),
         ("dxf", dxf_writer, "DRAWING_LINES", "dxf: the drawing would have "),
         ("gcode", plan, "PROGRAM_LINES", "gcode: the program would have more than 20 lines"),
         (
@@ -70,3 +73,12 @@ def test_the_largest_body_is_within_all_other_limits() -> None:
     model = vertices * vertex + reading.FACETS * facet
     assert model <= reading.UNPACKED
     assert reading.STL.size >= 84 + 50 * reading.FACETS
+
+
+def test_the_largest_solid_is_within_all_other_limits() -> None:
+    """Of a cam with thousands of pieces, an entity takes 52 bytes, and 5 commas and brackets."""
+    data = step_writer.WRITER.write(StubProduct(), 0.01).data
+    entities = data.count(b"\n#")
+    assert reading.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
+    marks = data.count(b",") + data.count(b"(")
+    assert 1.05 * marks / entities * reading.INSTANCES <= reading.PARAMETERS

@@ -8,6 +8,7 @@ from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.picture.writer import PNG, SVG
+from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.table.writer import WRITER as CSV
 from camgeo_export.threemf.writer import WRITER as THREEMF
@@ -18,6 +19,7 @@ WRITERS: dict[str, Writer] = {
     ".ngc": GCODE,
     ".stl": STL,
     ".3mf": THREEMF,
+    ".step": STEP,
     ".csv": CSV,
     ".svg": SVG,
     ".png": PNG,
@@ -33,7 +35,7 @@ def test_suffix_and_content(suffix: str) -> None:
     assert all(isinstance(value, int | float | str) for value in written.facts.values())
 
 
-@pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf", ".csv"])
+@pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv"])
 def test_another_design_s_file_is_measured_as_wrong(suffix: str) -> None:
     writer = WRITERS[suffix]
     data = writer.write(StubProduct(scale=1.01), 0.01).data

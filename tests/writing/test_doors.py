@@ -52,6 +52,7 @@ dwell = 120
 NEEDS = {
     "stl": "needs [part] thickness",
     "3mf": "needs [part] thickness",
+    "step": "needs [part] thickness",
     "gcode": "needs [[tool]]: a tool, and how it is run",
     "asc": "needs [linkage]",
 }
@@ -110,7 +111,7 @@ def test_a_scene_is_refused_a_format_exactly_if_it_cannot_be_written_in_it(name:
     assert [fault.message for fault in caught.value.faults] == lacking
 
 
-@pytest.mark.parametrize("name", ["stl", "3mf", "gcode"])
+@pytest.mark.parametrize("name", ["stl", "3mf", "step", "gcode"])
 def test_a_groove_of_no_depth_is_no_body(name: str) -> None:
     text = spoilt(GROOVE, ("groove_depth = 10\n", ""))
     head, _, _ = text.partition("[output]")

@@ -24,7 +24,7 @@ from camgeo.writing.writer import Written, find_writer, find_writers, writer_nam
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
-FORMATS = ("3mf", "csv", "dxf", "gcode", "png", "stl", "svg")
+FORMATS = ("3mf", "csv", "dxf", "gcode", "png", "step", "stl", "svg")
 
 
 class Claims:

@@ -1,4 +1,8 @@
-"""Points, curves and surfaces of a STEP file, from strands in the plane and heights."""
+"""Points, curves and surfaces of a STEP file, from strands in the plane and heights.
+
+What is shared is shared because it is the same by construction, never because two computed numbers
+happen to be equal: on another processor they might not be.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,34 @@ from camgeo_export.step.text import Entities, Ref, Word, flag
 
 Strand = Arc | CubicSpline
 
-UP = (0.0, 0.0, 1.0)
+UP, DOWN, ACROSS = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """The points at both ends of a strand at one height [mm]."""
+
+    z: float
+    start: Ref
+    end: Ref
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """The geometry of one face of a wall.
+
+    Attributes
+    ----------
+    curves : of its lower and its upper edge.
+    same : whether they have the direction of the strand.
+    surface : of the face.
+    outwards : whether its normal points to the strand's right.
+    """
+
+    curves: tuple[Ref, Ref]
+    same: bool
+    surface: Ref
+    outwards: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,71 +60,58 @@ class Pen:
     def point(self, place: complex, z: float) -> Ref:
         """`place` [mm] at the height `z` [mm]."""
         numbers = (place.real / self.scale, place.imag / self.scale, z / self.scale)
-        return self.file.shared("CARTESIAN_POINT", "", numbers)
+        return self.file.add("CARTESIAN_POINT", "", numbers)
 
-    def direction(self, along: complex, z: float = 0.0) -> Ref:
-        """Of any length in, of length 1 out."""
-        size = abs(along) or 1.0
-        numbers = (along.real / size, along.imag / size, z)
-        return self.file.shared("DIRECTION", "", numbers)
-
-    def along(self, way: complex, z: float = 0.0) -> Ref:
-        """The vector of length 1."""
-        return self.file.shared("VECTOR", "", self.direction(way, z), 1.0)
-
-    def placement(self, origin: Ref, axis: Ref, x: complex) -> Ref:
-        """Axes at a point: the third is `axis`, the first `x`, of any length."""
-        return self.file.shared("AXIS2_PLACEMENT_3D", "", origin, axis, self.direction(x))
+    def axes(self, z: float, axis: tuple[float, float, float] = UP) -> Ref:
+        """Axes on the cam axis at a height [mm], the third one up or down."""
+        return self._placement(self.point(0j, z), self._fixed(axis), self._fixed(ACROSS))
 
     def level_plane(self, z: float, *, upwards: bool) -> Ref:
         """The plane at a height [mm] and where its normal points."""
-        axis = self.direction(0j, 1.0 if upwards else -1.0)
-        return self.file.add("PLANE", "", self.placement(self.point(0j, z), axis, 1.0))
+        return self.file.add("PLANE", "", self.axes(z, UP if upwards else DOWN))
 
-    def edge_curve(self, strand: Strand, z: float) -> tuple[Ref, bool]:
-        """The curve of a strand at a height [mm], and whether both have the same direction."""
-        if isinstance(strand, CubicSpline):
-            return self._spline(strand, z), True
-        if not strand.sweep:
-            way = self.along(strand.end - strand.start)
-            return self.file.add("LINE", "", self.point(strand.start, z), way), True
-        axes = self.arc_axes(strand, z)
-        return self.file.add("CIRCLE", "", axes, radius_of(strand) / self.scale), strand.sweep > 0.0
-
-    def arc_axes(self, arc: Arc, z: float) -> Ref:
-        """The axes of its circle, from whose first axis the arc turns counter-clockwise."""
-        first = arc.start if arc.sweep > 0.0 else arc.end
-        return self.placement(
-            self.point(arc.centre, z), self.direction(0j, 1.0), first - arc.centre
-        )
-
-    def wall(self, strand: Strand, z: float, curve: Ref) -> tuple[Ref, bool]:
-        """The upright surface on a strand, and whether its normal points to the strand's right.
-
-        `curve` is that of the strand at the height `z` [mm].
-        """
-        if isinstance(strand, CubicSpline):
-            up = self.along(0j, 1.0)
-            return self.file.add("SURFACE_OF_LINEAR_EXTRUSION", "", curve, up), True
-        if not strand.sweep:
-            way = strand.end - strand.start
-            axes = self.placement(self.point(strand.start, z), self.direction(-1j * way), way)
-            return self.file.add("PLANE", "", axes), True
-        radius = radius_of(strand) / self.scale
-        surface = self.file.add("CYLINDRICAL_SURFACE", "", self.arc_axes(strand, z), radius)
-        return surface, strand.sweep > 0.0
-
-    def upright(self, place: complex, z: float) -> Ref:
+    def post(self, foot: Ref) -> Ref:
         """The vertical line through a point."""
-        return self.file.add("LINE", "", self.point(place, z), self.along(0j, 1.0))
+        return self.file.add("LINE", "", foot, self._up())
 
-    def _spline(self, spline: CubicSpline, z: float) -> Ref:
+    def piece(self, strand: Strand, lower: Ends, upper: Ends) -> Piece:
+        """The face on a strand between two heights."""
+        if isinstance(strand, CubicSpline):
+            curves = (self._spline(strand, lower), self._spline(strand, upper))
+            surface = self.file.add("SURFACE_OF_LINEAR_EXTRUSION", "", curves[0], self._up())
+            return Piece(curves, True, surface, True)
+        if not strand.sweep:
+            return self._straight(strand, lower, upper)
+        radius = radius_of(strand) / self.scale
+        # The arc turns counter-clockwise from the first axis, so that it crosses no seam.
+        first = self._direction(
+            (strand.start if strand.sweep > 0.0 else strand.end) - strand.centre
+        )
+        axes = [
+            self._placement(self.point(strand.centre, ends.z), self._fixed(UP), first)
+            for ends in (lower, upper)
+        ]
+        below, above = (self.file.add("CIRCLE", "", each, radius) for each in axes)
+        surface = self.file.add("CYLINDRICAL_SURFACE", "", axes[0], radius)
+        ahead = strand.sweep > 0.0
+        return Piece((below, above), ahead, surface, ahead)
+
+    def _straight(self, line: Arc, lower: Ends, upper: Ends) -> Piece:
+        along = line.end - line.start
+        way, normal = self._direction(along), self._direction(-1j * along)
+        vector = self.file.add("VECTOR", "", way, 1.0)
+        below, above = (self.file.add("LINE", "", ends.start, vector) for ends in (lower, upper))
+        surface = self.file.add("PLANE", "", self._placement(lower.start, normal, way))
+        return Piece((below, above), True, surface, True)
+
+    def _spline(self, spline: CubicSpline, ends: Ends) -> Ref:
+        inner = [self.point(each, ends.z) for each in spline.controls[1:-1].tolist()]
         knots = [(knot, len(list(equal))) for knot, equal in groupby(spline.knots.tolist())]
         return self.file.add(
             "B_SPLINE_CURVE_WITH_KNOTS",
             "",
             DEGREE,
-            [self.point(each, z) for each in spline.controls.tolist()],
+            [ends.start, *inner, ends.end],
             Word(".UNSPECIFIED."),
             flag(False),
             flag(False),
@@ -101,6 +119,20 @@ class Pen:
             [knot for knot, _ in knots],
             Word(".UNSPECIFIED."),
         )
+
+    def _direction(self, along: complex) -> Ref:
+        """Of any length in, of length 1 out."""
+        unit = along / abs(along)
+        return self.file.add("DIRECTION", "", (unit.real, unit.imag, 0.0))
+
+    def _fixed(self, direction: tuple[float, float, float]) -> Ref:
+        return self.file.shared("DIRECTION", "", direction)
+
+    def _up(self) -> Ref:
+        return self.file.shared("VECTOR", "", self._fixed(UP), 1.0)
+
+    def _placement(self, origin: Ref, axis: Ref, first: Ref) -> Ref:
+        return self.file.add("AXIS2_PLACEMENT_3D", "", origin, axis, first)
 
 
 def radius_of(arc: Arc) -> float:

@@ -12,7 +12,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.part import Level, Part, Wall
-from camgeo_export.step.geometry import Pen, Strand
+from camgeo_export.step.geometry import Ends, Pen, Strand
 from camgeo_export.step.text import DERIVED, Ref, flag
 
 
@@ -82,14 +82,6 @@ def _face_of(faces: Iterable[FlatFace], wall: Wall) -> FlatFace:
     return next(face for face in faces if wall.boundary.name in face.names)
 
 
-@dataclass(frozen=True, slots=True)
-class _Edges:
-    """The edges of a wall, piece by piece: of its lower and its upper ring."""
-
-    lower: list[Ref]
-    upper: list[Ref]
-
-
 class Shell:
     """Adds the faces of a part, its lowest one at Z = 0."""
 
@@ -117,27 +109,29 @@ class Shell:
         """The faces along a boundary, and the edges above and below."""
         name, file = wall.boundary.name, self.pen.file
         strands = self.rings[name].strands
-        z0, z1 = wall.z0 - self.bottom, wall.z1 - self.bottom
-        feet, heads = ([self._vertex(each, z) for each in strands] for z in (z0, z1))
+        heights = (wall.z0 - self.bottom, wall.z1 - self.bottom)
+        points = [[self.pen.point(each.start, z) for each in strands] for z in heights]
+        feet, heads = ([file.add("VERTEX_POINT", "", each) for each in row] for row in points)
         posts = [
-            file.add("EDGE_CURVE", "", foot, head, self.pen.upright(each.start, z0), flag(True))
-            for each, foot, head in zip(strands, feet, heads, strict=True)
+            file.add("EDGE_CURVE", "", feet[k], heads[k], self.pen.post(point), flag(True))
+            for k, point in enumerate(points[0])
         ]
         lower, upper = [], []
         for k, strand in enumerate(strands):
             after = (k + 1) % len(strands)
-            curve, same = self.pen.edge_curve(strand, z0)
-            above, _ = self.pen.edge_curve(strand, z1)
-            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], curve, flag(same)))
-            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, flag(same)))
-            surface, outwards = self.pen.wall(strand, z0, curve)
+            ends = [Ends(z, row[k], row[after]) for z, row in zip(heights, points, strict=True)]
+            piece = self.pen.piece(strand, *ends)
+            below, above = piece.curves
+            same = flag(piece.same)
+            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], below, same))
+            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, same))
             around = [
                 (lower[k], True),
                 (posts[after], True),
                 (upper[k], False),
                 (posts[k], False),
             ]
-            self._face(name, [self._loop(around)], surface, outwards)
+            self._face(name, [self._loop(around)], piece.surface, piece.outwards)
         self.edges |= {(name, wall.z0): lower, (name, wall.z1): upper}
 
     def _flat(self, level: Level, face: FlatFace, ends: set[str]) -> None:
@@ -148,9 +142,6 @@ class Shell:
             loops.append(self._loop(edges if name in ends else edges[::-1]))
         surface = self.pen.level_plane(level.z - self.bottom, upwards=face.upwards)
         self._face(level.name, loops, surface, same=True)
-
-    def _vertex(self, strand: Strand, z: float) -> Ref:
-        return self.pen.file.add("VERTEX_POINT", "", self.pen.point(strand.start, z))
 
     def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
         file = self.pen.file

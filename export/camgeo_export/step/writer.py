@@ -49,9 +49,8 @@ class StepWriter:
         pen = Pen(file, MM_PER[product.unit])
         shell = Shell(pen, part, rings)
         solid = file.add("MANIFOLD_SOLID_BREP", product.name, shell.add())
-        axes = pen.placement(pen.point(0j, 0.0), pen.direction(0j, 1.0), 1.0)
         representation = file.add(
-            "ADVANCED_BREP_SHAPE_REPRESENTATION", product.name, (axes, solid), context
+            "ADVANCED_BREP_SHAPE_REPRESENTATION", product.name, (pen.axes(0.0), solid), context
         )
         file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
         text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])
