@@ -51,6 +51,14 @@ DRAWING_LINES: Final = 800_000
 DRAWING: Final = Limits("DXF drawing", 32_000_000, DRAWING_LINES)
 """A polyline takes four lines for each vertex, a single line or arc about twenty."""
 
+SVG: Final = Limits("SVG drawing", 16_000_000)
+
+SVG_ELEMENTS: Final = 10_000
+"""Elements of an SVG drawing; one of ours has one for each boundary."""
+
+SVG_PIECES: Final = 50_000
+"""Lines and arcs of an SVG drawing."""
+
 PROGRAM_LINES: Final = 200_000
 PROGRAM: Final = Limits("milling program", 16_000_000, PROGRAM_LINES)
 

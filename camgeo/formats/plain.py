@@ -1,4 +1,4 @@
-"""The formats without options: bodies, pictures, and the point files of opticurv."""
+"""The formats without options: bodies, pictures, cut drawings, and the point files of opticurv."""
 
 from __future__ import annotations
 
@@ -24,14 +24,29 @@ def _plain(
     description: str,
     also: tuple[str, ...] = (),
     rules: tuple[Rule, ...] = (),
+    *,
+    later: bool = False,
 ) -> Format[None]:
-    """A format that needs a follower, and the keys of `also`."""
+    """A format that needs a follower, and the keys of `also`; one that came `later` does not change
+    the hashes of scenes.
+    """
     schema = no_keys(f"{description}; it has no options.")
+    if later:
+        schema["x-added"] = True
     return Format(name, suffix, no_options, schema, ("follower", *also), rules)
 
 
 SVG: Final = _plain("svg", ".svg", "The picture of the cam")
 PNG: Final = _plain("png", ".png", "The picture of the cam")
+
+CUT_SVG: Final = _plain(
+    "cut-svg",
+    ".cut.svg",
+    "The part as a drawing at true size for laser cutters, in mm: closed contours of lines and arcs"
+    " as hairlines, grouped by the layers of [output.dxf], those of CUT red and the others blue;"
+    " UTF-8",
+    later=True,
+)
 
 BODY: Final = (("part.thickness",), (groove_has_a_depth,))
 """The needs and rules of formats of solid bodies."""

@@ -21,6 +21,7 @@ FORMATS: Final = {
     "3mf": "plain:THREEMF",
     "step": "step:FORMAT",
     "csv": "csv:FORMAT",
+    "cut-svg": "plain:CUT_SVG",
     "svg": "plain:SVG",
     "png": "plain:PNG",
     "asc": "plain:ASC",

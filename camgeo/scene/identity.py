@@ -1,7 +1,8 @@
 """The identity of a scene: SHA-256 of all its values, however they are written.
 
 The values are brought into one form: keys in alphabetical order, numbers exactly, as digits and an
-exponent, defaults of the schema filled in, and the name of a file replaced by the SHA-256 of its
+exponent, defaults of the schema filled in (but for keys that came later: the hashes of scenes of
+before must not change), and the name of a file replaced by the SHA-256 of its
 content. Only zero keeps its sign, which can decide on which side an angle lies.
 
 Files of earlier versions name the hash of the scene's text instead, without the tables of effects,
@@ -68,8 +69,9 @@ class _Canonical:
         if isinstance(value, dict):
             keys = keys_of(node, value)
             filled = {**self._defaults(keys, value), **value}
-            pairs = [f"{json.dumps(name)}:{self.text(filled[name], keys.get(name, {}))}"
-                     for name in sorted(filled)]  # fmt: skip
+            texts = {name: self.text(filled[name], keys.get(name, {})) for name in sorted(filled)}
+            pairs = [f"{json.dumps(name)}:{text}" for name, text in texts.items()
+                     if not self._is_silent(text, keys.get(name, {}))]  # fmt: skip
             return f"{{{','.join(pairs)}}}"
         if isinstance(value, list):
             return f"[{','.join(self.text(item, node.get('items', {})) for item in value)}]"
@@ -80,6 +82,11 @@ class _Canonical:
         if names_a_file(node, value):
             return f"<{self._digests(value)}>"
         return json.dumps(value)
+
+    def _is_silent(self, text: str, node: Node) -> bool:
+        """Whether a key that came after this form says what its absence says."""
+        node = resolved(node)
+        return "x-added" in node and text == self.text(node["default"], node)
 
     def _defaults(self, keys: Mapping[str, Node], table: Tree) -> Tree:
         """The meaning of keys missing in the table, where it can be stated as a value."""

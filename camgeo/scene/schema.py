@@ -9,6 +9,7 @@ In addition to the keywords of JSON Schema it has these, for the messages:
 x-allowed : what is allowed, in words; else the words follow from type and range.
 x-exact : the number is passed on as written, a Decimal in the unit of the scene.
 x-barring : the name of this key of [follower], with which some effects do not apply.
+x-added : true for a key or table that came later; with its default it does not enter the hashes.
 x-default-by-law : the value that the key's absence stands for with each law, if always the same.
 x-default-key : the key whose value is then used.
 x-default-mm : the value then used [mm].

@@ -86,10 +86,16 @@ def endings() -> tuple[str, ...]:
     return tuple(f".{name}" for name in sorted(entry_points(group=GROUP).names))
 
 
+def _ending(path: Path) -> str:
+    """The end of a file's name that is one of `endings`, the longest; else its suffix."""
+    known = [each for each in endings() if path.name.lower().endswith(each)]
+    return path.name[-len(max(known, key=len)) :] if known else path.suffix
+
+
 def files_in(folder: Path) -> tuple[Path, ...]:
     """The files of `folder` that can be verified or that its certificate names, sorted."""
     known = endings()
-    found = {path for path in folder.iterdir() if path.suffix.lower() in known and path.is_file()}
+    found = {p for p in folder.iterdir() if p.name.lower().endswith(known) and p.is_file()}
     certificate = certificate_in(folder)
     named = certificate.hashes if certificate is not None else {}
     return tuple(sorted(found | {folder / name for name in named if Path(name).name == name}))
@@ -137,12 +143,12 @@ def _unread(path: Path, verifier: Verifier | None, check: Check) -> Verdict:
 
 def _format(path: Path, verifier: Verifier | None) -> str:
     """The name of its format; its ending if it has no verifier."""
-    return path.suffix.removeprefix(".").lower() if verifier is None else verifier.format
+    return _ending(path).removeprefix(".").lower() if verifier is None else verifier.format
 
 
 def _verifier(path: Path, certificate: Certificate | None) -> Verifier | None:
     """The verifier of a file, by its ending or by the format that its certificate names."""
-    found = entry_points(group=GROUP, name=path.suffix.lower().removeprefix("."))
+    found = entry_points(group=GROUP, name=_ending(path).removeprefix(".").lower())
     if found:
         verifier: Verifier = next(iter(found)).load()
         return verifier
@@ -191,7 +197,10 @@ def _verdict(
     if certificate is not None and (not named or certificate.scene.startswith(named)):
         named = certificate.scene  # in full, where the file has only its first digits
     against = scenes(path.parent, named)
-    product, present = disc_of(against.discs, path.stem), against.hash_like(named)
+    product, present = (
+        disc_of(against.discs, path.name.removesuffix(_ending(path))),
+        against.hash_like(named),
+    )
     checks += _scene(product, present, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
     if origin.tolerance is not None and certificate is not None:

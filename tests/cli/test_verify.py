@@ -242,7 +242,7 @@ def test_nothing_is_written_if_nothing_was_measured(
     [
         (["absent.dxf"], "cannot be read"),
         (["absent"], "there is no such file or folder"),
-        (["notes.txt"], "must end in one of .3mf, .cnc, .dxf, .gcode"),
+        (["notes.txt"], "must end in one of .3mf, .cnc, .cut.svg, .dxf, .gcode"),
         (["empty"], "the folder holds no file that ends in"),
         (["parts", "--scene", "absent.toml"], "there is no such file"),
     ],

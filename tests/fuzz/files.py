@@ -24,7 +24,7 @@ from tests.fuzz.drawn import EDGES
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
 BUILT: Final = {
-    "setzhub": ("dxf", "gcode", "stl", "3mf", "step", "csv", "asc"),
+    "setzhub": ("dxf", "gcode", "stl", "3mf", "cut-svg", "step", "csv", "asc"),
     "tappet": ("dxf", "csv"),
     "conjugate_lever": ("dxf",),
     "inch": ("dxf", "csv"),

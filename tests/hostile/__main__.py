@@ -25,7 +25,7 @@ from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
 from tests.hostile.readers import ENDINGS, READERS, good
 from tests.hostile.solids import solids
-from tests.hostile.texts import Named, contours, drawings, points, programs, tables
+from tests.hostile.texts import Named, contours, drawings, points, programs, tables, vectors
 
 INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "dxf": drawings,
@@ -35,6 +35,7 @@ INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "stl": bodies,
     "3mf": packages,
     "step": solids,
+    "cut-svg": vectors,
     "contour": contours,
     "inspect": points,
     "lifts": tables,

@@ -34,7 +34,14 @@ FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
 TOLERANCE: Final = 0.05
 
-ENDINGS: Final = {"dxf": "dxf", "gcode": "ngc", "stl": "stl", "3mf": "3mf", "step": "step"}
+ENDINGS: Final = {
+    "dxf": "dxf",
+    "gcode": "ngc",
+    "stl": "stl",
+    "3mf": "3mf",
+    "step": "step",
+    "cut-svg": "cut.svg",
+}
 """Of the files that `camgeo verify` measures, by their formats."""
 
 
@@ -146,6 +153,7 @@ READERS: Final[Mapping[str, Callable[[bytes], str]]] = {
     "stl": partial(verified, kind="stl"),
     "3mf": partial(verified, kind="3mf"),
     "step": partial(verified, kind="step"),
+    "cut-svg": partial(verified, kind="cut-svg"),
     "contour": partial(replayed, reader=CONTOUR),
     "inspect": inspected,
     "lifts": partial(table, read=partial(read_lift_table, file="lift.csv")),

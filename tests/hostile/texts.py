@@ -206,3 +206,45 @@ def points(good: bytes) -> Named:
     yield "far away", b"1e9,-1e9\n" * 40_000
     yield "far away in a row", b"".join(b"1e8,%d\n" % k for k in range(50_000))
     yield "beyond 1e9", rows + b"2e9,0\n"
+
+
+def svg(body: str, head: str = 'width="9mm" height="9mm" viewBox="0 0 9 9"') -> bytes:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>'.encode()
+
+
+def vectors(good: bytes) -> Named:
+    """Of SVG drawings."""
+    yield from damaged(good)
+    for share in (0.1, 0.5, 0.9, 0.99):
+        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10 if k else "lol"}">' for k in range(10))
+    yield "a billion laughs", f"<!DOCTYPE svg [{laughs}]><svg>&a9;</svg>".encode()
+    yield "an entity of a file", b'<!DOCTYPE s [<!ENTITY a SYSTEM "file:///etc/passwd">]><s>&a;</s>'
+    yield "document types", b"<!DOCTYPE svg " * times(100_000)
+    yield "UTF-16 stated", good.replace(b'"UTF-8"', b'"UTF-16"')
+    yield "deep groups", svg("<g>" * times(9_000) + "</g>" * times(9_000))
+    yield "groups without end", b"<g>" * times(1_000_000)
+    yield "many elements", svg('<circle r="1"/>' * times(400_000))
+    yield "many circles", svg('<circle r="1"/>' * 9_000)
+    yield "many attributes", svg("<g " + " ".join(f'a{k}="1"' for k in range(300_000)) + "/>")
+    yield "a long attribute", svg(f'<g id="{"a" * 8_000_000}"><circle r="1"/></g>')
+    yield "many pieces", svg(f'<path d="M0 0{"H1V2" * times(600_000)}Z"/>')
+    yield "many subpaths", svg(f'<path d="{"M0 0H1V1Z" * times(400_000)}"/>')
+    yield "many letters", svg(f'<path d="{"Z" * times(8_000_000)}"/>')
+    yield "many corners", svg(f'<polygon points="{"1,2 " * times(2_000_000)}"/>')
+    yield "a long number", svg(f'<path d="M0 0L{"9" * 8_000_000} 0 1 1Z"/>')
+    yield "points and signs", svg(f'<path d="M0 0L{"-.+" * 2_000_000}Z"/>')
+    for name, number in WRONG_NUMBERS.items():
+        if number != "1\0":
+            yield f"coordinate {name}", svg(f'<path d="M{number} 0 L 5 5 0 7Z"/>')
+            yield f"radius {name}", svg(f'<circle r="{number}"/>')
+            yield f"width {name}", svg('<circle r="1"/>', f'width="{number}mm" height="1mm"')
+            yield (
+                f"box {name}",
+                svg('<circle r="1"/>', f'width="1mm" height="1mm" viewBox="0 0 {number} 1"'),
+            )
+    yield "radius 1e-320", svg('<circle r="1e-320"/>')
+    yield "arc of radius 1e-320", svg('<path d="M0 0A1e-320 1e-320 0 0 0 1 1Z"/>')
+    yield "arc that ends at its start", svg('<path d="M1 1A1 1 0 0 0 1 1Z"/>')
+    yield "transformation", svg('<circle r="1" transform="scale(1e300)"/>')
+    yield "use of itself", svg('<g id="a"><use href="#a"/></g>')

@@ -151,6 +151,19 @@ def test_a_default_in_millimetres_is_none_of_inches() -> None:
     assert inches.with_values({"limits.closing_error": 0.02}).made != inches.made
 
 
+def test_hashes_of_scenes_of_before_stay_what_they_are() -> None:
+    """Files name them. Keys and formats that come later are marked `x-added` in their schemas."""
+    scene = load_scene(FIXTURES / "setzhub.toml")
+    assert scene.made == "bc084945a6c879eac666b6811b7823f852958891331b7343f796d2ef40f120fe"
+
+
+def test_a_format_that_came_later_counts_by_what_it_states() -> None:
+    scene = load_scene(FIXTURES / "setzhub.toml")
+    assert both(scene.with_values({"output.cut-svg": {}})) == both(scene)
+    assert both(scene.with_values({"output.step.walls": "arcs"})) == both(scene)
+    assert scene.with_values({"output.step.walls": "spline"}).made != scene.made
+
+
 # -- what counts ---------------------------------------------------------------------------------
 
 

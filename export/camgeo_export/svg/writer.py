@@ -1,0 +1,121 @@
+"""SVG at true size: the part's boundaries as closed paths of lines and arcs, one unit 1 mm.
+
+Width and height state millimetres and the view box the same numbers, so programs that convert 96
+pixels to an inch take no part in it. Y points down in SVG; numbers are mirrored, nothing is
+transformed. One group for each layer of `camgeo_export.layers`, hairlines without fill.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from camgeo.contour.contour import Contour
+from camgeo.formats.plain import CUT_SVG
+from camgeo.part.boundaries import largest_radius
+from camgeo.product.product import Product
+from camgeo.reading import SVG_PIECES
+from camgeo.wording import counted
+from camgeo.writing.writer import Written
+from camgeo_export.errors import FileError
+from camgeo_export.layers import CUT, layered
+from camgeo_export.svg.measure import measure
+
+FIT_SHARE: Final = 0.98
+"""Share of the tolerance that the fit may use; the rest is for rounding, and for the slack of the
+bound by which the file is measured."""
+
+WIDEST: Final = 0.5 * math.pi
+"""Widest arc [rad]: an arc is given by its ends and its radius, from which the centre of one near
+half a turn cannot be found."""
+
+DECIMALS: Final = 15
+"""At which what is 0 except for rounding is 0; far below any tolerance."""
+
+MARGIN: Final = 1.0
+"""Around the part [mm]."""
+
+HAIRLINE: Final = "0.01"
+"""Width of the lines [mm], which laser cutters take as a cut."""
+
+THROUGH, NOT_THROUGH = "#ff0000", "#0000ff"
+"""Colours of what is cut through, and of what is not."""
+
+
+class CutSvgWriter:
+    """Writes the part as an SVG at true size."""
+
+    format = CUT_SVG
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The drawing in mm, whatever the unit of the scene; all of it within `tolerance` [mm]."""
+        share, effort = FIT_SHARE * tolerance, product.drawn.effort
+        layers = {
+            name: [each.arcs(share, effort).contour.split(WIDEST) for each in boundaries]
+            for name, boundaries in layered(product).items()
+        }
+        curves = [contour for contours in layers.values() for contour in contours]
+        pieces = sum(map(len, curves))
+        if pieces > SVG_PIECES:
+            found = f"the drawing would have {counted(pieces, 'piece')}"
+            raise FileError(
+                f"{found}; at most {SVG_PIECES:,} are allowed in a drawing that is read; a larger"
+                " tolerance needs fewer"
+            )
+        side = math.ceil(max(map(largest_radius, curves)) + MARGIN)
+        size = f'width="{2 * side}mm" height="{2 * side}mm"'
+        box = f'viewBox="{-side} {-side} {2 * side} {2 * side}"'
+        made = f"camgeo {product.version}; scene {product.scene_hash}"
+        lines = [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1" {size} {box}>',
+            f"<title>{escape(product.name)}</title>",
+            f"<desc>{made}; tolerance {tolerance!r} mm</desc>",
+        ]
+        for name, contours in layers.items():
+            colour = THROUGH if name == CUT else NOT_THROUGH
+            lines.append(f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">')
+            lines += [f'<path d="{path_of(contour)}"/>' for contour in contours]
+            lines.append("</g>")
+        arcs = sum(contour.arc_count for contour in curves)
+        facts: dict[str, int | float | str] = {
+            "boundaries": len(curves), "arcs": arcs, "lines": pieces - arcs,
+        }  # fmt: skip
+        return Written("\n".join([*lines, "</svg>", ""]).encode(), facts)
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Read the drawing back and measure it against the exact curves [mm]."""
+        return measure(product, data)
+
+
+def path_of(contour: Contour) -> str:
+    """The data of a path, in millimetres, y downward."""
+    pieces = zip(
+        contour.ends.tolist(), contour.sweeps.tolist(), contour.radii.tolist(), strict=True
+    )
+    first = complex(contour.vertices[0])
+    words = [f"M{_point(first)}"]
+    for end, sweep, radius in pieces:
+        if sweep:
+            turn = 0 if sweep > 0.0 else 1  # counter-clockwise is against growing angles here
+            size = _number(radius)
+            words.append(f"A{size} {size} 0 0 {turn} {_point(end)}")
+        else:
+            words.append(f"L{_point(end)}")
+    return " ".join([*words, "Z"])
+
+
+def _point(point: complex) -> str:
+    return f"{_number(point.real)} {_number(-point.imag)}"
+
+
+def _number(value: float) -> str:
+    """The shortest decimal that reads back the same, without an exponent."""
+    rounded = round(value, DECIMALS) + 0.0  # + 0.0 turns -0.0 into 0.0
+    return np.format_float_positional(rounded, trim="-")
+
+
+WRITER = CutSvgWriter()
