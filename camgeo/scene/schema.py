@@ -154,14 +154,22 @@ def _option(name: str) -> Node:
     }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Composed:
-    """A schema with the tables of some effects and formats, and its validator."""
+    """A schema with the tables of some effects and formats."""
 
     root: Node
-    validator: Draft202012Validator
     effects: tuple[Effect, ...]
     formats: tuple[Format[Any], ...]
+
+    @functools.cached_property
+    def validator(self) -> Draft202012Validator:
+        """Of documents; CamgeoError if a declaration is at fault."""
+        try:
+            return Draft202012Validator(self.root)
+        except ValueError as error:
+            message = f"a declaration of another distribution has no valid JSON Schema: {error}"
+            raise CamgeoError(message) from error
 
 
 Named = tuple[tuple[str, Declared | None], ...]
@@ -196,7 +204,7 @@ def library_schema() -> Composed:
         "properties": {**keys, "tool": milling_tables()["tool"]},
         "$defs": schema()["$defs"],
     }
-    return Composed(root, Draft202012Validator(root), (), ())
+    return Composed(root, (), ())
 
 
 def _effects(named: Any) -> Named[Effect]:
@@ -228,14 +236,8 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: boo
         {name: form.schema if form else {} for name, form in formats},
         milling_tables() if mills else {},
     )
-    try:
-        validator = Draft202012Validator(root)
-    except ValueError as error:
-        message = f"a declaration of another distribution has no valid JSON Schema: {error}"
-        raise CamgeoError(message) from error
     return Composed(
         root,
-        validator,
         tuple(effect for _, effect in effects if effect),
         tuple(form for _, form in formats if form),
     )
