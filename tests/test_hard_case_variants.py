@@ -42,6 +42,7 @@ from camgeo.outline.cusps import undercut_ranges
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.laws import LAWS
+from tests.long_form import some
 from tests.reference import POLYNOMIAL, inner_of, shift
 from tests.strategies import attack, signs, with_roller
 
@@ -424,7 +425,7 @@ def test_hc21_rollers_below_the_cusp_limit_fit(
 
 
 @pytest.mark.parametrize("base", [100.0, 37.5, 1e-3, 1e6])
-@pytest.mark.parametrize("share", [1e-8, 1e-6, 1e-10, 1e-12])
+@pytest.mark.parametrize("share", some([1e-8, 1e-6, 1e-10, 1e-12], of=3))
 @pytest.mark.parametrize("sigma", [1, -1])
 def test_hc11_tiny_strokes(base: float, share: float, sigma: int) -> None:
     stroke = share * base
@@ -639,7 +640,7 @@ def place_of(finding: Finding) -> tuple[str, float | None]:
 
 @pytest.mark.parametrize("factor", SCALES)
 @pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
-@pytest.mark.parametrize("roller", [8.0, 22.0, 41.0])
+@pytest.mark.parametrize("roller", some([8.0, 22.0, 41.0], of=2))
 def test_scenes_at_all_scales_give_the_same_findings(
     kind: str, roller: float, factor: float
 ) -> None:

@@ -20,6 +20,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray
 from tests.laws import LAWS
+from tests.long_form import some
 from tests.measuring import DensePath, Outline
 from tests.reference import shift
 
@@ -27,10 +28,13 @@ TURN = 2.0 * np.pi
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
-FLANKS = (
-    ("setzhub", -1), ("vorschub", -1), ("schnitt", -1), ("querhub", -1),
-    ("plate_translating", -1), ("groove", 1), ("ring", 1),
+FLANKS = some(
+    [("setzhub", -1), ("vorschub", -1), ("schnitt", -1), ("querhub", -1),
+     ("plate_translating", -1), ("groove", 1), ("ring", 1)],
+    of=2,
 )  # fmt: skip
+"""Guides and rockers, with a linkage and without, on both sides of the roller; the curves of all
+scenes are fitted by `tests.end_to_end.test_targets`."""
 
 DENSE = 100_000
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import json
 from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any, Final
 
 import pytest
 
@@ -12,6 +14,30 @@ from camgeo import load
 from camgeo.cli.main import main
 from tests.answers.documents import validator
 from tests.end_to_end.built import SCENES, Built
+from tests.long_form import some
+from tests.quick import BUILT
+
+MEASURED: Final = {"test_gcode": 0, "test_dxf": 1, "test_solids": 1}
+"""Modules that measure files independently of camgeo, each those of every other scene, from this
+number on. What is written of each scene is so measured in one format at least, and verified by
+camgeo in all. The long form measures all files, and the scene that the quick tests build is
+measured in all formats.
+"""
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what another module measures of a scene."""
+    kept: list[pytest.Item] = []
+    left: list[pytest.Item] = []
+    for item in items:
+        call: Any = getattr(item, "callspec", None)
+        first = MEASURED.get(item.path.stem) if item.path.parent == Path(__file__).parent else None
+        path = call.params.get("built") if call and first is not None else None
+        wanted = path is None or path.stem == BUILT or path in some(SCENES, of=2, first=first or 0)
+        (kept if wanted else left).append(item)
+    if left:
+        config.hook.pytest_deselected(items=left)
+        items[:] = kept
 
 
 @pytest.fixture(scope="session", params=SCENES, ids=lambda path: path.stem)

@@ -23,6 +23,7 @@ from camgeo import Design, Scene
 from camgeo.check.finding import Finding
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.writing.write import make_files
+from tests.long_form import some
 
 SCENES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -119,7 +120,7 @@ def test_a_design_that_has_travelled(
 
 def test_a_design_that_threads_ask(scenes: tuple[Scene, ...], alone: tuple[Answer, ...]) -> None:
     with ThreadPoolExecutor(THREADS) as pool:
-        for scene, expected in zip(scenes, alone, strict=True):
+        for scene, expected in some(zip(scenes, alone, strict=True), of=2):
             design = Design(scene)
             found = set(pool.map(lambda _, design=design: answer(design), range(2)))
             asked = (
@@ -132,6 +133,6 @@ def test_a_design_that_threads_ask(scenes: tuple[Scene, ...], alone: tuple[Answe
 
 
 def test_designs_in_other_processes(scenes: tuple[Scene, ...], alone: tuple[Answer, ...]) -> None:
-    data = [pickle.dumps(Design(scene)) for scene in scenes]
+    data = [pickle.dumps(Design(scene)) for scene in some(scenes, of=2, first=1)]
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        assert tuple(pool.map(unpickled, data)) == alone
+        assert [*pool.map(unpickled, data)] == some(alone, of=2, first=1)

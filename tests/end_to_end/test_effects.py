@@ -91,10 +91,11 @@ def test_picture(path: Path, tmp_path: Path) -> None:
     assert target.read_bytes().startswith(b"\x89PNG")
 
 
-def test_files_are_written_and_verified(scene: Path, tmp_path: Path) -> None:
-    code = main(["build", str(scene), "-o", str(tmp_path), "--tolerance", "0.01"])
-    assert code == (1 if any(f.severity == "broken" for f in load(scene).findings) else 0)
-    assert main(["verify", str(tmp_path), "--scene", str(scene)]) == 0
+@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=2), ids=lambda path: path.stem)
+def test_files_are_written_and_verified(path: Path, tmp_path: Path) -> None:
+    code = main(["build", str(path), "-o", str(tmp_path), "--tolerance", "0.01"])
+    assert code == (1 if any(f.severity == "broken" for f in load(path).findings) else 0)
+    assert main(["verify", str(tmp_path), "--scene", str(path)]) == 0
 
 
 def test_velocity_of_the_table_is_that_of_the_motion(capsys: Capture) -> None:

@@ -114,7 +114,7 @@ def store(case: Case, stem: Path) -> Path:
         path.write_text(f"# {case.source}\n\n{text}", "utf-8")
         return path
     path = stem.with_suffix(".json")
-    document = {
+    document: dict[str, Any] = {
         "reason": case.source,
         "steps": [list(step) for step in case.steps],
         "files": {name: _text(data) for name, data in case.files.items()},

@@ -75,6 +75,7 @@ def test_none_takes_long_or_much_memory(hostile: list[Result]) -> None:
 
 def test_mutated_files_crash_no_reader() -> None:
     """`--mutations 300` of another seed runs more."""
-    found = results("--mutations", "12", "--seed", "1")
-    assert len(found) == 17 * 12
+    count = examples(6, long=12)
+    found = results("--mutations", str(count), "--seed", "1")
+    assert len(found) == 17 * count
     assert [each for each in found if each.error] == []

@@ -23,6 +23,7 @@ from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.interpreter.test_stated_milling import CAM
+from tests.long_form import some
 
 TOLERANCE: Final = 0.02
 
@@ -94,7 +95,7 @@ def test_all_corners_and_faces_are_where_they_say() -> None:
 
 @pytest.mark.parametrize(
     ("machine", "zero", "height"),
-    [(name, *COMBINED[k % len(COMBINED)]) for k, name in enumerate(names())],
+    some([(name, *COMBINED[k % len(COMBINED)]) for k, name in enumerate(names())], of=2),
 )
 def test_programs_are_clean_and_verify(machine: str, zero: str, height: str) -> None:
     disc = product(machine, zero, height)

@@ -57,7 +57,7 @@ def test_linuxcnc_runs_the_same_path(scene: str, folder: Path) -> None:
 
 
 @linuxcnc
-@pytest.mark.parametrize("seed", range(examples(3, long=30)))
+@pytest.mark.parametrize("seed", range(examples(2, long=30)))
 def test_linuxcnc_understands_random_programs_as_we_do(seed: int) -> None:
     text = random_program(Random(seed), 300, absolute_centres=True)
     legs, said = rs274.run(text)
@@ -92,7 +92,7 @@ def test_grbl_runs_the_same_path(scene: str, folder: Path) -> None:
 
 
 @grbl_parser
-@pytest.mark.parametrize("seed", range(examples(3, long=30)))
+@pytest.mark.parametrize("seed", range(examples(2, long=30)))
 def test_grbl_understands_random_programs_as_we_do(seed: int) -> None:
     text = random_program(Random(seed), 300, absolute_centres=False)
     legs, errors = grbl.run(text)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.moves import ArcFeed
+from tests.long_form import some
 from tests.toolpath.strategies import test_around, test_inside, test_others, test_outside
 from tests.toolpath.strategies.sound import TOOL, cleared, made, require_sound, round_hole
 
@@ -48,8 +49,14 @@ def slowest(cut: Cut) -> float:
     return found
 
 
-@pytest.mark.parametrize("climb", [True, False])
-@pytest.mark.parametrize("cut", CUTS, ids=lambda cut: f"{cut.strategy}-{cut.name}")
+@pytest.mark.parametrize(
+    ("cut", "climb"),
+    [
+        pytest.param(cut, climb, id=f"{cut.strategy}-{cut.name}-{climb}")
+        for k, cut in enumerate(CUTS)
+        for climb in some((True, False), of=2, first=k % 2)
+    ],
+)
 def test_the_contact_is_no_faster_than_the_feed(cut: Cut, climb: bool) -> None:
     cut = replace(cut, climb=climb)
     assert slowest(cut) <= cut.tool.feed
