@@ -116,14 +116,30 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return found
 
 
-def run(home: Path, *arguments: str | Path) -> tuple[int, str]:
-    """Exit code and output of camgeo in a fresh interpreter that has `home` on its path."""
+CALLS: Final = """
+import contextlib, io, json, sys
+from camgeo.cli.main import main
+answers = []
+for words in json.loads(sys.argv[1]):
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        with contextlib.redirect_stderr(said):
+            code = main(words)
+    answers.append((code, said.getvalue()))
+print(json.dumps(answers))
+"""
+
+
+def run(home: Path, *calls: tuple[str | Path, ...]) -> list[tuple[int, str]]:
+    """Exit code and output of each call of camgeo, all in one fresh interpreter that has `home` on
+    its path.
+    """
+    words = json.dumps([[str(word) for word in call] for call in calls])
     done = subprocess.run(
-        [sys.executable, "-m", "camgeo", *map(str, arguments)],
+        [sys.executable, "-c", CALLS, words],
         cwd=home, env={"PYTHONPATH": str(home)},
-        capture_output=True, text=True, check=False, timeout=120,
+        capture_output=True, text=True, check=True, timeout=120,
     )  # fmt: skip
-    return done.returncode, done.stdout + done.stderr
+    return [(code, said) for code, said in json.loads(done.stdout)]
 
 
 def scene(folder: Path, effects: str, name: str = "plate_translating") -> Path:
@@ -132,8 +148,8 @@ def scene(folder: Path, effects: str, name: str = "plate_translating") -> Path:
     return path
 
 
-def finding(home: Path, file: Path) -> dict[str, Any]:
-    _, reported = run(home, "check", file, "--json")
+def finding(reported: str) -> dict[str, Any]:
+    """The finding of the effect in the document of a check."""
     (found,) = (
         each for each in json.loads(reported)["effects"]["noise"] if each["name"] == "loudest"
     )
@@ -143,24 +159,28 @@ def finding(home: Path, file: Path) -> dict[str, Any]:
 
 def test_it_is_computed_with_what_it_needs(home: Path, tmp_path: Path) -> None:
     file = scene(tmp_path, NOISE)
-    _, reported = run(home, "explain", file)
-    assert "effects.noise" in reported
-    assert "effects.contact-force" in reported
-    loud = finding(home, file)["value"]
+    (_, explained), (_, checked) = run(home, ("explain", file), ("check", file, "--json"))
+    assert "effects.noise" in explained
+    assert "effects.contact-force" in explained
+    loud = finding(checked)["value"]
     assert loud > GAIN * 80.0  # of the preload alone
 
 
 def test_its_lengths_are_in_the_unit_of_the_scene(home: Path, tmp_path: Path) -> None:
     quiet = f"{SPRING}\n[effects.noise]\ngain = 0\n"
-    assert finding(home, scene(tmp_path, f"{quiet}gap = 3\n"))["value"] == 3.0
-    inch = finding(home, scene(tmp_path, f"{quiet}gap = 3\n", "inch"))
-    assert inch["value"] == pytest.approx(3.0 * 25.4, rel=1e-15)
+    (tmp_path / "inch").mkdir()
+    files = (
+        scene(tmp_path, f"{quiet}gap = 3\n"),
+        scene(tmp_path / "inch", f"{quiet}gap = 3\n", "inch"),
+    )
+    (_, mm), (_, inch) = run(home, *(("check", file, "--json") for file in files))
+    assert finding(mm)["value"] == 3.0
+    assert finding(inch)["value"] == pytest.approx(3.0 * 25.4, rel=1e-15)
 
 
 def test_its_columns_are_in_the_table(home: Path, tmp_path: Path) -> None:
-    code, reported = run(
-        home, "build", scene(tmp_path, NOISE), "--only", "csv", "-o", tmp_path / "out"
-    )
+    file = scene(tmp_path, NOISE)
+    ((code, reported),) = run(home, ("build", file, "--only", "csv", "-o", tmp_path / "out"))
     assert code == 0, reported
     (table,) = (tmp_path / "out").glob("*.csv")
     lines = [line for line in table.read_text("utf-8").splitlines() if not line.startswith("#")]

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Final
 
 import pytest
 
@@ -82,15 +83,21 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def environment(installed: Path) -> dict[str, str]:
+    """Of a process that has the distribution on its path."""
+    path = os.pathsep.join(filter(None, (str(installed), os.environ.get("PYTHONPATH"))))
+    return dict(os.environ, PYTHONPATH=path)
+
+
 def camgeo(
     installed: Path, folder: Path, text: str, *arguments: str
 ) -> subprocess.CompletedProcess[str]:
     """`camgeo build` of a scene in `folder`, into its folder "out"."""
     (folder / "scene.toml").write_text(text)
     words = [sys.executable, "-m", "camgeo", "build", "scene.toml", "-o", "out", *arguments]
-    path = os.pathsep.join(filter(None, (str(installed), os.environ.get("PYTHONPATH"))))
-    environment = dict(os.environ, PYTHONPATH=path)
-    return subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True)
+    return subprocess.run(
+        words, cwd=folder, env=environment(installed), capture_output=True, text=True
+    )
 
 
 def scene(table: str = "", formats: str = '"sat", "csv"') -> str:
@@ -130,32 +137,50 @@ def repr_of_defaults() -> str:
     return "SatSpec(chord=2.0, turn=0.0, schema='ACIS 7')"
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (scene("[output.sat]\nchord = 9\n"), "output.sat.chord = 9: must be less than the thick"),
-        (scene("[output.sat]\nchord = 0\n"), "output.sat.chord = 0: must be a positive number"),
-        (scene("[output.sat]\nturn = 91\n"), "must be a number from 0 to 90 (degrees)"),
-        (scene("[output.sat]\ncord = 1\n"), "is not a known key (did you mean chord?)"),
-        (scene('[output.sat]\nschema = "ACIS 5"\n'), 'must be one of "ACIS 4", "ACIS 7"'),
-        (scene('[output.sat]\nschema = "ACIS 4"\nturn = 1\n'), "output.sat.turn = 1: has no pl"),
-        (
-            scene("[output.satt]\nchord = 1\n"),
-            "output.satt: is not a known key (did you mean sat?)",
-        ),
-        (scene(formats='"satt"'), '(did you mean "sat"?)'),
-        (scene(formats='"iges"'), '"svg", "png", "asc", "sat"'),
-        (scene().replace("thickness =", "rim ="), '= "sat": needs [part] thickness'),
-    ],
+WRONG: Final = (
+    (scene("[output.sat]\nchord = 9\n"), "output.sat.chord = 9: must be less than the thick"),
+    (scene("[output.sat]\nchord = 0\n"), "output.sat.chord = 0: must be a positive number"),
+    (scene("[output.sat]\nturn = 91\n"), "must be a number from 0 to 90 (degrees)"),
+    (scene("[output.sat]\ncord = 1\n"), "is not a known key (did you mean chord?)"),
+    (scene('[output.sat]\nschema = "ACIS 5"\n'), 'must be one of "ACIS 4", "ACIS 7"'),
+    (scene('[output.sat]\nschema = "ACIS 4"\nturn = 1\n'), "output.sat.turn = 1: has no pl"),
+    (
+        scene("[output.satt]\nchord = 1\n"),
+        "output.satt: is not a known key (did you mean sat?)",
+    ),
+    (scene(formats='"satt"'), '(did you mean "sat"?)'),
+    (scene(formats='"iges"'), '"svg", "png", "asc", "sat"'),
+    (scene().replace("thickness =", "rim ="), '= "sat": needs [part] thickness'),
 )
-def test_wrong_scenes_are_refused_as_for_formats_of_camgeo(
-    text: str, message: str, installed: Path, tmp_path: Path
-) -> None:
-    done = camgeo(installed, tmp_path, text)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not (tmp_path / "out").exists()
+"""Scenes, and what is said of them."""
+
+BUILD_EACH: Final = """
+import contextlib, io, json, sys
+from camgeo.cli.main import main
+answers = []
+for path in sys.argv[1:]:
+    with contextlib.redirect_stderr(io.StringIO()) as reported:
+        answers.append((main(["build", path, "-o", path + "-out"]), reported.getvalue()))
+print(json.dumps(answers))
+"""
+"""One interpreter for many scenes."""
+
+
+def test_wrong_scenes_are_refused_as_for_formats_of_camgeo(installed: Path, tmp_path: Path) -> None:
+    files = [str(tmp_path / f"{number}.toml") for number in range(len(WRONG))]
+    for file, (text, _) in zip(files, WRONG, strict=True):
+        Path(file).write_text(text)
+    command = [sys.executable, "-c", BUILD_EACH, *files]
+    done = subprocess.run(
+        command, env=environment(installed), capture_output=True, text=True, check=True
+    )
+    for file, (code, reported), (_, message) in zip(
+        files, json.loads(done.stdout), WRONG, strict=True
+    ):
+        assert code == 2
+        assert message in reported
+        assert "Traceback" not in reported
+        assert not Path(f"{file}-out").exists()
 
 
 def test_it_is_asked_for_what_the_scene_lacks(installed: Path, tmp_path: Path) -> None:
