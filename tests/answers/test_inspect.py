@@ -135,7 +135,7 @@ def test_a_round_cam_is_told() -> None:
     points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
     found = of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
     assert "too round" in text(found)
-    assert "turn                  +0 deg ± unknown" in text(found)
+    assert "turn                  +0 deg ± unknown; the motion comes 0 deg early" in text(found)
     assert document(found)["turn_uncertainty_deg"] is None
     small = scene.with_values({"motion": [
         {"law": "polynomial-345", "span": 180, "to": 0.05},
@@ -154,6 +154,36 @@ def test_errors_of_form_are_told_to_sway_a_fit() -> None:
     (told,) = (each for each in found.findings if each.name == "form")
     assert told.severity == "warning"
     assert "form" not in {each.name for each in found_on("plate_translating").findings}
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "groove"])
+def test_a_turned_part_moves_the_follower_late_or_early(name: str) -> None:
+    """A place of the flank meets the follower when the cam has turned by as much less."""
+    flank, disc = flank_of(name, Flank.INNER), disc_of(name)
+    points = MeasuredPoints(measured(every(flank, 360), 0.0, 0j, 0.001))
+    found = of_points(disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+    assert found.delay is not None
+    assert document(found)["delay_deg"] == pytest.approx(np.degrees(found.delay))
+    assert abs(found.delay) == pytest.approx(0.001)
+    assert ("late" if found.delay > 0.0 else "early") in text(found)
+    by_datum = of_points(disc, Flank.INNER, points, "p.csv").lift
+    assert by_datum is not None
+    motion = disc.cam.drive.motion
+    phi = by_datum.errors.phi
+    expected = motion.jet(phi - found.delay)[0] - motion.jet(phi)[0]
+    # Between points the deviation is linear, not the flank's own.
+    assert by_datum.errors.errors == pytest.approx(expected, abs=5e-3 * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_points_in_other_axes_are_told(mirrored: bool) -> None:
+    places = every(flank_of("plate_translating", Flank.INNER), 90)
+    points = measured(places, 0.0, 20.0 + 5.0j, 0.7)
+    seen = MeasuredPoints(points.conj() if mirrored else points)
+    found = of_points(disc_of("plate_translating"), Flank.INNER, seen, "p.csv")
+    (told,) = (each for each in found.findings if each.name == "axes")
+    assert "shifted by 20 mm and 5 mm and turned by 40.11 deg" in told.sentence
+    assert ("other side of the disc" in told.sentence) == mirrored
 
 
 def test_a_gap_leaves_the_follower_unknown() -> None:

@@ -15,6 +15,7 @@ from camgeo.check.finding import Finding, held
 from camgeo.design import Design
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, unreadable
 from camgeo.inspection.alignment import CONFIDENCE, Align, Alignment, aligned
+from camgeo.inspection.axes import other_axes
 from camgeo.inspection.deviation import Deviations, deviations_of
 from camgeo.inspection.exact_flank import ExactFlank
 from camgeo.inspection.measured_points import MeasuredPoints, read_points
@@ -122,6 +123,13 @@ class Inspection(Answer):
         uncertainty = self.alignment.turn_uncertainty
         return None if uncertainty is None else self.alignment.frame.turn
 
+    @property
+    def delay(self) -> float | None:
+        """Cam angle [rad] by which the motion comes later because the part is turned; None if not
+        fitted.
+        """
+        return None if self.turn is None else -self.scene.rotation * self.turn
+
 
 def inspect(
     design: Design,
@@ -180,6 +188,7 @@ def of_points(
         _coverage(deviations),
         *_turn(alignment),
         *_form(alignment, deviations),
+        *_axes(exact, measured, deviations, ball),
         *_normals(alignment, measured),
     ]
     effect = None
@@ -314,6 +323,31 @@ def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
     )
     if bounds:
         yield Finding("form", "warning", sentence, form, unit="mm")
+
+
+def _axes(
+    exact: ExactFlank, measured: MeasuredPoints, deviations: Deviations, ball: float
+) -> Iterator[Finding]:
+    """Other axes in which points fit that are grossly off."""
+    found = other_axes(exact, measured.points, deviations.root_mean_square, ball)
+    if found is None:
+        return
+    frame = found.frame
+    part = (
+        f"shifted by {small(frame.shift.real, 'mm')} and {small(frame.shift.imag, 'mm')} and turned"
+        f" by {small(math.degrees(frame.turn), 'deg')}"
+    )
+    left = f"to {small(found.left, 'mm')} (root mean square)"
+    sentence = (
+        f"the points fit {left} with the part {part}: they are not in the axes of the scene's cam;"
+        " measure from bore and key, or align by free"
+    )
+    if found.mirrored:
+        sentence = (
+            f"with y reversed the points fit {left}, the part {part}: they were measured from the"
+            " other side of the disc"
+        )
+    yield Finding("axes", "warning", sentence, found.left, unit="mm")
 
 
 def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding]:

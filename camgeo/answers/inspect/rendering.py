@@ -51,7 +51,9 @@ def text(answer: Inspection) -> str:
         off = math.degrees(alignment.turn_uncertainty)
         within = f"± {small(off, 'deg')} ({sure})" if math.isfinite(off) else "± unknown"
         turn = small(math.degrees(answer.turn), "deg", signed=True)
-        lines.append(_line("turn", f"{turn} {within}"))
+        delay = math.degrees(answer.delay or 0.0)
+        when = f"the motion comes {small(abs(delay), 'deg')} {'late' if delay > 0.0 else 'early'}"
+        lines.append(_line("turn", f"{turn} {within}; {when}"))
     if answer.lift is not None:
         lines += _lift_lines(answer.lift, sure)
     return "\n".join([*lines, *finding_lines(answer.findings)])
