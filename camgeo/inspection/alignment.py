@@ -41,7 +41,8 @@ SETTLED: Final = 1e-12
 """A step below this fraction of the flank's size is the last one."""
 
 NEAR: Final = 1e-5
-"""The same while starts are compared."""
+TRIAL: Final = 15
+"""The same, and the most steps, while starts are compared."""
 
 SLACK: Final = 1000.0
 """A fit whose last step exceeds the above by this factor has no result."""
@@ -184,7 +185,7 @@ def _best(
     fits: list[tuple[float, Frame]] = []
     for start in _starts(flank, some, align):
         try:
-            frame = _fit(flank, some, align, start, ball, NEAR)
+            frame = _fit(flank, some, align, start, ball, NEAR, TRIAL)
         except GeometryError:
             continue
         distances = flank.feet(frame.inward(some)).distances - ball
@@ -253,10 +254,11 @@ def _fit(
     frame: Frame,
     ball: float,
     settled: float = SETTLED,
+    steps: int = STEPS,
 ) -> Frame:
     """The frame of the least squares near `frame`."""
     last = math.inf
-    for _ in range(STEPS):
+    for _ in range(steps):
         feet = flank.feet(frame.inward(points))
         matrix = _jacobian(feet, flank.size)
         columns = _determined(matrix, align)
