@@ -29,7 +29,7 @@ from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
-FORMATS: Final = ("dxf", "gcode", "stl", "3mf", "csv", "svg", "png", "asc")
+FORMATS: Final = ("dxf", "gcode", "stl", "3mf", "step", "csv", "svg", "png", "asc")
 
 HASH: Final = re.compile(rb"(?<![0-9a-f])[0-9a-f]{64}(?![0-9a-f])")
 

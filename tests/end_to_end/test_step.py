@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
 import pytest
 
+import camgeo
 from camgeo.contour.contour import Contour
 from camgeo.formats.dxf import FORMAT as DXF
 from camgeo.units import MM_PER
 from camgeo_export.part21.model import Model
 from camgeo_export.part21.solid import Solid, solid_of
 from camgeo_export.part21.text import exchange_of
+from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.shell import bounds_of, is_flat, volume_of
-from tests.end_to_end.built import Built, Exact
+from tests.end_to_end.built import SCENES, Built, Exact
 
 READ: dict[str, Solid] = {}
 
@@ -72,3 +75,28 @@ def _centroid(exact: Exact) -> complex:
     start, end = exact.points, np.roll(exact.points, -1)
     cross = (start.conj() * end).imag
     return complex(np.sum((start + end) * cross) / (3.0 * np.sum(cross)))
+
+
+def test_all_features_of_a_part_are_faces_of_one_solid() -> None:
+    """Hubs on both sides, holes, a D-shaft and a mark that is sunk in the upper face."""
+    base = camgeo.load(next(path for path in SCENES if path.stem == "four_bar"))
+    features = {
+        "part.hub": {"diameter": 40, "height": 9, "side": "both"},
+        "part.d_shaft": {"across": 20},
+        "part.mark": {"radius": 36, "width": 3, "length": 8, "depth": 1.0, "angle": 200},
+        "part.lightening_holes": {"count": 5, "circle": 70, "hole": 12, "angle": 10},
+    }
+    product = camgeo.Design(base.scene.with_values(features)).disc
+    written = WRITER.write(product, 0.01)
+    assert WRITER.measure(product, written.data) <= 0.01
+    solid = solid_of(Model.of(exchange_of(written.data)))
+    walls = Counter(face.name for face in solid.faces if not is_flat(face))
+    assert {name: walls[name] for name in walls if name != "outline"} == {
+        "bore": 3, "lower hub": 2, "hub": 2, "mark": 4,
+        **{f"lightening hole {k}": 2 for k in range(1, 6)},
+    }  # fmt: skip
+    flat = Counter(face.name for face in solid.faces if is_flat(face))
+    levels = [level.name for level in product.drawn.part.levels]
+    assert flat == Counter(levels)
+    assert len(levels) == 5
+    assert volume_of(bounds_of(solid)) == pytest.approx(written.facts["volume_mm3"], rel=1e-12)

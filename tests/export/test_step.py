@@ -30,6 +30,7 @@ from tests.export.stub_product import PIECES, StubProduct
 from tests.export.test_dxf_spline import PRODUCTS
 from tests.export.test_solids import BORE, PARTS, POCKETS, RIM, VOLUMES, PartProduct
 from tests.export.verified import TOLERANCE, faults
+from tests.long_form import examples
 
 both = pytest.mark.parametrize("groove", [False, True], ids=["disc", "groove"])
 
@@ -227,6 +228,8 @@ HARMLESS = {
 }
 """Fields that say nothing about the shape, whose change need not be found."""
 
+SHARES = 5
+
 UNBOUND = ("FILE_NAME", "APPLICATION_PROTOCOL_DEFINITION")
 """Kinds that say nothing about it."""
 
@@ -273,11 +276,12 @@ def _changed(field: str) -> str:
     return repr(1.01 * float(field) + 0.03)
 
 
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", range(examples(1, long=SHARES)))
 def test_each_field_that_is_changed_is_found(part: int) -> None:
+    """A share of the fields, all of them in the long form."""
     assert faults(VERIFIER, PRODUCT, "\n".join(LINES).encode()) == []
     missed = []
-    for number, start in _fields()[part::4]:
+    for number, start in _fields()[part::SHARES]:
         line = LINES[number]
         found = FIELD.match(line, start)
         assert found is not None

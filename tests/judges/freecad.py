@@ -23,10 +23,14 @@ def missing() -> str:
     return absent(VARIABLE, *NAMES)
 
 
-def judge(given: Given) -> float:
-    """The difference of size [mm] or of volume, relative; Refusal if it finds fault."""
+def judge(given: Given, exported: Path | None = None) -> float:
+    """The difference of size [mm] or of volume, relative; Refusal if it finds fault.
+
+    A solid is written again as a STEP file into `exported`, each cylinder as one face.
+    """
     call = [found(VARIABLE, *NAMES), str(SCRIPT)]
-    said = run(call, given.path.parent, CAMGEO_JUDGED=str(given.path))
+    again = {} if exported is None else {"CAMGEO_EXPORTED": str(exported)}
+    said = run(call, given.path.parent, CAMGEO_JUDGED=str(given.path), **again)
     lines = [line for line in said.splitlines() if line.startswith("camgeo: ")]
     if not lines:
         raise Refusal(f"{given.path.name} is not read: {said[-300:].strip()}")

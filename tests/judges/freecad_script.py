@@ -49,7 +49,11 @@ def shape(path: str) -> dict[str, Any]:
     read.read(path)
     read.check(True)  # raises where isValid, which looks less closely, may not
     one = read.ShapeType == "Solid" and len(read.Solids) == 1 and read.isValid()
-    return {"solid": bool(one), "volume": read.Volume, "faces": len(read.Faces)}
+    told = {"solid": bool(one), "volume": read.Volume, "faces": len(read.Faces)}
+    again = os.environ.get("CAMGEO_EXPORTED")
+    if again:
+        read.removeSplitter().exportStep(again)  # it spoils what it is made of
+    return told
 
 
 READERS = {".dxf": drawing, ".stl": solid, ".step": shape}

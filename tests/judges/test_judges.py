@@ -13,18 +13,23 @@ from random import Random
 
 import pytest
 
+import camgeo
 from camgeo.toolpath.machine import load
+from camgeo.verifying.verification import Reading
 from camgeo_export.interpreter.run import run
+from camgeo_export.verify.step import VERIFIER as STEP
 from tests.judges import bad, chromium, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
 from tests.judges.__main__ import JUDGES, main
 from tests.judges.files import Given, files, scenes, sheets
 from tests.judges.paths import difference
 from tests.judges.programs import (
     SIX,
+    TOLERANCE,
     milled_scenes,
     programs,
     random_contour,
     random_program,
+    scene_of,
     workshop,
 )
 from tests.judges.programs_of_others import Refusal
@@ -249,3 +254,16 @@ def test_freecad_refuses_a_solid_without_one_of_its_faces(tmp_path: Path) -> Non
     given.path.write_bytes(re.sub(rb"(=CLOSED_SHELL\('',\()#\d+,", rb"\1", data))
     with pytest.raises(Refusal, match=r"not one closed body|has \d+ faces|BRep"):
         freecad.judge(given)
+
+
+@cad
+def test_what_freecad_makes_of_a_solid_is_verified_too(tmp_path: Path) -> None:
+    """Its file has another schema, seams, other entities, and is in no way ours."""
+    given, *_ = files(tmp_path, "step", [SIX[0]])
+    freecad.judge(given, tmp_path / "again.step")
+    data = (tmp_path / "again.step").read_bytes()
+    product = camgeo.load(scene_of(SIX[0])).disc
+    assert not STEP.origin(data).ours
+    checks = STEP.checks(product, data, Reading("again.step", ours=False), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+    assert {"deviation", "volume", "uncertainty"} <= {check.name for check in checks}
