@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive
 from camgeo.curve.extremes import radius_of_curvature
-from camgeo.formats.csv import FORMAT, exact_step
+from camgeo.errors import GeometryError, meant
+from camgeo.formats.csv import FORMAT, CsvSpec, exact_step
 from camgeo.lazy import Ledger, lazy
 from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
@@ -41,6 +42,9 @@ ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
 Columns = list[tuple[str, FloatArray]]
 """Headings, each with its values (n,)."""
 
+CURVES = ("pitch", "inner", "outer", "contact")
+"""Names of curves in the headings of their coordinates."""
+
 SWING = ("omega", "alpha", "j")
 """Prefixes of the names of angular velocity, acceleration and jerk."""
 
@@ -55,11 +59,15 @@ class Table:
     values : (n, k), one column per name, without NaN.
     cells : the same as text, for rounded numbers; None for the shortest form that reads back the
         same, in which no number is -0.0.
+    separator : between columns as text.
+    decimal_comma : whether numbers as text have a comma.
     """
 
     names: tuple[str, ...]
     values: FloatArray
     cells: Sequence[Sequence[str]] | None = None
+    separator: str = ","
+    decimal_comma: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", frozen(self.values, np.float64))
@@ -77,10 +85,13 @@ class Table:
     def csv(self) -> str:
         """The table as CSV, below one header line."""
         stream = io.StringIO()
-        rows = csv.writer(stream, lineterminator="\n")
+        rows = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
         rows.writerow(self.names)
         shortest = ([repr(value) for value in (row + 0.0).tolist()] for row in self.values)
-        rows.writerows(self.cells or shortest)
+        cells: Iterable[Sequence[str]] = self.cells or shortest
+        if self.decimal_comma:
+            cells = ([cell.replace(".", ",") for cell in row] for row in cells)
+        rows.writerows(cells)
         return stream.getvalue()
 
 
@@ -130,8 +141,22 @@ class TabulatedCam(Pickled):
         """The table at the scene's step."""
         return self._table(cam_angles(self.scene.output.options[FORMAT].step))
 
-    def _table(self, degrees: FloatArray) -> Table:
-        phi, unit = np.radians(degrees), self.scene.unit
+    def stated(self, step: Decimal | float | None = None) -> Table:
+        """The table as [output.csv] states it, its numbers not rounded; steps as for `table`."""
+        spec = self.scene.output.options[FORMAT]
+        unit = spec.unit or self.scene.unit
+        if unit == self.scene.unit:
+            whole = self.table(step)
+        else:
+            whole = self._table(cam_angles(spec.step if step is None else exact_step(step)), unit)
+        return stated_table(whole, spec, unit)
+
+    def written(self, step: Decimal | float | None = None) -> Table:
+        """The table as [output.csv] states it, its numbers rounded; steps as for `table`."""
+        return rounded(self.stated(step), self.scene.output.options[FORMAT].decimals)
+
+    def _table(self, degrees: FloatArray, unit: LengthUnit | None = None) -> Table:
+        phi, unit = np.radians(degrees), unit or self.scene.unit
         columns: Columns = [("phi [deg]", degrees)]
         motions = _motions(self.drive, self.scene.lift_unit, phi)
         for name, motion in motions:
@@ -223,3 +248,65 @@ def _of_effect(unit: LengthUnit, column: Column, phi: FloatArray) -> tuple[str, 
     if own == "mm" or own.startswith("mm/"):
         own, values = unit + own.removeprefix("mm"), values / MM_PER[unit]
     return f"{column.name} [{own}]" if own else column.name, values
+
+
+def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
+    """The columns of `whole` that a scene states, or all of them; its lengths are in `unit`.
+
+    Raises GeometryError with the key of a column that there is not.
+    """
+    if spec == CsvSpec(spec.step):
+        return whole
+    columns = whole.columns
+    if spec.columns is not None:
+        named = {_bare(heading): heading for heading in columns}
+        known = columns | _polar(columns, unit)
+        named |= {_bare(heading): heading for heading in known}
+        for place, name in enumerate(spec.columns, 1):
+            if name not in named:
+                hint = meant(name, named)
+                message = f"is no column{f', {hint}' if hint else ''}; there are {', '.join(named)}"
+                raise GeometryError(message, f"output.csv.columns[{place}]", f'"{name}"')
+        columns = {named[name]: known[named[name]] for name in spec.columns}
+    if spec.angle == "rad":
+        columns = dict(_in_radians(heading, values) for heading, values in columns.items())
+    return Table(
+        tuple(columns),
+        np.column_stack(tuple(columns.values())),
+        separator=spec.between,
+        decimal_comma=spec.decimal_comma,
+    )
+
+
+def rounded(table: Table, decimals: int | None) -> Table:
+    """The table with its numbers rounded to so many `decimals`; None leaves them as they are."""
+    if decimals is None:
+        return table
+    cells = [[f"{round(value, decimals) + 0.0:.{decimals}f}" for value in row]
+             for row in table.values.tolist()]  # fmt: skip
+    return replace(table, values=np.array(cells, dtype=np.float64), cells=cells)
+
+
+def _bare(heading: str) -> str:
+    """The name of a column without its unit."""
+    return heading.rpartition(" [")[0] or heading
+
+
+def _polar(columns: Mapping[str, FloatArray], unit: LengthUnit) -> dict[str, FloatArray]:
+    """Radius and angle of the points of each curve."""
+    found: dict[str, FloatArray] = {}
+    for name in CURVES:
+        x, y = (columns.get(f"{name} {axis} [{unit}]") for axis in "xy")
+        if x is not None and y is not None:
+            turned = np.degrees(np.arctan2(y, x)) % 360.0
+            found[f"{name} radius [{unit}]"] = np.hypot(x, y)
+            found[f"{name} angle [deg]"] = np.where(turned < 360.0, turned, 0.0)
+    return found
+
+
+def _in_radians(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
+    """A column with its degrees, or degrees per power of a second, in radians."""
+    name, found, unit = heading.rpartition(" [")
+    if not found or not unit.startswith("deg"):
+        return heading, values
+    return f"{name} [rad{unit.removeprefix('deg')}", np.radians(values)

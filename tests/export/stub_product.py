@@ -333,6 +333,12 @@ class StubProduct(Product):
     def value_table(self) -> Table:
         return self.table()
 
+    def stated(self) -> Table:
+        return self.table()
+
+    def written(self) -> Table:
+        return self.table()
+
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)
         radius = self.pitch_radius - self.roller_radius

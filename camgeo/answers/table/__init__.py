@@ -31,8 +31,8 @@ class ValueTable(Answer):
 
 
 def table_of_scene(design: Design, step: Decimal | float | None = None) -> ValueTable:
-    """The value table of a design, at every `step` [degrees] or at the scene's."""
-    return ValueTable(design.tabulated.table(step))
+    """The value table of a scene, see `TabulatedCam.written`; a `step` is in degrees."""
+    return ValueTable(design.tabulated.written(step))
 
 
 def table_of_law(

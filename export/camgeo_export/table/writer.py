@@ -1,10 +1,13 @@
-"""CSV: the value table, one header line, numbers in the shortest form that reads back the same."""
+"""CSV: the value table, one header line, numbers in the shortest form that reads back the same.
+
+Or with the columns, decimals and signs that the scene states; UTF-8.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Final
 
@@ -27,8 +30,8 @@ class CsvWriter:
     format = FORMAT
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The table in the product's unit and in degrees; its values are exact, not fitted."""
-        table = product.tabulated.table()
+        """The table as the scene states it; its values are exact, not fitted."""
+        table = product.tabulated.written()
         facts: dict[str, int | float | str] = {
             "rows": len(table.values),
             "columns": len(table.names),
@@ -36,17 +39,27 @@ class CsvWriter:
         return Written(table.csv().encode("utf-8"), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the table back; the largest difference of its lengths [mm], 0.0 for our own file.
+        """Read the table back; the largest difference of its lengths [mm] from the exact ones: that
+        of rounding to the decimals that the scene states, else 0.0 for our own file.
 
         Raises FileError if anything else differs.
         """
-        table = product.tabulated.table()
+        table, exact = product.tabulated.written(), product.tabulated.stated()
         text = io.TextIOWrapper(io.BytesIO(data), "utf-8", "replace", newline="")
-        rows = csv.reader(text)
+        rows: Iterator[Sequence[str]] = csv.reader(text, delimiter=table.separator)
         if tuple(next(rows, ())) != table.names:
             raise FileError("the table does not have this scene's columns and rows")
-        lengths = np.array([f"[{product.unit}]" in name for name in table.names])
-        return difference(rows, table.values, lengths, "the table") * MM_PER[product.unit]
+        if table.decimal_comma:
+            rows = ([cell.replace(",", ".") for cell in row] for row in rows)
+        units = [
+            unit for unit in MM_PER if any(name.endswith(f" [{unit}]") for name in table.names)
+        ]
+        lengths = np.array(
+            [name.endswith(tuple(f" [{unit}]" for unit in units)) for name in table.names]
+        )
+        expected = np.where(lengths, exact.values, table.values)
+        scale = MM_PER[units[0]] if units else 1.0
+        return difference(rows, expected, lengths, "the table") * scale
 
 
 def difference(
