@@ -41,6 +41,8 @@ class Limits:
     diameter : largest allowed of a part [mm], of the circle about the cam axis that it sweeps; None
         for no limit.
     mass : largest allowed of a part [t]; None for no limit.
+    wall : smallest allowed between two boundaries of a part [mm]; None for what is usual, see
+        `camgeo.part.webs`.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Limits:
     closing_error: Length = 0.02
     diameter: Length | None = None
     mass: Annotated[float, partial(number, above=0.0)] | None = None
+    wall: Length | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "limits.")

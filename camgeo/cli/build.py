@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.answers.answer import finding_lines
-from camgeo.answers.build import build
+from camgeo.answers.build import build, told
 from camgeo.cli.command import add_scene, number, opened, settle, show
 from camgeo.cli.streams import notify
 
@@ -33,7 +33,8 @@ def options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the files; report findings beyond a limit, and refuse a disc that cannot exist."""
     design = opened(arguments)
-    for line in finding_lines(each for each in design.findings if each.severity != "ok"):
+    findings = told(design)
+    for line in finding_lines(findings):
         notify(line)
     formats = arguments.only
     if formats is not None:
@@ -45,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         formats,
         tolerance=arguments.tolerance,
         force=arguments.force,
+        findings=findings,
         progress=arguments.progress,
     )
     if found.certificate is None:

@@ -182,7 +182,7 @@ def _require_clear(
     covering = ""
     for each in others:
         other = each.boundary
-        fit = other.arcs(tolerance, "fast")
+        fit = other.beside(tolerance)
         apart = least_distance(pieces, Pieces.around([fit.contour])) - fit.deviation
         if apart <= 0.0:
             message = f"the {boundary.name} must lie clear of the {other.name}, which it touches"

@@ -32,6 +32,9 @@ from camgeo.outline.path import Path
 from camgeo.outline.radii import encloses_axis, radii
 from camgeo.pickled import Pickled
 
+BESIDE = "beside"
+"""Key of fits from which distances are taken."""
+
 Found = TypeVar("Found", Fit, SplineFit)
 
 
@@ -63,6 +66,16 @@ class CurveBoundary(Pickled):
         """Lines and arcs; raises ToleranceError, or UndercutError if the path is not an outline."""
         fit = fit_arcs if effort == "fast" else fewest_arcs
         return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
+
+    def beside(self, tolerance: float) -> Fit:
+        """See `camgeo.part.part.Boundary`; raises ToleranceError."""
+        if (BESIDE, tolerance) not in self.known:
+            found = self.ledger.run(
+                f"distances from {self.name}", lambda: fit_polyline(self.path, tolerance)
+            )
+            self.known[BESIDE, tolerance] = found
+        known: Fit = self.known[BESIDE, tolerance]
+        return known
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises like `arcs`."""
@@ -223,6 +236,10 @@ class ExactBoundary(Pickled):
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """The outline itself, at either effort."""
         return Fit(self.exact.counter_clockwise(), 0.0, tolerance)
+
+    def beside(self, tolerance: float) -> Fit:
+        """The outline itself."""
+        return self.arcs(tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""

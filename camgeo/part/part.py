@@ -35,6 +35,11 @@ class Boundary(Protocol):
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
+    def beside(self, tolerance: float) -> Fit:
+        """Lines and arcs within `tolerance` [mm] from which distances are taken, with no library;
+        that they do not cross themselves is not shown.
+        """
+
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 

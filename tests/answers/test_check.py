@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.answers.build import build
 from camgeo.answers.check import Check, check
 from camgeo.answers.render import text
 from camgeo.design import Design
@@ -308,7 +310,8 @@ def test_mass_properties_of_the_part_of_each_disc() -> None:
     assert lines[start + 1].startswith("ok      largest-diameter ")
     assert lines[start + 1].endswith(" largest diameter 96 mm at cam angle 180 deg")
     assert f"mass {part.body.mass:.6g} kg" in lines[start + 2]
-    assert "moment of inertia about the cam axis" in lines[start + 5]
+    assert "smallest wall 30 mm, between outline and bore" in lines[start + 3]
+    assert "moment of inertia about the cam axis" in lines[start + 6]
 
 
 @pytest.mark.parametrize(("limits", "broken"), [
@@ -321,11 +324,36 @@ def test_diameter_and_mass_are_held_to_their_limits(limits: str, broken: list[st
     wrong = [each for each in part.findings if each.severity == "broken"]
     assert [each.name for each in wrong] == broken
     assert found.exit_code == (1 if broken else 0)
-    (limited,) = (each for each in part.findings if each.limit is not None)
+    name = {"diameter": "largest-diameter", "mass": "mass"}[limits.split()[0]]
+    (limited,) = (each for each in part.findings if each.name == name)
     assert limited.value is not None
     assert limited.limit is not None
     assert (limited.value > limited.limit) == bool(broken)
     assert f"{limited.limit:g} {limited.unit}" in limited.sentence
+
+
+@pytest.mark.parametrize(
+    ("limit", "severity", "said", "code"),
+    [
+        ("", "warning", r"wall 6 mm, between outline and bore, .*, below 6\.8 mm, 10% of", 0),
+        ("limits = { wall = 5 }", "ok", "at least 5 mm", 0),
+        ("limits = { wall = 7 }", "broken", "below 7 mm", 1),
+    ],
+)
+def test_a_thin_wall_is_told(
+    limit: str, severity: str, said: str, code: int, tmp_path: Path
+) -> None:
+    """A bore of 68 mm in a disc that comes as near as 40 mm, when it is checked and when built."""
+    design = camgeo.loads(f"{DISC}{limit}\npart = {{ thickness = 12, bore = 68 }}\n")
+    judged, built = check(design), build(design, tmp_path, ["stl"])
+    (part,) = judged.parts.values()
+    for findings in (part.findings, built.findings):
+        found = [each for each in findings if each.name == "smallest-wall"]
+        assert [each.severity for each in found] == [severity][: len(found)]
+        assert all(re.search(said, each.sentence) for each in found)
+        assert len(found) == (0 if findings is built.findings and severity == "ok" else 1)
+    assert (judged.exit_code, built.exit_code) == (code, code)
+    assert built.files
 
 
 def test_limits_are_in_the_unit_of_the_scene() -> None:

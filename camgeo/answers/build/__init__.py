@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import ClassVar
 
@@ -43,6 +44,19 @@ class Build(Answer):
         return exit_code(self.findings)
 
 
+def told(design: Design) -> tuple[Finding, ...]:
+    """What is found in a design and in its parts beyond a limit, or worth a warning; what makes a
+    part impossible is left to its files.
+    """
+    bad = tuple(each for each in design.findings if each.severity != "ok")
+    if not design.judgement.has_outline or design.scene.part is None:
+        return bad
+    from camgeo.answers.check.parts import part_of  # few designs have a part
+
+    parts = chain.from_iterable(part_of(disc).findings for disc in design.discs)
+    return bad + tuple(each for each in parts if each.severity in ("warning", "broken"))
+
+
 def build(
     design: Design,
     folder: str | Path,
@@ -50,15 +64,17 @@ def build(
     *,
     tolerance: float | None = None,
     force: bool = False,
+    findings: tuple[Finding, ...] | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Build:
     """Write the files, as `Design.write` does; none for a cam that has no outline.
 
-    `progress` is called with the name of each step. Raises as `Design.write`.
+    `findings` are those of `told`, where they are known; `progress` is called with the name of each
+    step. Raises as `Design.write`.
     """
     output = design.scene.output
     asked = output.tolerance if tolerance is None else tolerance
-    bad = tuple(each for each in design.findings if each.severity != "ok")
+    bad = told(design) if findings is None else findings
     scene, where = design.scene, str(folder)
     if not design.judgement.has_outline:
         return Build(scene, asked, bad, where)

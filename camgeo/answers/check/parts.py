@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, Severity, held
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
+from camgeo.part.webs import SHARE, thinnest
 from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.numeric.arrays import FloatArray
+    from camgeo.part.part import Part
     from camgeo.product.product import Product
     from camgeo.scene.scene import Scene
 
@@ -20,6 +23,9 @@ KG: Final = 1e3
 
 KG_M3: Final = 1e12
 """From t/mm^3 to kg/m^3."""
+
+SMALLEST_WALL: Final = "smallest-wall"
+"""Name of the finding on the thinnest material between two boundaries."""
 
 BALANCE: Final = "balance"
 """The effect whose table states the density."""
@@ -78,7 +84,7 @@ class PartFound:
     diameter : of the circle about the cam axis that it sweeps [mm]; None if there is no such part.
     layers : from the lowest upward; empty if there is no such part.
     body : None if the scene does not state all heights.
-    findings : diameter and mass, with their limits; or why there is no such part.
+    findings : diameter, mass and smallest wall, with their limits; or why there is no such part.
     """
 
     diameter: float | None
@@ -98,15 +104,35 @@ def part_of(disc: Product) -> PartFound:
     where = "" if angle is None else f" {at_cam_angles(angle)}"
     statement = f"largest diameter {diameter:.6g} mm{where}"
     found = [held("largest-diameter", statement, diameter, limits.diameter, "mm", angle)]
+    walls = tuple(_smallest_wall(part, limits.wall))
     layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
     try:
         body = Body(solid(part), _density(disc.scene))
     except GeometryError:  # heights that the scene does not state
-        return PartFound(diameter, layers, None, tuple(found))
+        return PartFound(diameter, layers, None, (*found, *walls))
     if body.mass is not None:
         most = None if limits.mass is None else KG * limits.mass
         found.append(held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg"))
-    return PartFound(diameter, layers, body, tuple(found))
+    return PartFound(diameter, layers, body, (*found, *walls))
+
+
+def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
+    """The thinnest wall between two boundaries; a warning if it is thinner than usual."""
+    web = thinnest(part, limit)
+    if web is None:
+        return
+    statement = (
+        f"smallest wall {web.thickness:.6g} mm, between {web.one} and {web.other}, at"
+        f" ({web.place.real:.4g}, {web.place.imag:.4g}) mm"
+    )
+    if limit is not None or not web.usual:
+        yield held(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
+        return
+    thin = web.thickness < web.usual
+    severity: Severity = "warning" if thin else "ok"
+    verdict = "below" if thin else "at least"
+    share = f"{verdict} {web.usual:.4g} mm, {SHARE:.0%} of the diameter of the hole"
+    yield Finding(SMALLEST_WALL, severity, f"{statement}, {share}", web.thickness, web.usual, "mm")
 
 
 def _density(scene: Scene) -> float | None:
