@@ -7,6 +7,8 @@ from typing import Final
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
+from camgeo.contour.nearness import least_distance
+from camgeo.contour.pieces import Pieces
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
@@ -96,14 +98,24 @@ def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBo
 
 
 def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
+    """GeometryError unless the flank surrounds bore and keyway, which may point to where there is
+    more room than beside the bore.
+    """
     if spec.bore is None:
         return
     room = flank.nearest()
-    reach = largest_radius(bore_outline(spec.bore, spec.keyway))
-    if reach + tolerance >= room:
-        raise GeometryError(
-            f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
-            f" as {room:.6g} mm",
-            key="part.bore",
-            value=f"{spec.bore:g}",
-        )
+    outline = bore_outline(spec.bore, spec.keyway)
+    reach = largest_radius(outline)
+    if reach + tolerance < room:
+        return
+    if 0.5 * spec.bore + tolerance < room:
+        fit = flank.beside(tolerance)
+        apart = least_distance(Pieces.around([outline]), Pieces.around([fit.contour]))
+        if apart > fit.deviation:
+            return
+    raise GeometryError(
+        f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
+        f" as {room:.6g} mm",
+        key="part.bore",
+        value=f"{spec.bore:g}",
+    )

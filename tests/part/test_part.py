@@ -189,6 +189,10 @@ def test_layers_that_are_no_part(layers: Callable[[], tuple[Layer, ...]], messag
         # corners of a slot of 8 mm reach hypot(31.5, 4) = 31.75 and hypot(32.5, 4).
         (60.0, Keyway(8.0, 1.5, math.pi / 2.0), True),
         (60.0, Keyway(8.0, 2.5, math.pi / 2.0), False),
+        # On the other side the flank is 47 mm away.
+        (60.0, Keyway(8.0, 2.5, -math.pi / 2.0), True),
+        (60.0, Keyway(8.0, 16.5, -math.pi / 2.0), True),
+        (60.0, Keyway(8.0, 17.5, -math.pi / 2.0), False),
         (90.0, None, False),
         (1e3, None, False),
     ],
