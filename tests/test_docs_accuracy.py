@@ -11,13 +11,14 @@ import pytest
 from camgeo.accuracy import contours
 from camgeo.accuracy.rows import FORMS, ORDER
 from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
+from tests.long_form import some
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGE = (DOCS / "accuracy.md").read_text(encoding="utf-8")
 
-AGAIN = ("plate_translating", "setzhub")
+AGAIN = some(["plate_translating", "setzhub"], of=2)
 """Cams that are measured again, at the tolerances that take no time."""
 
 COARSE = (1e-2, 1e-3)

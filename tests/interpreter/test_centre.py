@@ -19,6 +19,7 @@ from camgeo_export.interpreter.run import Run, run
 from tests.judges import rs274
 from tests.judges.paths import difference
 from tests.judges.programs import random_contour
+from tests.long_form import examples
 
 HEAD: Final = """G17 G21 G40 G49 G54 G80 G90 G94 G91.1
 T1 M6
@@ -189,7 +190,7 @@ def _without_dots(moves: tuple[CutterMove, ...]) -> tuple[CutterMove, ...]:
 def test_random_contours_run_as_in_linuxcnc() -> None:
     """Where neither refuses anything."""
     rng, judged = Random(7), 0
-    for _ in range(60):
+    for _ in range(examples(30, long=60)):
         text = random_contour(rng)
         found = run(text, load("linuxcnc"))
         if found.findings:
@@ -203,4 +204,4 @@ def test_random_contours_run_as_in_linuxcnc() -> None:
             text
         )
         judged += 1
-    assert judged > 10
+    assert judged > examples(5, long=10)

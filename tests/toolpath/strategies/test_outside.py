@@ -19,6 +19,7 @@ from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.toolpath.moves import ArcFeed, Rapid
 from tests.contour.cams import curves
+from tests.long_form import examples
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense
 from tests.toolpath.strategies.sound import (
@@ -142,7 +143,7 @@ def test_a_blank_as_large_as_the_part() -> None:
     assert max(engagement(track, blank, TOOL.radius, each) for each in places) <= LIMIT
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(8, long=15), deadline=None)
 @given(curve=curves(), diameter=st.floats(2.0, 12.0), step=st.floats(0.2, 0.6))
 def test_any_disc(curve: WorkingCurve, diameter: float, step: float) -> None:
     """Never nearer to the disc than the allowance, sound, and swept up to the wall."""

@@ -22,6 +22,7 @@ from camgeo.toolpath.moves import ArcFeed, Rapid
 from camgeo.toolpath.plane.track import Track, chained
 from camgeo.toolpath.strategies.trochoid import NARROWEST, ahead, engaged
 from tests.contour.cams import curves
+from tests.long_form import examples
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.strategies.sound import (
     DISC,
@@ -105,7 +106,7 @@ def test_the_bound_holds_on_a_straight_wall(size: float, limit: float, turn: flo
     assert engagement(way, FULL, 5.0, at) <= limit + 1e-6
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=examples(2, long=8), deadline=None)
 @given(curve=curves(), diameter=st.floats(7.0, 14.0), share=st.floats(0.15, 0.5))
 def test_any_disc(curve: WorkingCurve, diameter: float, share: float) -> None:
     wall = CurveBoundary("outline", hole=False, path=whole(curve))
