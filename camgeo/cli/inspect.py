@@ -46,7 +46,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         " in -return is of the return disc of a conjugate pair, in -inner or -outer of that flank",
     )
     parser.add_argument(
-        "--align", choices=tuple(Align), default=Align.DATUM,
+        "--align", choices=tuple(map(str, Align)), default=str(Align.DATUM),
         help="what to fit: nothing (the points were measured from bore and key), the turn about the"
         " cam axis, or shift and turn; a fit hides eccentricity and phase; default %(default)s",
     )  # fmt: skip
@@ -55,7 +55,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         " the scene's",
     )  # fmt: skip
     parser.add_argument(
-        "--flank", choices=tuple(Flank), help="flank; default by the name, or the scene's"
+        "--flank", choices=tuple(map(str, Flank)), help="flank; default by the name, or the scene's"
     )
     parser.add_argument(
         "--ball", metavar="MM", type=from_0, default=0.0,

@@ -57,7 +57,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--spacing", metavar="MM", type=positive,
         help="instead of a step: equal distances along the flank, at most this",
     )  # fmt: skip
-    parser.add_argument("--flank", choices=tuple(Flank), help="flank; default all in use")
+    parser.add_argument("--flank", choices=tuple(map(str, Flank)), help="flank; default all in use")
     parser.add_argument(
         "--ball", metavar="MM", type=from_0, default=0.0,
         help="radius of the measuring ball: also list its centres, and check that it fits",

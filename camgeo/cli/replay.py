@@ -67,7 +67,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
     )  # fmt: skip
     parser.add_argument(
-        "--flank", choices=tuple(Flank), help="flank of the follower; default the scene's"
+        "--flank", choices=tuple(map(str, Flank)), help="flank of the follower; default the scene's"
     )
     parser.add_argument(
         "--step", metavar="DEG", type=decimal, default=STEP,

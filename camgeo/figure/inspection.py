@@ -32,6 +32,9 @@ LEFT: Final = 0.95
 MEASURED: Final = Style(LINE, 0.9, marker="o", size=2.0)
 ERROR: Final = Style(AUXILIARY, 1.2)
 
+GAP: Final = 10.0
+"""Range of cam angle [degrees] without points over which no line is drawn."""
+
 Scale = tuple[str, float]
 """A unit, and how many of it make a mm or a rad."""
 
@@ -57,9 +60,12 @@ def figure(
     order = np.argsort(deviations.places.phi, kind="stable")
     values = deviations.values[order] * scale
     rules = [] if tolerance is None else [0.5 * tolerance * scale, -0.5 * tolerance * scale]
+    phi = np.degrees(deviations.places.phi[order])
+    wide = np.flatnonzero(np.diff(phi) > GAP) + 1
+    drawn = over(np.insert(phi, wide, np.nan), np.insert(values, wide, np.nan))
     marks: list[Mark] = [
         ZERO,
-        Line(over(np.degrees(deviations.places.phi[order]), values), MEASURED, "measured"),
+        Line(drawn, MEASURED, "measured"),
         *(Rule("y", at, LIMIT_STYLE, "allowed" * (at > 0.0)) for at in rules),
     ]
     rows = 1 if lift is None else 2

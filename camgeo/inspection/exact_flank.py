@@ -214,7 +214,7 @@ class ExactFlank:
         return Feet(places, distances)
 
     def _turn_to(self, points: ComplexArray, places: Places, which: BoolArray) -> None:
-        """Turn the normals at ends of stretches, in place, towards or away from `points`."""
+        """Turn the normals at ends of elements, in place, towards or away from `points`."""
         apart = (points - places.points)[which]
         size, own = np.abs(apart), places.normals[which]
         sign = np.where(dot(own, apart) < 0.0, -1.0, 1.0)
@@ -233,9 +233,10 @@ class ExactFlank:
         away = (points - centre) * np.sign(distance)
         middle = normal * np.exp(0.5j * sweep)
         half = 0.5 * np.abs(sweep)
-        angle = np.clip(np.angle(away * middle.conj()), -half, half)
-        along = half + np.sign(sweep) * angle
-        places = self._on(element, along)
+        turned = np.angle(away * middle.conj())
+        along = half + np.sign(sweep) * np.clip(turned, -half, half)
+        places = self._on(element, np.maximum(along, 0.0))
+        self._turn_to(points, places, np.abs(turned) > half)
         return Feet(places, dot(places.normals, points - places.points))
 
     # What is prepared once -----------------------------------------------------------------------

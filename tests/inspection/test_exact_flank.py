@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 
 from camgeo.inspection.exact_flank import ExactFlank
 from camgeo.outline.path import Flank, Path, Pivot
@@ -49,6 +51,27 @@ def test_distances_are_those_of_an_independent_method(name: str, side: Flank) ->
     assert sagitta < 2e-6
     back = feet.places.points + feet.distances * feet.places.normals
     assert np.max(np.abs(back - tried)) < 1e-9
+
+
+@given(
+    st.sampled_from(KINDS + TRIMMED),
+    st.floats(0.0, 1.0),
+    st.complex_numbers(max_magnitude=8.0, allow_nan=False),
+)
+def test_no_place_is_nearer_than_the_foot(
+    kind: tuple[str, Flank], share: float, away: complex
+) -> None:
+    """Whatever the point; the foot lies on the flank, and its normal leads to the point."""
+    flank = flank_of(*kind)
+    course = np.array([share * flank.total])
+    point = flank.at(course).points + away
+    feet = flank.feet(point)
+    distance = float(feet.distances[0])
+    assert abs(distance) <= abs(away) + ROUNDING
+    assert abs(distance) <= float(np.min(np.abs(flank.nodes.points - point))) + ROUNDING
+    assert abs(flank.at(feet.places.course).points - feet.places.points)[0] < 100.0 * ROUNDING
+    back = feet.places.points + distance * feet.places.normals
+    assert abs(back - point)[0] < 1e-8
 
 
 @pytest.mark.parametrize(("name", "side"), KINDS)
