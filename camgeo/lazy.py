@@ -65,6 +65,14 @@ class Ledger:
         self.lock: threading.RLock = threading.RLock() if shared_with is None else shared_with.lock
         self._open: list[str] = []
         self._inner: list[float] = []
+        self._what = ""
+
+    def named(self, what: str) -> Ledger:
+        """The same record for another owner, whose quantities have `what` behind their names."""
+        made = Ledger(self._progress, self._cancelled, shared_with=self)
+        made.runs, made._open, made._inner = self.runs, self._open, self._inner
+        made._what = what
+        return made
 
     def __reduce__(self) -> tuple[type[Ledger], tuple[()]]:
         """A copy or pickle is an empty ledger, without results and hooks."""
@@ -90,6 +98,7 @@ class Ledger:
         Cancelled
             If `cancelled` returns True.
         """
+        name = f"{name}{self._what}"
         with self.lock:
             if name in self._open:
                 raise CycleError((*self._open[self._open.index(name) :], name))

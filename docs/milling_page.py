@@ -50,7 +50,7 @@ WIDTH: Final = 100
 HOLDING: Final = re.compile(TABLE.format(r"holding(?:\.screw)?"), re.MULTILINE)
 
 JOBS: Final = (
-    ("steel_plate_cam", "fixture: a round blank in soft jaws, stated operations, four tools"),
+    ("steel_plate_cam", "fixture: a round blank in soft jaws, stated operations, both sides"),
     ("plywood_cam", "tabs: a plate on a router"),
     ("moved_clamps", "clamps: one makes room for a strap through the bore"),
     ("bolt_circle", "screws through three holes of a round blank, whose bore is reamed"),
@@ -140,13 +140,20 @@ def _setup(scene: str) -> str:
 
 
 def _program(scene: str) -> list[str]:
-    (program,) = Path("out", scene).glob("*.n*c")
+    program, *_ = sorted(Path("out").glob(f"{scene}/*.n*c"), key=lambda path: len(path.name))
     return program.read_text(encoding="ascii").splitlines()
 
 
 def _head(scene: str, count: str) -> str:
     """The first lines of a program that `_build` has written."""
     return _quoted("text", [*_program(scene)[: int(count)], "..."])
+
+
+def _second(scene: str, count: str) -> str:
+    """The first lines of that of the second side."""
+    (program,) = Path("out", scene).glob("*-second-side.n*c")
+    lines = program.read_text(encoding="ascii").splitlines()
+    return _quoted("text", [*lines[: int(count)], "..."])
 
 
 def _operation(scene: str, name: str, count: str) -> str:
@@ -191,6 +198,7 @@ GIVERS: Final[dict[str, Callable[..., str]]] = {
     "program": _operation,
     "refused": _refused,
     "scene": _scene,
+    "second": _second,
     "setup": _setup,
     "tools": _tools,
 }

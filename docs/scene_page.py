@@ -64,6 +64,9 @@ def _tables(schema: dict[str, Any]) -> Iterator[tuple[str, str, Rows]]:
 
 def _table(schema: dict[str, Any], name: str, node: dict[str, Any]) -> Iterator[Any]:
     node = _resolved(schema, node)
+    if "x-as" in node:  # its keys are those of another table
+        yield f"`[{name}]`" if node["type"] == "array" else f"`{name}`", node["description"], []
+        return
     if node.get("type") == "array":
         name, node = f"[{name}]", {**node, **_resolved(schema, node["items"])}
     inner = {k: v for k, v in node.get("properties", {}).items() if _is_table(schema, v)}

@@ -44,6 +44,10 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--scene", metavar="SCENE",
         help="scene whose tools, blank, holding and part the programs are run with",
     )  # fmt: skip
+    parser.add_argument(
+        "--second-side", action="store_true",
+        help="the programs mill the second side of the scene; those of camgeo say so themselves",
+    )  # fmt: skip
     add_json(parser)
 
 
@@ -55,7 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
     bench = Bench(arguments.stock_top, clearance, tuple(arguments.radius))
     paths = [Path(name) for name in arguments.files]
     design = opened(arguments) if arguments.scene is not None else None
-    return show(lint(paths, arguments.machine, bench, design), arguments)
+    second = arguments.second_side
+    if second and design is None:
+        raise CallError("argument --second-side: needs --scene, whose second side it is")
+    return show(lint(paths, arguments.machine, bench, design, second_side=second), arguments)
 
 
 def _radius(text: str) -> tuple[int, float]:

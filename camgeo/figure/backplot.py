@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,10 +15,11 @@ from camgeo.figure.marks import Area, Box, Fill, Line, Mark, Style, Text, over, 
 from camgeo.figure.model import Axis, Entry, Figure, Frame, Legend, Panel
 from camgeo.figure.style import AUXILIARY, LIMIT, LINE
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.product.product import Product
+from camgeo.product.product import Product, sides_of
 from camgeo.toolpath.backplot import KINDS, Kind, Plotted, plotted
 from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.units import MM_PER
+from camgeo.toolpath.turning import mirrored_all
+from camgeo.units import MM_PER, LengthUnit
 
 TOLERANCE: Final = 0.01
 """Of the paths [mm]: far below a printed line."""
@@ -53,20 +56,17 @@ REACH: Final = 1.0
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The program of `product`, in its unit, seen from above.
+    """The programs of `product`, in its unit, seen from above as the work lies, those of a second
+    side behind those of the first.
 
     Raises
     ------
     GeometryError
         With the key of the scene, if it has no program.
     """
-    spec = product.milled.spec
-    if spec is None:
+    if product.milled.spec is None:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
-    toolpath = product.milled.toolpath(TOLERANCE)
-    runs, part = runs_of(toolpath), product.milled.part
-    setup = setup_of(product.milled.cuts, runs, part, spec.stock, spec.holding, TOLERANCE)
-    found = plotted(toolpath, setup.blank, setup.top, TOLERANCE)
+    found = [each for side in sides_of(product) for each in _shown(side)]
     columns = min(2, max(1, len(found)))
     rows = max(1, math.ceil(len(found) / columns))
     left, right, top, bottom = MARGINS
@@ -75,39 +75,68 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         top + bottom + SIDE * (rows + GAPS[0] * (rows - 1)),
     )
     size = own if size is None else size
-    scale = 1.0 / MM_PER[product.unit]
-    parts = [contour.points(TOLERANCE) * scale for body in setup.part for contour in body.contours]
-    blank = [contour.points(TOLERANCE) * scale for contour in setup.blank]
-    ground = _ground(blank, BLANK), _ground(_distinct(parts), PART)
     panels = tuple(
-        _panel(each, frame, ground, scale, product.unit)
+        _panel(each, frame, product.unit)
         for each, frame in zip(found, grid(size, MARGINS, rows, columns, GAPS), strict=False)
     )
-    kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in found)]
+    plots = [each.plot for each in found]
+    kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in plots)]
     entries = [Entry("blank", BLANK), Entry("part", PART)]
-    if any(each.operation.cut.obstacles for each in found):
+    if any(each.operation.cut.obstacles for each in plots):
         entries.append(Entry("clamp or screw", CLAMP))
     entries += [Entry(NAMES[kind], STYLES[kind]) for kind in kinds]
     legend = Legend(tuple(entries), "lower center", (0.5, 0.01), columns=len(entries))
     return Figure(size, panels, legend=legend)
 
 
-def _panel(
-    found: Plotted,
-    frame: Frame,
-    ground: tuple[Area, Area],
-    scale: float,
-    unit: str,
-) -> Panel:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shown:
+    """One operation of a side.
+
+    Attributes
+    ----------
+    plot : its traces, in the part's coordinates [mm].
+    ground : blank and part, as the work lies, in the unit of the picture.
+    seen : points of the part [mm] as the work lies, in that unit.
+    turned : whether it is on the second side.
+    """
+
+    plot: Plotted
+    ground: tuple[Area, Area]
+    seen: Callable[[ComplexArray], ComplexArray]
+    turned: bool
+
+
+def _shown(side: Product) -> Iterator[_Shown]:
+    """The operations of one side."""
+    milled = side.milled
+    spec, scale = milled.spec, 1.0 / MM_PER[side.unit]
+    assert spec is not None  # for there is a program
+    toolpath = milled.toolpath(TOLERANCE)
+    runs = runs_of(toolpath)
+    setup = setup_of(milled.cuts, runs, milled.part, spec.stock, spec.holding, TOLERANCE)
+
+    def seen(points: ComplexArray) -> ComplexArray:
+        return mirrored_all(points, spec.turned) * scale
+
+    parts = [seen(contour.points(TOLERANCE)) for body in setup.part for contour in body.contours]
+    blank = [seen(contour.points(TOLERANCE)) for contour in setup.blank]
+    ground = _ground(blank, BLANK), _ground(_distinct(parts), PART)
+    for each in plotted(toolpath, setup.blank, setup.top, TOLERANCE):
+        yield _Shown(each, ground, seen, bool(spec.turned))
+
+
+def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
     """One operation, with as much around its course as the cutter reaches."""
-    marks: list[Mark] = list(ground)
+    found, scale = shown.plot, 1.0 / MM_PER[unit]
+    marks: list[Mark] = list(shown.ground)
     for obstacle in found.operation.cut.obstacles:
-        ring = obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE) * scale
+        ring = shown.seen(obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE))
         marks.append(Area((plane(ring),), CLAMP, layer=1.0))
     drawn = []
     for kind in KINDS:
         for trace in found.traces:
-            points = trace.points * scale
+            points = shown.seen(trace.points)
             if trace.kind == kind:
                 drawn.append(points)
                 still = bool(np.all(points == points[0]))
@@ -132,7 +161,7 @@ def _panel(
         Axis((middle.real - half, middle.real + half), f"X [{unit}]"),
         Axis((middle.imag - half, middle.imag + half), f"Y [{unit}]"),
         tuple(marks),
-        found.operation.name,
+        f"second side: {found.operation.name}" if shown.turned else found.operation.name,
         title_size=10.0,
         equal=True,
     )

@@ -254,6 +254,14 @@ class Part:
                 key = f"part.{layer.name}_depth"
                 raise GeometryError(f"a solid needs {key}", key=key)
 
+    def turned_over(self) -> Part:
+        """The same part upside down, its lower face at height 0: the boundaries are the same in X
+        and Y, heights are reflected.
+        """
+        low = self.layers[0].z0
+        layers = (replace(each, z0=low - each.z1, z1=low - each.z0) for each in self.layers)
+        return Part(tuple(layers)[::-1])
+
     @property
     def levels(self) -> tuple[Level, ...]:
         """The flat faces, from the lowest upwards; raises like `require_heights`."""

@@ -14,7 +14,6 @@ from camgeo.lazy import Ledger, built, lazy
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
-    from camgeo.formats.format import Options
     from camgeo.part.part import Part
     from camgeo.product.drawn import DrawnDisc
     from camgeo.scene.scene import Scene
@@ -23,7 +22,11 @@ if TYPE_CHECKING:
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
+    from camgeo.toolpath.setup import Run
+    from camgeo.toolpath.sides import Done
+    from camgeo.toolpath.spec import GcodeSpec
     from camgeo.toolpath.stages import Flaw
+    from camgeo.toolpath.stock import Stock
     from camgeo.toolpath.zero import Zero
 
 Planned = TypeVar("Planned")
@@ -31,7 +34,8 @@ Planned = TypeVar("Planned")
 
 @dataclass(frozen=True)
 class MilledDisc(Pickled):
-    """A disc as seen by milling programs.
+    """One side of a disc as seen by its milling programs, in coordinates in which tools come from
+    above (`camgeo.toolpath.turning`).
 
     What cannot be planned raises `SceneError` with the key that is at fault.
 
@@ -43,6 +47,7 @@ class MilledDisc(Pickled):
     whole : of which this is one program, if the machine cannot change the tools that the disc
         needs; None if it is all.
     program : number of this one from 0.
+    first : the first side of the disc, if this is the second.
     """
 
     drawn: DrawnDisc
@@ -50,21 +55,48 @@ class MilledDisc(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
     whole: MilledDisc | None = None
     program: int = 0
+    first: MilledDisc | None = None
 
-    @property
-    def options(self) -> Options:
-        """Include the machine and the heights of traverses."""
-        return self.scene.output.options
-
-    @property
-    def spec(self) -> MillingSpec | None:
-        """Tools, blank, holding and operations; None if the scene says nothing on milling."""
-        return self.scene.milling
+    @built
+    def second(self) -> MilledDisc | None:
+        """The second side; None if there is none, or if this is it."""
+        spec = self.scene.milling
+        if self.first is not None or spec is None or spec.second is None:
+            return None
+        ledger = self.ledger.named(" of the second side")
+        return replace(self, whole=None, program=0, first=self, ledger=ledger)
 
     @built
     def part(self) -> Part:
         """The part as programs see it: its highest face is at height 0."""
-        return self.drawn.part.lowered()
+        part = self.drawn.part
+        return part.lowered() if self.first is None else part.turned_over()
+
+    @property
+    def gcode(self) -> GcodeSpec:
+        """The options of its programs: the machine, zero, work offset, the heights of traverses."""
+        options, spec = self.scene.output.options[FORMAT], self.scene.milling
+        if self.first is None or spec is None or spec.second is None:
+            return options
+        second = spec.second
+        return self._planned(lambda: second.program(options))
+
+    @built
+    def spec(self) -> MillingSpec | None:
+        """Tools, blank, holding and operations; None if the scene says nothing on milling.
+
+        Of the second side they follow from the sequence of the first, and raise as it does.
+        """
+        spec, first = self.scene.milling, self.first
+        if first is None or spec is None:
+            return spec
+        from camgeo.toolpath.bench import Bench
+        from camgeo.toolpath.verdict import done_by, faces
+
+        cuts = first.sequence.cuts
+        return spec.of_second_side(
+            faced=any(map(faces, cuts)), done=done_by(Bench(first.part, spec), cuts)
+        )
 
     @lazy
     def sequence(self) -> Sequence:
@@ -79,7 +111,7 @@ class MilledDisc(Pickled):
         if lacking := FORMAT.lacking(self.scene.stated):
             raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
         assert self.spec is not None  # for the scene has a tool
-        options = self.options[FORMAT]
+        options = self.gcode
         return sequence_of(self.part, self.spec, options.heights, options.compensation)
 
     def _planned(self, plan: Callable[[], Planned]) -> Planned:
@@ -90,30 +122,32 @@ class MilledDisc(Pickled):
             raise
         except GeometryError as error:
             from camgeo.scene.milling import refused  # few scenes mill
+            from camgeo.toolpath.side import of_second_side
 
             scene = self.scene
+            error = error if self.first is None else of_second_side(error)
             raise refused(scene.stated, error, scene.source.file) from error
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
         """The exact cuts, in their order."""
         cuts = self.sequence.cuts
-        return cuts if self.whole is None else self.groups[self.program]
+        return cuts if self.whole is None else self._groups[self.program]
 
     @property
-    def groups(self) -> tuple[tuple[Cut, ...], ...]:
+    def _groups(self) -> tuple[tuple[Cut, ...], ...]:
         """The cuts of each program: all in one, unless the machine cannot change tools."""
         from camgeo.toolpath.machine import load
 
         cuts = self.sequence.cuts
-        if load(self.options[FORMAT].machine).tool_change.change or not cuts:
+        if load(self.gcode.machine).tool_change.change or not cuts:
             return (cuts,)
         return tuple(tuple(own) for _, own in groupby(cuts, key=lambda cut: cut.tool.number))
 
     @property
     def programs(self) -> tuple[MilledDisc, ...]:
         """One for each program, in the order in which they are run."""
-        count = len(self.groups)
+        count = len(self._groups)
         if count == 1 or self.whole is not None:
             return (self,)
         return tuple(replace(self, whole=self, program=number) for number in range(count))
@@ -133,7 +167,7 @@ class MilledDisc(Pickled):
         told = tuple(finding.sentence for finding in self.sequence.findings)
         if self.whole is None:
             return told
-        tool, count = self.cuts[0].tool.number, len(self.groups)
+        tool, count = self.cuts[0].tool.number, len(self._groups)
         own = (
             f"program {self.program + 1} of {count}, run in this order: tool {tool} is in the"
             " spindle, and Z 0 set with it, at the start"
@@ -144,39 +178,64 @@ class MilledDisc(Pickled):
     def zero(self) -> Zero:
         """Of the program; raises SceneError if the blank has no such corner."""
         from camgeo.toolpath.stock import Stock
-        from camgeo.toolpath.zero import zero_of
+        from camgeo.toolpath.turning import NOT
 
         stock = Stock() if self.spec is None else self.spec.stock
-        return self._planned(lambda: zero_of(self.options[FORMAT], stock, self.part))
+        turned = NOT if self.spec is None else self.spec.turned
+        return self._planned(lambda: self._zero_of(stock, turned))
+
+    def _zero_of(self, stock: Stock, turned: str) -> Zero:
+        from camgeo.toolpath.spec import AXIS
+        from camgeo.toolpath.zero import zero_of
+
+        found, first = zero_of(self.gcode, stock, self.part, turned), self.first
+        if first is not None and first.spec is not None and found.name != AXIS:
+            from camgeo.toolpath.bench import Bench
+            from camgeo.toolpath.guard import is_cut_free
+
+            if is_cut_free(Bench(first.part, first.spec), first.sequence.cuts):
+                message = "there is no corner: the first side cuts the part out of the blank"
+                raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
+        return found
 
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
         from camgeo.toolpath.machine import load
         from camgeo.toolpath.plan import plan_toolpath
 
-        cuts, spec, effort = self.cuts, self.options[FORMAT], self.drawn.effort
+        cuts, spec, effort = self.cuts, self.gcode, self.drawn.effort
         limits, heights = load(spec.machine).arcs, spec.heights
         return self._planned(
             lambda: self.ledger.run(
-                "toolpath", lambda: plan_toolpath(cuts, heights, limits, tolerance, effort)
+                "toolpath",
+                lambda: plan_toolpath(cuts, heights, limits, tolerance, effort),
             )
         )
 
     def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
-        """What the simulation of a program finds that lies within `tolerance` [mm]."""
-        from camgeo.toolpath.verdict import flaws_of
+        """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
+        side from what the first one leaves.
+        """
+        from camgeo.toolpath.judged import runs_of
+        from camgeo.toolpath.sides import settled
 
-        part, spec = self.part, self.spec
-        assert spec is not None  # for there is a program
-        return self.ledger.run("simulation", lambda: flaws_of(toolpath, part, spec, tolerance))
+        cuts = tuple(operation.cut for operation in toolpath.operations)
+        return self.ledger.run(
+            "simulation",
+            lambda: settled(job(self, cuts, runs_of(toolpath), tolerance, ahead=False))[-1],
+        )
 
     def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
-        """How the cutter is engaged in each roughing operation of a program."""
+        """How the cutter is engaged in each roughing operation of a program, with places as the
+        work lies; on the second side at most, as if the first had left all of the blank.
+        """
         from camgeo.toolpath.engaged import engaged_of
+        from camgeo.toolpath.turning import mirrored
 
         part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
-        return self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
+        found = self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
+        return tuple(replace(each, place=mirrored(each.place, spec.turned)) for each in found)
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
@@ -189,10 +248,10 @@ class MilledDisc(Pickled):
         told = [each for each in self.sequence.findings if each.name not in names]
         if low := self._low_change():
             told.append(Finding("tool-change-height", "warning", low))
-        if len(self.groups) > 1:
-            tools = ", ".join(str(own[0].tool.number) for own in self.groups)
+        if len(self._groups) > 1:
+            tools = ", ".join(str(own[0].tool.number) for own in self._groups)
             sentence = (
-                f"the machine cannot change tools: {len(self.groups)} programs, tools {tools}"
+                f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
             )
             told.append(Finding("programs", "warning", sentence))
         return (*told, *found)
@@ -201,9 +260,9 @@ class MilledDisc(Pickled):
         """That tools are changed close above the part, by nobody's wish; empty if not."""
         from camgeo.toolpath.machine import load
 
-        spec = self.options[FORMAT]
+        spec = self.gcode
         machine = load(spec.machine)
-        several = any(len({cut.tool.number for cut in own}) > 1 for own in self.groups)
+        several = any(len({cut.tool.number for cut in own}) > 1 for own in self._groups)
         if not (several and machine.retract.is_a_height and spec.tool_change_height is None):
             return ""
         return (
@@ -217,3 +276,42 @@ class MilledDisc(Pickled):
         if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
             raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
         return tuple(each for each in found if each.severity != "ok")
+
+
+def job(
+    milled: MilledDisc,
+    cuts: tuple[Cut, ...],
+    runs: tuple[Run, ...],
+    tolerance: float,
+    *,
+    level: float | None = None,
+    allowed: float | None = None,
+    ahead: bool = True,
+) -> tuple[Done, ...]:
+    """The sides of a disc simulated, where `milled`, one of them, runs `runs` for its `cuts`, and
+    the other what is planned for it, within `tolerance` [mm].
+
+    Parameters
+    ----------
+    level, allowed : as of `camgeo.toolpath.simulation.simulate`; by default the tolerance is
+        allowed in addition to what is.
+    ahead : whether a side that follows is simulated, too.
+    """
+    from camgeo.toolpath.judged import runs_of
+    from camgeo.toolpath.sides import Side, simulated
+    from camgeo.toolpath.simulation import ALLOWED, LEVEL
+
+    assert milled.spec is not None  # for there is a program
+    sides = [Side(milled.part, milled.spec, cuts, runs)]
+    other = milled.second if milled.first is None else milled.first
+    if other is not None and (ahead or other is milled.first):
+        assert other.spec is not None  # likewise
+        planned = runs_of(other.toolpath(tolerance))
+        side = Side(other.part, other.spec, other.sequence.cuts, planned)
+        sides = [side, *sides] if other is milled.first else [*sides, side]
+    return simulated(
+        sides,
+        allowed=ALLOWED + tolerance if allowed is None else allowed,
+        level=LEVEL if level is None else level,
+        of=1 if other is None else 2,
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 from camgeo._version import __version__
@@ -25,7 +26,10 @@ if TYPE_CHECKING:
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
 
-ONE_PROGRAM: Final = re.compile(r"-\d+-t\d+$", re.ASCII | re.IGNORECASE)
+SECOND: Final = "second-side"
+"""End of the names of programs of the second side."""
+
+ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGNORECASE)
 """End of the name of one of several programs."""
 
 
@@ -45,6 +49,7 @@ class Product(Pickled):
     ledger : records what was computed, and how long it took.
     program : number from 0 of one of the milling programs of a machine that cannot change tools,
         for whose file this is; None for all of them.
+    second_side : whether this is the second side of the disc, for its programs.
     """
 
     scene: Scene
@@ -54,13 +59,15 @@ class Product(Pickled):
     columns: Callable[[], tuple[Column, ...]]
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
     program: int | None = None
+    second_side: bool = False
 
     @property
     def name(self) -> str:
-        """Name of the disc, the stem of its files; of one of several programs with its number,
-        counted from 1, and its tool.
+        """Name of the disc, the stem of its files; of the programs of a second side with that, of
+        one of several programs with its number, counted from 1, and its tool.
         """
         name = f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
+        name = f"{name}-{SECOND}" if self.second_side else name
         if self.program is None:
             return name
         return f"{name}-{self.program + 1}-t{self.milled.cuts[0].tool.number}"
@@ -120,24 +127,21 @@ class Product(Pickled):
 
     @built
     def milled(self) -> MilledDisc:
-        """The disc as milling programs cut it."""
+        """The disc, or this side of it, as milling programs cut it."""
         from camgeo.product.milled import MilledDisc
 
         whole = MilledDisc(self.drawn, self.scene, self.ledger)
+        if self.second_side:
+            assert whole.second is not None  # which this is
+            whole = whole.second
         return whole if self.program is None else whole.programs[self.program]
 
     @property
     def programs(self) -> tuple[Product, ...]:
-        """The disc once for each milling program: more than one if the machine cannot change the
-        tools that it needs.
+        """The disc once for each milling program: one for each side, or more if the machine cannot
+        change the tools that it needs.
         """
-        milled = self.milled.programs
-        if len(milled) == 1:
-            return (self,)
-        made = tuple(replace(self, program=number) for number in range(len(milled)))
-        for each, own in zip(made, milled, strict=True):
-            each.__dict__.update(drawn=self.drawn, milled=own)
-        return made
+        return tuple(chain.from_iterable(map(programs_of, sides_of(self))))
 
     @built
     def tabulated(self) -> TabulatedCam:
@@ -153,6 +157,29 @@ class Product(Pickled):
 
         returning = self.others[0].cam.follower if self.others else None
         return PicturedCam(self.cam, returning)
+
+
+def sides_of(product: Product) -> tuple[Product, ...]:
+    """The disc once for each side from which it is milled, the first one first; one that is a side
+    already alone.
+    """
+    second = product.milled.second
+    if second is None or product.program is not None:
+        return (product,)
+    other = replace(product, second_side=True)
+    other.__dict__.update(drawn=product.drawn, milled=second)
+    return (product, other)
+
+
+def programs_of(side: Product) -> tuple[Product, ...]:
+    """One side once for each of its programs."""
+    milled = side.milled.programs
+    if len(milled) == 1:
+        return (side,)
+    made = tuple(replace(side, program=number) for number in range(len(milled)))
+    for each, own in zip(made, milled, strict=True):
+        each.__dict__.update(drawn=side.drawn, milled=own)
+    return made
 
 
 def disc_of(discs: Sequence[Product], stem: str) -> Product:

@@ -10,31 +10,37 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import misfits
 from camgeo.scene.document import document
 from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path, path_of
+from camgeo.scene.keys import Path, path_of, value_at
 from camgeo.scene.schema import MILLING, library_schema, milling_tables
 from camgeo.scene.schema_faults import judged
 from camgeo.scene.valid_values import ValidValues
 from camgeo.toolpath.milling import (
     FAULTS,
+    SECOND_SIDE,
     MillingSpec,
     holding_of,
     operation_of,
+    second_side_of,
     stock_of,
     tool_of,
 )
-from camgeo.toolpath.spec import EARLIER, GcodeSpec
+from camgeo.toolpath.spec import AXIS, EARLIER, GcodeSpec
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
 if TYPE_CHECKING:
     from camgeo.toolpath.holding import Holding
     from camgeo.toolpath.milling import OperationSpec
+    from camgeo.toolpath.side import SecondSide
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
 
 LIBRARY: Final = (*PROGRAM, "tools")
 """Key of the file with further tools."""
+
+OPERATIONS: Final = ("operation", f"{SECOND_SIDE}.operation")
+"""Tables with operations, which name their tools."""
 
 Broken = tuple[Path, str]
 
@@ -53,6 +59,7 @@ def broken_tables(values: ValidValues) -> Iterator[Broken]:
                     yield (*place, key), message
     yield from _tools_are_told_apart(values)
     yield from _machine_compensates(values)
+    yield from _a_corner_is_known(values)
     yield from _one_tool_fits(values)
 
 
@@ -67,30 +74,46 @@ def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
         yield from ((key, message) for message in misfits(values, written))
 
 
+def _a_corner_is_known(values: ValidValues) -> Iterator[Broken]:
+    """The corner of the blank on which the zero of the second side is."""
+    zero = values.get(SECOND_SIDE, "zero")
+    if zero not in (None, AXIS) and (values.lacks("stock", "length") or values.lacks("stock")):
+        message = "needs a plate whose length and width are stated in [stock]"
+        yield (SECOND_SIDE, "zero"), message
+
+
 def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
-    """Operations ask for no compensation that the machine lacks; of a file the writer tells it."""
-    asked = {
-        (*place, "compensation"): values.get(*place, "compensation")
-        for place in _places(values, "operation")
+    """Operations ask for no compensation that the machine lacks, nor the second side for a work
+    offset; of a profile file the writer tells it.
+    """
+    asked: set[Path] = {
+        (*place, "compensation") for name in OPERATIONS for place in _places(values, name)
     }
+    asked.add((SECOND_SIDE, "work_offset"))
+    given = [(key, f"{key[-1]}") for key in sorted(asked, key=str) if values.get(*key)]
     machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
-    if not any(asked.values()) or machine.endswith(".toml"):
+    if not given or machine.endswith(".toml"):
         return
     from camgeo.toolpath.machine import load  # only scenes that ask for it need the profile
 
     profile = load(machine)
-    for key, value in asked.items():
-        if value and value not in profile.compensations:
-            choices = ", ".join(f'"{each}"' for each in profile.compensations)
+    allowed = {
+        "compensation": profile.compensations,
+        "work_offset": tuple(profile.work_offsets),
+    }
+    for key, name in given:
+        if values.get(*key) not in allowed[name]:
+            choices = ", ".join(f'"{each}"' for each in allowed[name])
             yield key, f"must be one of {choices} for {profile.name}"
 
 
 def _places(values: ValidValues, name: str) -> list[Path]:
-    """Where the tables of that name are."""
-    given = values.scene.plain.get(name)
+    """Where the tables of that name are, one with a dot within another table."""
+    path = tuple(name.split("."))
+    given = value_at(values.scene.plain, path)
     if isinstance(given, list):
-        return [(name, k) for k in range(len(given))]
-    return [] if given is None else [(name,)]
+        return [(*path, k) for k in range(len(given))]
+    return [] if given is None else [path]
 
 
 def _tools_are_told_apart(values: ValidValues) -> Iterator[Broken]:
@@ -100,7 +123,7 @@ def _tools_are_told_apart(values: ValidValues) -> Iterator[Broken]:
             yield ("tool", k, "number"), "belongs to another tool; each needs its own"
     if None in numbers or not numbers or values.has(*LIBRARY):
         return
-    for place in _places(values, "operation"):
+    for place in (each for name in OPERATIONS for each in _places(values, name)):
         number = values.get(*place, "tool")
         if number is not None and number not in numbers:
             known = ", ".join(str(each) for each in sorted(numbers))
@@ -132,13 +155,8 @@ class MillingBuilder:
         tools += [tool for tool in library or () if tool.number not in known]
         stock: Stock | None = self._one("stock", stock_of)
         holding: Holding | None = self._one("holding", holding_of)
-        operations: list[OperationSpec] = self.each("operation", operation_of)
-        known = {tool.number for tool in tools}
-        for k, each in enumerate(operations):
-            if library is not None and each.tool not in known:
-                numbers = ", ".join(str(number) for number in sorted(known)) or "none"
-                message = f"there is no such tool; there are {numbers}"
-                self._inside.fault(("operation", k, "tool"), message)
+        operations, from_below = (self._operations(name, tools, library) for name in OPERATIONS)
+        second: SecondSide | None = self._one(SECOND_SIDE, second_side_of)
         if library is None or len(self._inside.faults) > before:
             return None
         return MillingSpec(
@@ -147,14 +165,28 @@ class MillingBuilder:
             holding=holding,
             operations=tuple(operations),
             earlier=earlier is not None,
+            second=second,
+            second_operations=tuple(from_below),
         )
+
+    def _operations(
+        self, name: str, tools: list[Tool], library: list[Tool] | None
+    ) -> list[OperationSpec]:
+        """Those of one side; their tools must be known, unless there are faults in the library."""
+        made: list[OperationSpec] = self.each(name, operation_of)
+        known = {tool.number for tool in tools}
+        for place, each in zip(_places(self._values, name), made, strict=False):
+            if library is not None and each.tool not in known:
+                numbers = ", ".join(str(number) for number in sorted(known)) or "none"
+                message = f"there is no such tool; there are {numbers}"
+                self._inside.fault((*place, "tool"), message)
+        return made
 
     def each(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:
         """What `make` builds of each table of a list, without those that it refuses."""
-        if not self._values.has(name):
-            return []
-        node = milling_tables()[name]["items"]
-        places = [(name, k) for k in range(len(self._values.get(name)))]
+        # The tables of a second side have the keys of those of the first.
+        node = milling_tables()[name.rpartition(".")[2]]["items"]
+        places = _places(self._values, name)
         made = [self._made(place, self._inside.table(place, node), make) for place in places]
         return [each for each in made if each is not None]
 
@@ -170,8 +202,9 @@ class MillingBuilder:
         try:
             return make(table)
         except GeometryError as error:
-            key = (path_of(error.key) or ())[1:]
-            self._inside.fault((*place, *key), error.message)
+            key = path_of(error.key) or ()
+            inner = place == (SECOND_SIDE,) != key[:1]  # a table within the table
+            self._inside.fault((*place, *(key if inner else key[1:])), error.message)
             return None
 
     def _library(self) -> list[Tool] | None:

@@ -61,7 +61,7 @@ INFLECTION: Final = "inflection"
 SHAPES: Final = (INFLECTION, *OPTIONS)
 """Keys of a move that shape its law."""
 
-MILLING: Final = ("tool", "stock", "holding", "operation")
+MILLING: Final = ("tool", "stock", "holding", "operation", "second_side")
 """Keys of the tables on milling."""
 
 Node = dict[str, Any]

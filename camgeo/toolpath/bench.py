@@ -22,6 +22,12 @@ SAME: Final = 2.0**-48
 BORE: Final = "bore"
 """Name of the boundary about the cam axis."""
 
+COARSE: Final = 0.01
+"""Tolerance [mm] of contours between which it is asked what lies over what."""
+
+BESIDE: Final = 0.1
+"""Width [mm] of the strip beside a wall that must be free for tools to reach it."""
+
 ALLOWANCE_SHARE: Final = 0.05
 LARGEST_ALLOWANCE: Final = 0.5
 """What a planned roughing leaves, as a share of the cutter's diameter, and at most [mm]."""
@@ -69,14 +75,20 @@ class Bench:
         return {wall.boundary.name: wall for wall in self.part.walls}
 
     @property
+    def up(self) -> str:
+        """Which face of the part lies up: "upper", or "lower" on the second side."""
+        return "lower" if self.milling.turned else "upper"
+
+    @property
     def lower_face(self) -> float:
         """Z of the lower face of the part [mm]."""
         return self.part.layers[0].z0
 
     @property
     def bosses(self) -> tuple[Wall, ...]:
-        """The walls around what stands on a face of the disc."""
-        stand = [layer.boundaries[0] for layer in self.part.layers if layer not in self.part.disc]
+        """The walls around what stands on the upper face of the disc."""
+        above = self.part.disc[-1].z1
+        stand = [layer.boundaries[0] for layer in self.part.layers if layer.z0 >= above]
         return tuple(wall for wall in self.part.walls if wall.boundary in stand)
 
     @property
@@ -89,6 +101,21 @@ class Bench:
             and wall.boundary.hole
             and wall.boundary.name != BORE
         )
+
+    def wall(self, name: str, key: str) -> Wall:
+        """The wall of a boundary; GeometryError with the `key`, if there is none, or none that is
+        reached from this side.
+        """
+        walls = self.walls
+        message = ""
+        if name not in walls:
+            known = ", ".join(f'"{each}"' for each in walls)
+            message = f"the part has no such wall; it has {known}"
+        elif not is_open(self.part, walls[name]):
+            message = f"it is not open on the {self.up} face: the part lies over it"
+        if message:
+            raise GeometryError(message, key, f'"{name}"')
+        return walls[name]
 
     def is_through(self, wall: Wall) -> bool:
         """Whether the wall reaches the lower face."""
@@ -186,6 +213,27 @@ class Bench:
         """Why a tool cannot finish a wall at full depth from `top` [mm]."""
         bottom = self.bottom(wall)
         return lambda tool: self.too_large(tool, wall.boundary) or self.too_short(tool, bottom, top)
+
+
+def is_open(part: Part, wall: Wall) -> bool:
+    """Whether tools from above reach the wall: no higher layer lies over where they run."""
+    over = [layer for layer in part.layers if layer.z0 >= wall.z1]
+    if not over:
+        return True
+    import shapely  # few parts have layers over a wall
+
+    from camgeo.toolpath.sweep import grown, polygon
+
+    inside = polygon([wall.boundary.arcs(COARSE, "fast").contour], COARSE)
+    hole = wall.boundary.hole
+    beside = grown(inside, BESIDE)
+    beside = inside.difference(grown(inside, -BESIDE)) if hole else beside.difference(inside)
+    for layer in over:
+        contours = [each.arcs(COARSE, "fast").contour for each in layer.boundaries]
+        shared = shapely.intersection(beside, polygon(contours, COARSE)).area
+        if shared > 2.0 * COARSE * inside.length:
+            return False
+    return True
 
 
 def flank_curve(wall: Wall) -> WorkingCurve:

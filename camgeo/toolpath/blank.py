@@ -25,6 +25,8 @@ def described(stock: Stock, part: Part, zero: Zero, unit: LengthUnit = "mm") -> 
         outline = "plate of unstated size"
     bore = "" if stock.bore is None else f", bore {length(stock.bore)} {unit}"
     where = f", its upper face at Z {length(high - zero.z)}"
+    if zero.turned:
+        where = f", what the first side has left of it, up to Z {length(high - zero.z)}"
     centre = zero.of(stock.centre)
     off = f", its middle at X {length(centre.real)}, Y {length(centre.imag)}" if centre else ""
     return f"{outline}, {height}{bore}{where}{off}"

@@ -57,8 +57,9 @@ class Cut:
     depths : Z of each pass [mm], descending.
     allowance : left on the walls [mm] for a later cut.
     obstacles : clamps and screws to be cleared, above whose tops only traverses go.
-    climb : whether it is climb milling, with the material on the right of a cutter that turns
-        clockwise, or else conventional.
+    climb : whether the material is on the right of the cutter, or else on its left, in the part's
+        coordinates. With a cutter that turns clockwise that is climb milling; where the work is
+        turned over the machine runs the mirror image, and it is conventional.
     stop : what the operator does before it, after a programmed stop; empty without one.
     note : for the operator, or empty.
 

@@ -139,6 +139,15 @@ def told_of_holding(bench: Bench, cuts: Sequence[Cut]) -> Iterator[Finding]:
         yield Finding("onion-skin", "warning", text)
 
 
+def is_cut_free(bench: Bench, cuts: Sequence[Cut]) -> bool:
+    """Whether nothing of the blank hangs on the part when these cuts are done."""
+    holding = bench.milling.holding
+    through = 0.0 if holding is None else holding.through
+    hangs = holding is not None and (holding.tabs is not None or holding.skin is not None)
+    below = bench.milling.stock.bottom > through
+    return not (hangs or below) and any(_frees(bench, cut) for cut in cuts)
+
+
 def _clears_the_blank(bench: Bench, heights: Heights) -> None:
     top = bench.milling.stock.top
     for key, height in (("clearance", heights.clearance), ("retract", heights.retract)):

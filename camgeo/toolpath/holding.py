@@ -11,6 +11,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, Length, Place, Radius
 from camgeo.numeric.checked import check_fields, finite, hold, instance, instances, one_of, whole
 from camgeo.toolpath.tool import Text, Truth
+from camgeo.toolpath.turning import mirrored
 
 if TYPE_CHECKING:
     from camgeo.part.part import Boundary
@@ -88,6 +89,7 @@ class Clamp:
     round : whether it is a circle.
     since : name of the operation before which it is set; empty if it is there from the start.
     until : name of the operation before which it is taken away; empty if it stays.
+    called : its place in messages, where that is not its own; None for its own.
 
     Raises
     ------
@@ -103,13 +105,15 @@ class Clamp:
     round: Truth = False
     since: Text = ""
     until: Text = ""
+    called: Place | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "clamp.")
 
-    def seen_from(self, place: complex) -> Clamp:
-        """The same with its place seen from another one than the cam axis [mm]."""
-        return replace(self, place=self.place - place)
+    def turned_over(self, about: str) -> Clamp:
+        """One that is stated as work turned over lies, in the part's coordinates."""
+        place = mirrored(self.place, about)
+        return replace(self, place=place, angle=-self.angle, called=self.place)
 
     @property
     def obstacle(self) -> Obstacle:
@@ -120,7 +124,7 @@ class Clamp:
         from camgeo.part.boundaries import ExactBoundary
 
         what = "screw" if self.round else "clamp"
-        name = f"{what} at {self.place.real:g}, {self.place.imag:g} mm"
+        name = f"{what} at {_places(self.place if self.called is None else self.called)} mm"
         if self.round:
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
@@ -170,3 +174,11 @@ class Holding:
             raise GeometryError(
                 f"needs [[holding.{what}]] at least once", "holding.kind", self.kind
             )
+
+    def turned_over(self, about: str) -> Holding:
+        """The same with clamps in the part's coordinates, which are stated as the work lies."""
+        return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
+
+
+def _places(place: complex) -> str:
+    return f"{place.real:g}, {place.imag:g}"

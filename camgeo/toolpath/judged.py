@@ -69,15 +69,17 @@ def setup_of(
     stock: Stock,
     holding: Holding | None,
     tolerance: float,
+    others: Iterable[Cut] = (),
 ) -> Setup:
     """What a program starts from, and the part that must come of it, within `tolerance` [mm].
 
     `cuts` say which walls are cut, and where the outline of the blank is not known, `runs` how far
-    it must reach. Holes and marks that no cut makes are none of that part: they are made otherwise.
+    it must reach. Holes and marks that neither they nor `others` make, the cuts of another side,
+    are none of that part: they are made otherwise.
     A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Without a
     holding nothing is said of pieces that come loose.
     """
-    made = part.without(left_out(part, cuts := tuple(cuts)))
+    made = part.without(left_out(part, (*(cuts := tuple(cuts)), *others)))
     bodies = tuple(
         Body(
             layer.name,

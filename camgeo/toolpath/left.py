@@ -8,11 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from camgeo.toolpath.stages import Flaw, Slab, Stage, flaw
+from camgeo.toolpath.setup import Setup
+from camgeo.toolpath.stages import Flaw, Slab, Stage
 from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
 
 TOUCHING = 1e-4
 """Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
+
+SAME = 1e-6
+"""Heights [mm] that differ by less are one."""
 
 PART = "the part"
 
@@ -58,19 +62,19 @@ def left_flaws(
     stages: Sequence[Stage],
     part: Sequence[Area],
     held: Sequence[Area] | None,
-    joined: float | None,
+    setup: Setup,
     allowed: float,
     *,
     corners: Sequence[tuple[float, float]] = (),
-    fixture: bool = False,
 ) -> Iterator[Flaw]:
     """Pieces that come loose, each where it does, and what is left on the part at the end.
 
     Parameters
     ----------
     part : in each slab.
-    held, joined, fixture : as in `camgeo.toolpath.setup.Setup`.
-    allowed : thickness [mm] that may be left.
+    held : areas within which the blank is held; None if that is not to be judged.
+    setup : what the program starts from, and what it has to leave.
+    allowed : thickness [mm] that may be left; what is nowhere thicker is no piece.
     corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
     """
     known: list[Piece] = []
@@ -78,10 +82,12 @@ def left_flaws(
         for piece in pieces(stage.slabs) if held is not None else ():
             if any(_same(piece, each) for each in known) or _held(piece, held or ()):
                 continue
+            if _is_dust(piece, allowed):
+                continue
             known.append(piece)
-            yield _loose(stage, piece, part, fixture=fixture)
-    if stages:
-        yield from _rests(stages[-1], part, joined, allowed, corners)
+            yield _loose(stage, piece, part, fixture=setup.fixture)
+    if stages and setup.final:
+        yield from _rests(stages[-1], part, setup, allowed, corners)
 
 
 def _held(piece: Piece, held: Sequence[Area]) -> bool:
@@ -90,6 +96,11 @@ def _held(piece: Piece, held: Sequence[Area]) -> bool:
         for _, area in piece.areas
         for each in held
     )
+
+
+def _is_dust(piece: Piece, allowed: float) -> bool:
+    """Whether a piece is nowhere thicker than paths may be off: chips, which may not be there."""
+    return all(grown(area, -0.5 * allowed).is_empty for _, area in piece.areas)
 
 
 def _same(piece: Piece, other: Piece) -> bool:
@@ -114,20 +125,29 @@ def _loose(stage: Stage, piece: Piece, part: Sequence[Area], *, fixture: bool) -
     )  # fmt: skip
     place = place_in(area)
     where = (place.real, place.imag, stage.slabs[k].z0)
-    return flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3", watched=watched)
+    return Flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3", watched=watched)
+
+
+def _may_stay(slab: Slab, setup: Setup) -> bool:
+    """Whether waste may hold on to the part there: up to a height, or from one on beside it."""
+    low, high = setup.joined, setup.hanging
+    if low is not None and slab.z1 <= low + SAME:
+        return True
+    top = max((body.z1 for body in setup.part), default=setup.top)
+    return high is not None and high - SAME <= slab.z0 and slab.z1 <= top + SAME
 
 
 def _rests(
     stage: Stage,
     part: Sequence[Area],
-    joined: float | None,
+    setup: Setup,
     allowed: float,
     corners: Sequence[tuple[float, float]],
 ) -> Iterator[Flaw]:
     """Material that is left beside the part, or on one of its faces."""
     found: list[Flaw] = []
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
-        if slab.material.is_empty or (joined is not None and slab.z1 <= joined + 1e-6):
+        if slab.material.is_empty or _may_stay(slab, setup):
             continue
         beside = shapely.difference(slab.material, grown(target, allowed))
         thick = parts(grown(grown(beside, -0.5 * allowed), 0.5 * allowed))
@@ -152,7 +172,7 @@ def _rests(
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
             found.append(
-                flaw("rest", stage.operation, text, size, allowed, where, watched=by_corner)
+                Flaw("rest", stage.operation, text, size, allowed, where, watched=by_corner)
             )
     for watched in (False, True):  # the largest of both
         yield from sorted(

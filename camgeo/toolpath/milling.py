@@ -5,6 +5,7 @@ The tables are in milling.json, with lengths and angles as in all tables of a sc
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +18,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length, Radius
 from camgeo.numeric.checked import check_fields, hold, instance, instances, one_of
 from camgeo.toolpath.holding import ONION_SKIN, TABS, Clamp, Holding, Tabs
+from camgeo.toolpath.side import OWN_TABLES, SecondSide
 from camgeo.toolpath.stock import PLATE, ROUND, Stock
 from camgeo.toolpath.tool import (
     CHAMFER_MILL,
@@ -32,9 +34,12 @@ from camgeo.toolpath.tool import (
     ToolNumber,
     Truth,
 )
+from camgeo.toolpath.turning import AXES, NOT
 
-TABLES: Final = ("tool", "stock", "holding", "operation")
+TABLES: Final = ("tool", "stock", "holding", "operation", "second_side")
 """Keys at the top of a scene."""
+
+SECOND_SIDE: Final = "second_side"
 
 FACE: Final = "face"
 DRILLING: Final = "drill"
@@ -131,6 +136,11 @@ class MillingSpec:
     holding : None if nobody says how the blank is held.
     operations : empty for a sequence that is planned.
     earlier : whether the tool is stated by earlier keys of `[output.gcode]`.
+    second : how the second side is set up; None if there is none.
+    second_operations : from that side; empty for a sequence that is planned.
+    turned : the axis of the machine about which the work has been turned over: then all of this is
+        that of the second side.
+    done : names of the walls that the first side has finished.
 
     Raises
     ------
@@ -143,14 +153,41 @@ class MillingSpec:
     holding: Holding | None = None
     operations: tuple[OperationSpec, ...] = ()
     earlier: Truth = False
+    second: SecondSide | None = None
+    second_operations: tuple[OperationSpec, ...] = ()
+    turned: Annotated[str, partial(one_of, choices=(NOT, *AXES))] = NOT
+    done: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         check_fields(self, "")
         tools = instances("tool", instance("tool", self.tools, tuple, "tools"), (Tool,), "tools")
         given = instance("operation", self.operations, tuple, "operations")
         hold(self, tools=tools, operations=instances("operation", given, (OperationSpec,), "them"))
+        given = instance("second_side.operation", self.second_operations, tuple, "operations")
+        instances("second_side.operation", given, (OperationSpec,), "operations")
+        instance("second_side", self.done, frozenset, "names of walls")
         if repeated := [number for number, count in numbers_of(tools).items() if count > 1]:
             raise GeometryError("each tool needs its own number", "tool", f"{repeated[0]}")
+
+    def of_second_side(self, *, faced: bool, done: frozenset[str]) -> MillingSpec | None:
+        """What is stated on the second side, as if it were all; None if there is none.
+
+        The first side has taken off what was above the part if it has `faced` it, and has finished
+        the walls that are `done`.
+        """
+        second = self.second
+        if second is None:
+            return None
+        return replace(
+            self,
+            stock=self.stock.turned_over(faced=faced),
+            holding=second.holding.turned_over(second.turned_about),
+            operations=self.second_operations,
+            second=None,
+            second_operations=(),
+            turned=second.turned_about,
+            done=done,
+        )
 
 
 def numbers_of(tools: tuple[Tool, ...]) -> Counter[int]:
@@ -160,7 +197,12 @@ def numbers_of(tools: tuple[Tool, ...]) -> Counter[int]:
 
 def tables() -> dict[str, dict[str, Any]]:
     """The JSON Schemas of the tables, by their keys."""
-    return schema_beside(__file__)
+    found = schema_beside(__file__)
+    second = found[SECOND_SIDE]["properties"]
+    for name in OWN_TABLES:
+        text = json.dumps(found[name]).replace(f"[{name}", f"[{SECOND_SIDE}.{name}")
+        second[name] = {**json.loads(text), "x-as": name, **second[name]}
+    return found
 
 
 def tool_of(table: Mapping[str, Any]) -> Tool:
@@ -217,6 +259,12 @@ def operation_of(table: Mapping[str, Any]) -> OperationSpec:
     given = _with_counts(table)
     climb = given.pop("direction", "climb") == "climb"
     return OperationSpec(**given, climb=climb)
+
+
+def second_side_of(table: Mapping[str, Any]) -> SecondSide:
+    """The setup of a converted table `[second_side]`; raises GeometryError with the key in it."""
+    given = {key: value for key, value in table.items() if key not in OWN_TABLES}
+    return SecondSide(**given, holding=holding_of(table["holding"]))
 
 
 def _with_counts(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -284,6 +332,12 @@ def holding_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield "kind", f"needs [[holding.{key}]] at least once"
 
 
+def second_holding_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Keys of `[second_side.holding]`, as of `[holding]`."""
+    for key, message in holding_faults(table):
+        yield key, message.replace("[[holding", f"[[{SECOND_SIDE}.holding")
+
+
 def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Keys of one `[[operation]]` that are missing or too many, each with the reason."""
     kind = table["kind"]
@@ -309,4 +363,6 @@ FAULTS: Final[Mapping[str, TableFaults]] = {
     "stock": stock_faults,
     "holding": holding_faults,
     "operation": operation_faults,
+    f"{SECOND_SIDE}.holding": second_holding_faults,
+    f"{SECOND_SIDE}.operation": operation_faults,
 }

@@ -7,7 +7,7 @@ round more.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Wall
-from camgeo.toolpath.bench import BORE, SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.bench import BORE, SAME, Bench, bore_of, flank_curve, is_open
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.fitting import core
 from camgeo.toolpath.making import (
@@ -43,14 +43,18 @@ def planned_steps(bench: Bench) -> Iterator[Step]:
     GeometryError
         With the key of the scene, if no tool can do what is to be done.
     """
-    walls = bench.walls
+    done = bench.milling.done
+    walls = {name: each for name, each in bench.walls.items() if name not in done}
+    if bench.milling.turned:  # the first side reaches the others, or nothing does
+        walls = {name: each for name, each in walls.items() if is_open(bench.part, each)}
     yield from _face(bench)
     for wall in bench.bosses:
-        yield from _boss(bench, wall)
+        if wall.boundary.name in walls:
+            yield from _boss(bench, wall)
     if BORE in walls:
         yield from _bore(bench, walls[BORE])
-    yield from _holes(bench)
-    if "inner flank" in walls:
+    yield from _holes(bench, walls)
+    if {"inner flank", "outer flank"} <= walls.keys():
         yield from _groove(bench, walls["inner flank"], walls["outer flank"])
     if "rim" in walls:
         yield from _rim(bench, walls["rim"])
@@ -79,12 +83,12 @@ def _boss(bench: Bench, wall: Wall) -> Iterator[Step]:
     yield finish_along(bench, wall, tool, wall.z1, room, rest=allowance)
 
 
-def _holes(bench: Bench) -> Iterator[Step]:
+def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
     """Holes beside the bore by a drill of their diameter, marks by an end mill of their width; they
     are left out where there is none.
     """
     through: dict[tuple[float, float], dict[str, complex]] = {}
-    for wall in bench.holes:
+    for wall in (each for each in bench.holes if each.boundary.name in walls):
         boundary = bore_of(wall)
         if bench.is_through(wall):
             size = boundary.round_radius, wall.z1

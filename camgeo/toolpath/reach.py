@@ -7,11 +7,12 @@ cutter it stands as deep as the cutter digs a slot.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import shapely
 
 from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
@@ -61,12 +62,28 @@ def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
     whole = joined(courses)
     owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
     radii = np.array([run.radius for run in runs])[owners]
-    blank = Pieces.around(setup.blank)
+    standing = _standing(setup)
     moving = np.flatnonzero(whole.lengths > 0.0)
     for first in range(0, len(moving), BATCH):
         yield from _of_pieces(
-            moving[first : first + BATCH], whole, owners, radii, blank, setup.top
+            moving[first : first + BATCH], whole, owners, radii, standing
         )  # fmt: skip
+
+
+def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
+    """Up to which Z [mm] material reaches at places (n,) at first; -infinite beside it."""
+    if setup.before is None:
+        blank = Pieces.around(setup.blank)
+        return lambda places: np.where(inside(blank, places), setup.top, -np.inf)
+    slabs = setup.before.slabs
+
+    def left(places: ComplexArray) -> FloatArray:
+        found = np.full(len(places), -np.inf)
+        for slab in slabs:  # from the lowest
+            found[shapely.contains_xy(slab.material, places.real, places.imag)] = slab.z1
+        return found
+
+    return left
 
 
 def _of_pieces(
@@ -74,8 +91,7 @@ def _of_pieces(
     whole: Course,
     owners: np.ndarray[tuple[int], np.dtype[np.intp]],
     radii: FloatArray,
-    blank: Pieces,
-    top: float,
+    standing: Callable[[ComplexArray], FloatArray],
 ) -> Iterator[Depth]:
     """Of some pieces of the course, in their order."""
     numbers = np.repeat(pieces, len(SHARES))
@@ -85,7 +101,7 @@ def _of_pieces(
     rims = radii[numbers] * some.tangents(places)
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
-    tops = np.where(inside(blank, looked), top, -np.inf)
+    tops = standing(looked)
     near = _near(whole, looked, radii)
     cleared = _cleared(whole, near, looked, order, radii)
     found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from camgeo.check.finding import Finding
@@ -53,22 +53,34 @@ def sequence_of(
         way, or what is cut free is not held.
     """
     part.require_heights()
-    if part.layers[0] not in part.disc:
-        message = "a hub on the lower face is milled from there; no program of this side makes it"
+    if part.layers[0] not in part.disc and milling.second is None and not milling.turned:
+        message = "a hub on the lower face is milled from there: state [second_side]"
         raise GeometryError(message, key="part.hub.side", value=part.layers[0].name)
     bench = Bench(part, milling, compensation)
     require_room(bench)
     findings: list[Finding] = []
     if milling.operations:
         cuts = stated_cuts(bench)
-        if left := left_out(part, cuts):
+        # A second side may make what the first does not.
+        left = [] if milling.second else [
+            name for name in left_out(part, cuts) if name not in milling.done
+        ]  # fmt: skip
+        if left:
             sentence = f"no operation makes {', '.join(left)}"
             findings.append(Finding("left-out", "warning", sentence))
     else:
         steps = list(planned_steps(bench))
         cuts = [step for step in steps if isinstance(step, Cut)]
         findings = [step for step in steps if isinstance(step, Finding)]
+        if milling.turned and not cuts:
+            message = (
+                "nothing is to be milled: the blank is not lower than the part, and the first side"
+                " leaves no wall that is open on the lower face; state its operations"
+            )
+            raise GeometryError(message, "second_side")
         findings.insert(0, told(SEQUENCE, f"planned: {_listed(cuts)}"))
+    if milling.turned:  # the machine runs the mirror image, see `camgeo.toolpath.turning`
+        cuts = [replace(cut, climb=not cut.climb) for cut in cuts]
     cuts = guarded(bench, cuts, heights)
     findings += told_of_holding(bench, cuts)
     if milling.earlier:

@@ -11,7 +11,7 @@ from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray
 from camgeo.toolpath.course import Course
 from camgeo.toolpath.moves import Move, Point, Stop
-from camgeo.toolpath.stages import Body
+from camgeo.toolpath.stages import Body, Slab
 
 SLICES: Final = 4
 """Slabs of a point or of rounded corners at their lowest."""
@@ -71,11 +71,38 @@ class Chamfer:
     run : of the cone; its moves do not matter.
     course : exact, of its tip, all at one height.
     top : Z above which it is to take nothing off [mm].
+    turned : height of the part's other face [mm], if it was taken off from there: run, course and
+        top are those of that side.
     """
 
     run: Run
     course: Course
     top: float
+    turned: float | None = None
+
+    def height(self, z: float) -> float:
+        """A height of the side from which it was taken off, seen from this one; and back [mm]."""
+        return z if self.turned is None else self.turned - z
+
+    @property
+    def heights(self) -> list[float]:
+        """Between which the section of the part changes by equal steps or so [mm]."""
+        own = self.run.slices(float(np.min(self.course.lowest)), self.top)
+        return [self.height(z) for z in own]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Before:
+    """What another side has left, seen from this one.
+
+    Attributes
+    ----------
+    slabs : of the material, from the lowest.
+    corners : heights [mm] between which rounded corners of its cutters were lowest.
+    """
+
+    slabs: tuple[Slab, ...]
+    corners: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +119,9 @@ class Setup:
     chamfers : edges that the part lacks.
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
     joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
+    hanging : Z from which on it may do so; None for none.
+    before : what an earlier side has left of the blank; None for all of it.
+    final : whether the part must be all there is in the end, and no other side follows.
     """
 
     blank: tuple[Contour, ...]
@@ -103,3 +133,6 @@ class Setup:
     chamfers: tuple[Chamfer, ...] = ()
     lowest: float | None = None
     joined: float | None = None
+    hanging: float | None = None
+    before: Before | None = None
+    final: bool = True

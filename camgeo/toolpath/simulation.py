@@ -25,7 +25,7 @@ from camgeo.toolpath.course import Course, below, course_of
 from camgeo.toolpath.left import left_flaws
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
 from camgeo.toolpath.setup import Run, Setup
-from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once, flaw
+from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
 from camgeo.toolpath.sweep import NOTHING, Area, grown, parts, place_in, polygon, swept, swept_below
 
 FINENESS: Final = 1e-3
@@ -82,8 +82,7 @@ def simulate(
     heights = _heights(setup, runs, level)
     whole = polygon(setup.blank, fineness)
     slabs = tuple(
-        Slab(z0, z1, whole if setup.bottom < 0.5 * (z0 + z1) < setup.top else NOTHING)
-        for z0, z1 in pairwise(heights)
+        Slab(z0, z1, _material(setup, whole, 0.5 * (z0 + z1))) for z0, z1 in pairwise(heights)
     )
     part = tuple(_sections(setup, slabs, fineness))
     bench = _Bench(setup, slabs, part, fineness, allowed, level)
@@ -92,13 +91,24 @@ def simulate(
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
     held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
-    corners = [(tip, tip + run.point) for run in runs if run.rounded for tip in _lowest(run)]
-    flaws += left_flaws(
-        stages, part, held, setup.joined, allowed, corners=corners, fixture=setup.fixture
-    )
+    flaws += left_flaws(stages, part, held, setup, allowed, corners=corners_of(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
+
+
+def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:
+    """Heights [mm] between which rounded corners of cutters are, where those are lowest."""
+    own = ((tip, tip + run.point) for run in runs if run.rounded for tip in _lowest(run))
+    return (*own, *(() if setup.before is None else setup.before.corners))
+
+
+def _material(setup: Setup, whole: Area, z: float) -> Area:
+    """What is there at first at the height `z` [mm]; `whole` is the section of the blank."""
+    if setup.before is None:
+        return whole if setup.bottom < z < setup.top else NOTHING
+    left = (slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1)
+    return next(left, NOTHING)
 
 
 def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
@@ -106,9 +116,13 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     highest = max([setup.top, *(body.z1 for body in setup.part)])
     found = [setup.top, setup.bottom]
     found += [z for body in setup.part for z in (body.z0, body.z1)]
-    found += [] if setup.joined is None else [setup.joined]
-    for chamfer in setup.chamfers:
-        found += chamfer.run.slices(float(np.min(chamfer.course.lowest)), chamfer.top)
+    found += [z for z in (setup.joined, setup.hanging) if z is not None]
+    found += [z for chamfer in setup.chamfers for z in chamfer.heights]
+    lowest = setup.bottom
+    if setup.before is not None:
+        borders = [z for slab in setup.before.slabs for z in (slab.z0, slab.z1)]
+        lowest, highest = min([lowest, *borders]), max([highest, *borders])
+        found += borders
     for run in runs:
         course = course_of(run.moves, run.start)
         flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
@@ -116,7 +130,7 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
         found += [*course.from_z[flat].tolist(), *ends.tolist()]
         found += [z for tip in _lowest(run) for z in run.slices(tip, highest)]
     heights: list[float] = []
-    for z in sorted(z for z in found if setup.bottom <= z <= highest):
+    for z in sorted(z for z in found if lowest <= z <= highest):
         if not heights or z - heights[-1] > level:
             heights.append(z)
     return heights
@@ -133,7 +147,7 @@ def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[
     known: dict[tuple[bool, ...], Area] = {}
     for z in (slab.middle for slab in slabs):
         key = tuple(body.z0 < z < body.z1 for body in setup.part)
-        if any(z < each.top for each in setup.chamfers):
+        if any(each.height(z) < each.top for each in setup.chamfers):
             yield _section(setup, z, fineness)
             continue
         if key not in known:
@@ -146,8 +160,8 @@ def _section(setup: Setup, z: float, fineness: float) -> Area:
     bodies = [polygon(body.contours, fineness) for body in setup.part if body.z0 < z < body.z1]
     found: Area = shapely.union_all(bodies) if bodies else NOTHING
     for each in setup.chamfers:
-        if z < each.top:
-            found = shapely.difference(found, _passed(each.run, each.course, z, fineness))
+        if (own := each.height(z)) < each.top:
+            found = shapely.difference(found, _passed(each.run, each.course, own, fineness))
     return found
 
 
@@ -294,7 +308,7 @@ class _Bench:
             if parts(touched):
                 tip = float(np.min(low.lowest))
                 depth = slab.z1 - above - tip
-                yield flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
+                yield Flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
 
     def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
         known: dict[tuple[int, int], Area] = {}
@@ -315,7 +329,7 @@ class _Bench:
                     continue
                 place = (float(where[0]), float(where[1]), float(np.min(low.lowest)))
                 text = f"the cutter goes {depth:.3g} mm into the part"
-                yield flaw("gouge", run.name, text, depth, self.allowed, place)
+                yield Flaw("gouge", run.name, text, depth, self.allowed, place)
 
     def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
         """Obstacles touched, and depths that are too large."""
@@ -331,7 +345,7 @@ class _Bench:
                 text = f"the {what} goes {within:.3g} mm into the {body.name}"
                 tip = float(np.min(low.lowest))
                 place = _point(place_in(touched), tip)
-                yield flaw("obstacle", run.name, text, within, 0.0, place)
+                yield Flaw("obstacle", run.name, text, within, 0.0, place)
         tip = float(np.min(course.lowest))
         point = 0.0 if run.rounded else run.point
         limit = None if self.setup.lowest is None else self.setup.lowest - point
@@ -339,7 +353,7 @@ class _Bench:
             piece = int(np.argmin(course.lowest))
             text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g}"
             place = _point(complex(course.ends[piece]), tip)
-            yield flaw("depth", run.name, text, tip, limit, place)
+            yield Flaw("depth", run.name, text, tip, limit, place)
 
 
 def _straight(start: Point, end: Point) -> Course:

@@ -65,42 +65,31 @@ class Flaw:
     ----------
     name : "rapid", "plunge", "gouge", "obstacle", "depth", "shank", "loose" or "rest".
     operation : in which it arises.
-    sentence : in words, with its place.
+    text : what is wrong, in words.
     value, limit : what was found and what is allowed, in `unit`.
-    place : of its largest extent.
+    place : of its largest extent, in the part's coordinates; as the work lies where it is shown.
     watched : whether it is no fault, but something for the machinist to watch.
     """
 
     name: str
     operation: str
-    sentence: str
+    text: str
     value: float
     limit: float
-    unit: str
     place: Point
+    unit: str = "mm"
     watched: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """In words, with its operation and its place."""
+        x, y, z = self.place
+        return f"{self.operation}: {self.text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g}"
 
     @property
     def excess(self) -> float:
         """By how much the limit is missed."""
         return abs(self.value - self.limit)
-
-
-def flaw(
-    name: str,
-    operation: str,
-    text: str,
-    value: float,
-    limit: float,
-    place: Point,
-    unit: str = "mm",
-    *,
-    watched: bool = False,
-) -> Flaw:
-    """A flaw whose sentence ends with its place."""
-    x, y, z = place
-    sentence = f"{operation}: {text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g}"
-    return Flaw(name, operation, sentence, value, limit, unit, place, watched)
 
 
 def areas(slabs: Iterable[Slab]) -> list[Area]:

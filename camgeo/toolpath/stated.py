@@ -129,12 +129,7 @@ class _Stated:
         return self._chamfer(wall)
 
     def _wall(self, name: str) -> Wall:
-        walls = self.bench.walls
-        if name not in walls:
-            known = ", ".join(f'"{each}"' for each in walls)
-            message = f"the part has no such wall; it has {known}"
-            raise GeometryError(message, f"{self.key}.boundary", f'"{name}"')
-        return walls[name]
+        return self.bench.wall(name, f"{self.key}.boundary")
 
     def _require(self, reason: str) -> None:
         if reason:
@@ -160,7 +155,7 @@ class _Stated:
 
     def _face(self) -> Cut:
         if not self.top or self.bench.milling.stock.outline is None:
-            message = "there is nothing to face: the blank is not higher than the part"
+            message = f"there is nothing to face: the blank ends at the {self.bench.up} face"
             if self.top:
                 message = "the outline of a blank that is to be faced must be known"
             raise GeometryError(message, f"{self.key}.kind", '"face"')
@@ -356,14 +351,15 @@ class _Stated:
         return slot_between(self.bench, inner, outer, self.tool, top)
 
     def _chamfer(self, wall: Wall) -> Cut:
-        """The upper edge: a pointed cutter runs with its point beside and below the edge."""
+        """The edge that lies up: a pointed cutter runs with its point beside and below the edge."""
         size, tool = self.spec.size, self.tool
         assert size is not None  # which the rules of the scene require
         assert tool.tip_angle is not None
         if wall.z1 != 0.0:
-            raise GeometryError("its upper edge is not on the upper face", f"{self.key}.boundary")
+            message = f"its {self.bench.up} edge is not on the {self.bench.up} face"
+            raise GeometryError(message, f"{self.key}.boundary")
         if self.top:
-            message = "the upper face is not there yet: it is to be faced before"
+            message = f"the {self.bench.up} face is not there yet: it is to be faced before"
             raise GeometryError(message, f"{self.key}.kind", '"chamfer"')
         # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
         reach = (1.0 + BELOW) * size

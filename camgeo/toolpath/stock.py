@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -60,6 +60,12 @@ class Stock:
             if getattr(self, key) is not None:
                 shape = PLATE if self.shape == ROUND else ROUND
                 raise GeometryError(f'belongs to shape "{shape}"', f"stock.{key}")
+
+    def turned_over(self, *, faced: bool) -> Stock:
+        """What lies there for a second side; `faced` says whether the first one has taken off what
+        was above the part.
+        """
+        return replace(self, top=self.bottom, bottom=0.0 if faced else self.top)
 
     @property
     def hole(self) -> ExactBoundary:

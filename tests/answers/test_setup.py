@@ -23,7 +23,7 @@ from tests.answers.documents import FIXTURES, document
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
-FLAW = Flaw("gouge", "outline", "outline: goes <too> deep & far", 0.3, 0.02, "mm", (1.0, 2.0, -3.0))
+FLAW = Flaw("gouge", "outline", "goes <too> deep & far", 0.3, 0.02, (1.0, 2.0, -3.0))
 
 VOID = {"meta"}
 

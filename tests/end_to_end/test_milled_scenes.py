@@ -24,6 +24,7 @@ from camgeo.answers.setup import setup_sheet
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import sides_of
 from camgeo.scene.load import parse_scene
 from camgeo.toolpath import machine as machines
 from camgeo_export.gcode.measure import bench_of
@@ -76,7 +77,8 @@ def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path
     said("build", str(scene), "-o", str(out))
     design = camgeo.load(scene)
     wanted = {*design.scene.output.formats}
-    assert len(list(out.iterdir())) == len(wanted) + 1
+    sides = sides_of(design.disc)
+    assert len(list(out.iterdir())) == len(wanted) + len(sides)
     said("verify", str(out), "--scene", str(scene))
     options = design.disc.options[FORMAT]
     machine = machines.load(options.machine)
@@ -85,9 +87,12 @@ def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path
     program = str(out / f"{design.name}{machine.extension}")
     words = ["--stock-top", f"{blank.stock.top}", "--clearance", f"{options.heights.clearance}"]
     said("lint", program, "--machine", options.machine, *words)
+    for path in out.glob(f"{design.name}-second-side{machine.extension}"):
+        said("lint", str(path), "--machine", options.machine, "--scene", str(scene))
     sheet = setup_sheet(design)
-    assert sheet.flaws == ()
-    assert [step.name for step in sheet.steps] == [cut.name for cut in design.disc.milled.cuts]
+    for own, side in zip(sheet.sheets, sides, strict=True):
+        assert own.flaws == ()
+        assert [step.name for step in own.steps] == [cut.name for cut in side.milled.cuts]
 
 
 @cache

@@ -300,12 +300,16 @@ class StubProduct(Product):
         return None
 
     @property
-    def programs(self) -> tuple[Product, ...]:
-        return (cast("Product", self),)
+    def first(self) -> None:
+        return None
 
     @property
-    def groups(self) -> tuple[tuple[ContourCut, ...], ...]:
-        return (self.cuts,)
+    def second(self) -> None:
+        return None
+
+    @property
+    def programs(self) -> tuple[Product, ...]:
+        return (cast("Product", self),)
 
     def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
         return ()

@@ -309,4 +309,4 @@ def test_the_scene_names_the_wrong_key() -> None:
     text = SCENE.replace("height = 6 }", 'height = 6, side = "both" }')
     with pytest.raises(SceneError, match=r"part\.hub\.side") as caught:
         _ = _milled(text).sequence
-    assert "no program of this side" in str(caught.value)
+    assert "from there: state [second_side]" in str(caught.value)

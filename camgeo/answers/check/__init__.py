@@ -61,7 +61,7 @@ class Remains:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """The milling program of one disc.
+    """The milling program of one side of a disc.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Machining:
     Attributes
     ----------
     machine : name of the controller.
-    programs : by the names of the discs, the main one first.
+    programs : by the names of the discs, the main one first, each followed by its second side.
     """
 
     machine: str
@@ -187,16 +187,18 @@ def _parts(design: Design) -> dict[str, PartFound]:
 def _machining(design: Design) -> Machining:
     # Few scenes are milled, and only their programs take a machine, a plan and fits.
     from camgeo.formats.gcode import FORMAT
+    from camgeo.product.product import sides_of
     from camgeo.toolpath.machine import load
 
     machine = load(design.scene.output.options[FORMAT].machine)
     return Machining(
-        machine.name, {disc.name: _program(disc, machine) for disc in design.discs}
-    )  # fmt: skip
+        machine.name,
+        {side.name: _program(side, machine) for disc in design.discs for side in sides_of(disc)},
+    )
 
 
 def _program(disc: Product, machine: Machine) -> Program:
-    """The program of one disc at the scene's tolerance, judged."""
+    """The program of one side of a disc at the scene's tolerance, judged."""
     from camgeo.formats.gcode import FORMAT
     from camgeo.toolpath.engaged import engagement_findings
     from camgeo.toolpath.machining_time import times_on

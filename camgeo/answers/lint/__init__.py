@@ -11,7 +11,7 @@ from typing import ClassVar
 from camgeo.answers.answer import BROKEN, FINE, WRONG, Answer
 from camgeo.design import Design
 from camgeo.errors import Fault, FileError, SceneError, unreadable
-from camgeo.product.product import disc_of
+from camgeo.product.product import Product, disc_of, sides_of
 from camgeo.reading import PROGRAM, read_within
 from camgeo.toolpath.machine import Machine, load
 from camgeo.verifying.linting import (
@@ -127,6 +127,8 @@ def lint(
     machine: str,
     bench: Bench | None = None,
     design: Design | None = None,
+    *,
+    second_side: bool = False,
 ) -> Lint:
     """Run programs, and find what is wrong with them.
 
@@ -136,6 +138,7 @@ def lint(
     machine : name of a machine profile, or the path of one.
     bench : what the programs do not say of the work; by default Z 0 is the top of the stock.
     design : whose tools, blank and holding they are run with; None if that is not to be judged.
+    second_side : whether they mill the second side of it; else they say so in a comment.
 
     Raises
     ------
@@ -146,18 +149,27 @@ def lint(
     if design is not None and design.scene.milling is None:
         fault = Fault("tool", "", "is not stated: nothing is known of the work")
         raise SceneError([fault], design.scene.source.file)
-    found = tuple(_program(path, profile, work, runs, design) for path in paths)
+    if second_side and design is not None and len(sides_of(design.disc)) == 1:
+        raise SceneError([Fault("second_side", "", "is not stated")], design.scene.source.file)
+
+    def of(path: Path) -> Product | None:
+        """What a program mills."""
+        if design is None:
+            return None
+        disc = disc_of(design.discs, path.stem)
+        return sides_of(disc)[-1] if second_side else disc
+
+    found = tuple(_program(path, profile, work, runs, of(path)) for path in paths)
     return Lint(profile, work, found, None if design is None else design.name)
 
 
 def _program(
-    path: Path, machine: Machine, bench: Bench, runs: Linter, design: Design | None
+    path: Path, machine: Machine, bench: Bench, runs: Linter, product: Product | None
 ) -> Program:
     try:
         data = read_within(path, PROGRAM)
         found = runs.lint(data, machine, bench)
-        if design is not None:
-            product = disc_of(design.discs, path.stem)
+        if product is not None:
             found = _with(found, work_judge().worked(product, data, machine), data)
         return Program(path, found=found)
     except FileError as error:

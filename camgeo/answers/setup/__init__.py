@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
 from camgeo.errors import GeometryError
-from camgeo.formats.gcode import FORMAT
+from camgeo.product.product import Product, programs_of, sides_of
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.blank import described
 from camgeo.toolpath.compensation import limits_of
@@ -22,6 +22,7 @@ from camgeo.toolpath.moves import Heights, Operation, Stop, Toolpath
 from camgeo.toolpath.sequence import SEQUENCE
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.tool import Tool
+from camgeo.toolpath.turning import HOW
 from camgeo.toolpath.zero import Zero
 
 
@@ -89,6 +90,8 @@ class SetupSheet(Answer):
     steps : the operations.
     told : of the sequence, a sentence each: what is not milled, and what is left to be done.
     flaws : of the simulated program, with what is to be watched.
+    side : which side this is, and how the work lies, in words; None if there is but one.
+    second : the sheet of the second side; None if there is none, or if this is it.
     """
 
     command: ClassVar[str] = "setup"
@@ -104,6 +107,13 @@ class SetupSheet(Answer):
     steps: tuple[Step, ...]
     told: tuple[str, ...]
     flaws: tuple[Flaw, ...]
+    side: str | None = None
+    second: SetupSheet | None = None
+
+    @property
+    def sheets(self) -> tuple[SetupSheet, ...]:
+        """Of each side, the first one first."""
+        return (self,) if self.second is None else (self, self.second)
 
     @property
     def seconds(self) -> float | None:
@@ -114,23 +124,44 @@ class SetupSheet(Answer):
     @property
     def exit_code(self) -> int:
         """1 if the program must not be run."""
-        return FINE if all(flaw.watched for flaw in self.flaws) else BROKEN
+        flaws = (flaw for sheet in self.sheets for flaw in sheet.flaws)
+        return FINE if all(flaw.watched for flaw in flaws) else BROKEN
 
 
 def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
-    """The sheet of the main disc's program, within `tolerance` [mm] or the scene's.
+    """The sheet of the main disc's program, within `tolerance` [mm] or the scene's, and that of its
+    second side with it.
 
     Raises
     ------
     GeometryError
         With the key of the scene, if it has no program.
     """
-    spec, milled = design.scene.milling, design.disc.milled
-    if spec is None:
+    if design.scene.milling is None:
         raise GeometryError("is not stated: there is no program to set up", key="tool")
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
+    first, *others = sides_of(design.disc)
+    sheet = _sheet(design, first, tolerance)
+    if not others:
+        return sheet
+    (second,) = others
+    about = second.milled.zero.turned
+    return replace(
+        sheet,
+        side="first side",
+        second=replace(
+            _sheet(design, second, tolerance), side=f"second side, the work {HOW[about]}"
+        ),
+    )
+
+
+def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
+    """That of one side."""
+    milled = product.milled
+    spec = milled.spec
+    assert spec is not None  # for there is a program
     toolpath = milled.toolpath(tolerance)
-    machine, options = load(milled.options[FORMAT].machine), milled.options[FORMAT]
+    machine, options = load(milled.gcode.machine), milled.gcode
     zero = milled.zero
     told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
@@ -149,7 +180,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
             machine,
             zero,
         ),
-        (*told, *_programs(design, machine)),
+        (*told, *_programs(product, machine)),
         milled.flaws(toolpath, tolerance),
     )
 
@@ -175,9 +206,9 @@ def _steps(
     )
 
 
-def _programs(design: Design, machine: Machine) -> Iterator[str]:
+def _programs(side: Product, machine: Machine) -> Iterator[str]:
     """Which operations are in which file, where a machine needs a program for each tool."""
-    products = design.disc.programs
+    products = programs_of(side)
     for each in products if len(products) > 1 else ():
         names = ", ".join(cut.name for cut in each.milled.cuts)
         tool = each.milled.cuts[0].tool.number
@@ -210,7 +241,7 @@ def _holding(holding: Holding | None, zero: Zero) -> str:
 
 def _clamp(clamp: Clamp, zero: Zero) -> str:
     """Where it stands, from the program's zero, and when."""
-    body = clamp.seen_from(zero.place).obstacle
+    body = replace(clamp, place=zero.of(clamp.place), called=None).obstacle
     since = f", from {clamp.since} on" if clamp.since else ""
     until = f", until {clamp.until}" if clamp.until else ""
     return f"{body.name}, top at Z {body.top - zero.z:g}{since}{until}"

@@ -31,8 +31,12 @@ dt { font-weight: bold; } dd { margin: 0 0 0.4em 0; }
 
 
 def text(answer: SetupSheet) -> str:
-    """The sheet for a terminal."""
-    lines = [f"{answer.scene.name}: setup for {answer.machine}", ""]
+    """The sheet for a terminal, one side after the other."""
+    return "\n\n".join(_side_text(sheet) for sheet in answer.sheets)
+
+
+def _side_text(answer: SetupSheet) -> str:
+    lines = [_head(answer), ""]
     lines += [f"{name:10}{value}" for name, value in _facts(answer)]
     lines += ["", *_columns(TOOLS, [_tool(tool) for tool in answer.tools])]
     lines += ["", *_columns(STEPS, [_step(k, step) for k, step in enumerate(answer.steps, 1)])]
@@ -46,14 +50,7 @@ def text(answer: SetupSheet) -> str:
 def html(answer: SetupSheet, picture: str) -> str:
     """The sheet as a page; `picture` is an SVG element, all other texts are escaped."""
     name = escape(answer.scene.name)
-    facts = "".join(
-        f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
-    )
-    remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
-    listed = f"<ul>{remarks}</ul>" if remarks else ""
-    flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
-    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
-    steps = [_step(k, step) for k, step in enumerate(answer.steps, 1)]
+    sides = "".join(_side_html(sheet) for sheet in answer.sheets)
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -63,7 +60,24 @@ def html(answer: SetupSheet, picture: str) -> str:
 <style>{STYLE}</style>
 </head>
 <body>
-<h1>{name}: setup for {escape(answer.machine)}</h1>
+{sides}<h2>Backplot</h2>
+<figure>{picture}</figure>
+</body>
+</html>
+"""
+
+
+def _side_html(answer: SetupSheet) -> str:
+    """One side, from its heading to its simulation."""
+    facts = "".join(
+        f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
+    )
+    remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
+    listed = f"<ul>{remarks}</ul>" if remarks else ""
+    flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
+    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
+    steps = [_step(k, step) for k, step in enumerate(answer.steps, 1)]
+    return f"""<h1>{escape(_head(answer))}</h1>
 <dl>{facts}</dl>
 <h2>Tools</h2>
 {_table(TOOLS, [_tool(tool) for tool in answer.tools])}
@@ -73,11 +87,12 @@ def html(answer: SetupSheet, picture: str) -> str:
 <p>Lengths in mm, feeds in mm/min, speeds in rev/min. Each operation can be started alone.</p>
 <h2>Simulation</h2>
 {verdict}
-<h2>Backplot</h2>
-<figure>{picture}</figure>
-</body>
-</html>
 """
+
+
+def _head(answer: SetupSheet) -> str:
+    side = "" if answer.side is None else f", {answer.side}"
+    return f"{answer.scene.name}: setup for {answer.machine}{side}"
 
 
 def svg_element(data: bytes) -> str:
@@ -88,7 +103,7 @@ def svg_element(data: bytes) -> str:
 
 def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
     found = [
-        ("blank", answer.blank),
+        ("blank" if answer.second is not None or answer.side is None else "work", answer.blank),
         ("zero", answer.zero),
         ("offset", answer.work_offset),
         ("held", answer.holding),

@@ -8,12 +8,14 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from camgeo.product.product import SECOND as NAME
 from camgeo.product.product import Product
 from camgeo.toolpath.blank import described
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
 from camgeo.toolpath.machine_tables import TextForm
 from camgeo.toolpath.stock import Stock
+from camgeo.toolpath.turning import HOW
 from camgeo.toolpath.zero import Zero
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.verifying.verification import length_of
@@ -38,6 +40,9 @@ OFFSET = re.compile(
 
 SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)", re.IGNORECASE)
 
+SECOND = "second side:"
+"""A comment that begins with it says that a program mills the second side."""
+
 HASH_DIGITS = 64
 
 NUMBER_ROOM = 8
@@ -57,18 +62,20 @@ def about_program(
     def length(mm: float) -> str:
         return f"{mm / MM_PER[unit]:.4g} {unit}"
 
+    blank = described(stock, product.milled.part, zero, unit)
     tolerance = f"{shares.tolerance!r} mm"
     if unit != "mm":
         tolerance = f"{shares.tolerance / MM_PER[unit]:.6g} {unit}, {tolerance}"
     parts = (
         f"part {product.name}",
+        side_sentence(product),
         f"camgeo {product.version}, for {machine.name}",
         f"scene {scene}" if scene else "",
         f"unit {unit}, Z 0 on the upper face, origin on the cam axis"
         if zero.is_of_the_part
         else f"unit {unit}, {zero.sentence}",
         *_from(zero, unit),
-        f"blank: {described(stock, product.milled.part, zero, unit)}",
+        f"{'work' if zero.turned else 'blank'}: {blank}",
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
@@ -83,12 +90,23 @@ def about_program(
     return [part for part in parts if part]
 
 
+def side_sentence(product: Product) -> str:
+    """Which side of the part a program mills, and how the work lies; empty if there is but one."""
+    milled = product.milled
+    if milled.first is not None:
+        return f"{SECOND} the work is {HOW[milled.zero.turned]}"
+    return "" if milled.second is None else f"first side: {product.name}-{NAME} follows it"
+
+
 def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
     """Where the part is, seen from another zero than its own."""
     if not zero.is_of_the_part:
-        axis, top = zero.of(0j), -zero.z
-        places = (number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top))
-        yield "cam axis at X {} Y {}, upper face of the finished disc at Z {}".format(*places)
+        axis, top = zero.of(0j), 0.0 - zero.z
+        places = [number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top)]
+        face = "lower face of the finished part" if zero.turned else (
+            "upper face of the finished disc"
+        )  # fmt: skip
+        yield "cam axis at X {} Y {}, {} at Z {}".format(*places[:2], face, places[2])
 
 
 def about_operation(cut: Cut, grid: Grid, zero: Zero, compensation: str = "") -> list[str]:
@@ -138,6 +156,7 @@ class Stated:
     tools : number and diameter [mm] of each.
     program : number from 1 where the machine needs one for each tool; 0 where it holds all.
     offsets : how far that of each compensated operation may be off [mm], in their order.
+    second : whether it mills the second side.
     """
 
     version: str
@@ -146,6 +165,7 @@ class Stated:
     tools: tuple[tuple[int, float], ...]
     program: int = 0
     offsets: tuple[float, ...] = ()
+    second: bool = False
 
 
 def stated(notes: Iterable[str]) -> Stated:
@@ -162,6 +182,7 @@ def stated(notes: Iterable[str]) -> Stated:
         tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
         int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
         tuple(_size(most) for _, most in OFFSET.findall(text)),
+        any(line.lower().startswith(SECOND) for line in lines),
     )
 
 

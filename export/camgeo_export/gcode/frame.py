@@ -82,10 +82,8 @@ class Program:
         grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
         machine = self.machine
         words = dialect(machine.dialect)
-        origin = self.setup.zero.point
-        self.speller = Speller(
-            grid, self.shares, machine.arcs, words, machine.numbers, origin=origin
-        )
+        zero = self.setup.zero
+        self.speller = Speller(grid, self.shares, machine.arcs, words, machine.numbers, zero)
 
     def start(self, about: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import SplineContour
-from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.machine import Machine, load
@@ -25,12 +24,11 @@ def measure(product: Product, data: bytes) -> float:
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
-    spec = product.options[FORMAT]
+    spec = product.milled.gcode
     machine = load(spec.machine)
     program = run_bytes(data, machine, bench_of(product, machine), most=1)
     program.refuse("words", "path")
-    zero = product.milled.zero
-    program = program.seen_from(zero.place, zero.z)
+    program = program.in_the_part(product.milled.zero)
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
     program.refuse()
@@ -73,7 +71,7 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
     its own coordinates.
     """
-    heights, milling = product.options[FORMAT].heights, product.milled.spec
+    heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
     step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
     names = tuple(cut.name for cut in product.milled.cuts)

@@ -16,6 +16,8 @@ from camgeo.toolpath.machine_tables import ArcLimits, NumberForm
 from camgeo.toolpath.machining_time import arc_sweep
 from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid
 from camgeo.toolpath.plan import too_long
+from camgeo.toolpath.turning import OTHER
+from camgeo.toolpath.zero import OF_THE_PART, Zero
 from camgeo_export.gcode.blocks import Budget, Grid, number
 from camgeo_export.gcode.dialects import Dialect
 
@@ -26,6 +28,9 @@ Steps = tuple[int, int, int]
 class Speller:
     """Writes moves one after another; tracks the cutter position, exact and as printed.
 
+    Moves are in the part's coordinates; where the work is turned over, what is printed is their
+    mirror image.
+
     Attributes
     ----------
     grid : of the printed numbers.
@@ -33,10 +38,10 @@ class Speller:
     limits : of the machine's arcs.
     dialect : of the blocks.
     numbers : the form of numbers on the machine.
-    origin : the place of the part where the program's coordinates are 0 [mm].
+    zero : of the program's coordinates.
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
-    switches : words of the controller's compensation, by what they switch it to.
+    switches : words of the controller's compensation, by what they switch it to on the machine.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
     """
 
@@ -45,7 +50,7 @@ class Speller:
     limits: ArcLimits
     dialect: Dialect
     numbers: NumberForm
-    origin: Point = (0.0, 0.0, 0.0)
+    zero: Zero = OF_THE_PART
     blocks: list[str] = field(default_factory=list)
     switches: dict[str, str] = field(default_factory=dict)
     arcs: int = 0
@@ -84,7 +89,7 @@ class Speller:
         return self.grid.text(self._level(height), signed=self.dialect.signed)
 
     def _level(self, height: float) -> int:
-        return self.grid.steps(height - self.origin[2])
+        return self.grid.steps(height - self.zero.z)
 
     def reached(self, height: float) -> None:
         """A block of the program's own has moved the cutter to Z `height` [mm]."""
@@ -108,14 +113,15 @@ class Speller:
         if isinstance(move, Rapid):
             self._traverse(self._steps(move.end))
         elif isinstance(move, Feed):
-            switch = self.switches.get(move.switch, "")
+            side = OTHER[move.switch] if self.zero.turned else move.switch
+            switch = self.switches.get(side, "")
             self._straight(self._steps(move.end), self._feed_text(move.feed), switch)
         else:
             self._arc(move)
         self._exact, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
 
     def _steps(self, end: Point) -> Steps:
-        x, y, z = (place - base for place, base in zip(end, self.origin, strict=True))
+        x, y, z = self.zero.of_point(end)
         steps = self.grid.steps(x), self.grid.steps(y), self.grid.steps(z)
         self.reach = max(self.reach, *map(abs, steps))
         return steps
@@ -162,8 +168,8 @@ class Speller:
                 z = low + (high - low) * part if part < 1.0 else high
                 self._straight(self._steps((point.real, point.imag, z)), feed)
             return
-        middle = centre - complex(*self.origin[:2])
-        self._printed_arc(self._steps(move.end), middle, feed, ccw=move.ccw)
+        ccw = move.ccw != bool(self.zero.turned)
+        self._printed_arc(self._steps(move.end), self.zero.of(centre), feed, ccw=ccw)
 
     def _printed_arc(self, end: Steps, centre: complex, feed: str, *, ccw: bool) -> None:
         """An arc block between printed points, with a centre recomputed for them and checked."""

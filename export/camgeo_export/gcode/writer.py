@@ -19,7 +19,7 @@ from camgeo.toolpath.moves import Toolpath
 from camgeo.toolpath.spec import GcodeSpec
 from camgeo.writing.writer import Written
 from camgeo_export.gcode.blocks import budget
-from camgeo_export.gcode.comments import about_program
+from camgeo_export.gcode.comments import about_program, side_sentence
 from camgeo_export.gcode.frame import Program, Setup, numbered, written
 from camgeo_export.gcode.measure import measure
 
@@ -33,7 +33,7 @@ class GcodeWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
-        spec = product.options[FORMAT]
+        spec = product.milled.gcode
         machine = load(spec.machine)
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
@@ -48,6 +48,7 @@ class GcodeWriter:
         _check_reach(program, machine)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
+            **({"side": side_sentence(product)} if side_sentence(product) else {}),
             "zero": setup.zero.sentence,
             "arcs": program.speller.arcs,
             "lines": program.speller.lines,
@@ -115,8 +116,9 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
         raise SceneError(faults)
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
-    number = spec.program_number + product.position + 2 * (product.program or 0)
     milled, away = product.milled, spec.tool_change_height
+    before = 0 if milled.first is None else len(milled.first.programs)
+    number = spec.program_number + product.position + 2 * (before + (product.program or 0))
     assert milled.spec is not None  # for there are cuts
     blank = box(milled.spec.stock, milled.part, milled.zero)
     return Setup(

@@ -10,6 +10,8 @@ from typing import Final
 
 from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.turning import OTHER
+from camgeo.toolpath.zero import Zero
 from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.loops import closed_paths
@@ -88,22 +90,25 @@ class Run:
             return None
         return next((move for move in self.moves if move.compensation), None)
 
-    def seen_from(self, place: complex, z: float) -> Run:
-        """The same in coordinates in which the program's zero is at a `place` and `z` [mm]."""
-        if not place and not z:
+    def in_the_part(self, zero: Zero) -> Run:
+        """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
+        z, part_of, turned = zero.z, zero.part_of, bool(zero.turned)
+        if not (zero.place or z or turned):
             return self
         moved = tuple(
             replace(
                 move,
-                start=move.start + place,
-                end=move.end + place,
-                centre=move.centre + place if move.kind == "arc" else move.centre,
+                start=part_of(move.start),
+                end=part_of(move.end),
+                centre=part_of(move.centre) if move.kind == "arc" else move.centre,
+                sweep=-move.sweep if turned and move.sweep else move.sweep,
                 z_start=move.z_start + z,
                 z_end=move.z_end + z,
+                compensation=OTHER[move.compensation] if turned else move.compensation,
             )
             for move in self.moves
         )
-        events = tuple(replace(each, at=each.at + place, z=each.z + z) for each in self.events)
+        events = tuple(replace(each, at=part_of(each.at), z=each.z + z) for each in self.events)
         return replace(self, moves=moved, events=events)
 
     def centred(self, radius: Radius) -> Run:

@@ -12,7 +12,6 @@ import numpy as np
 
 from camgeo.contour.nearness import distances
 from camgeo.errors import ToleranceError
-from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product
 from camgeo.toolpath.compensation import Limit, mode_of, side_of
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut
@@ -54,7 +53,7 @@ def cutting_checks(
 ) -> list[Check]:
     """All checks of one of our programs that its closed paths do not show."""
     cuts = product.milled.cuts
-    away = product.options[FORMAT].tool_change_height
+    away = product.milled.gcode.tool_change_height
     checks = [_heights(program, heights, away), _comments(product, program, stated, machine)]
     checks += [_cutters(cuts, stated), _work_offset(product, program, machine)]
     for cut in cuts:
@@ -223,7 +222,7 @@ def _same(
 
 def _work_offset(product: Product, program: Run, machine: Machine) -> Check:
     """All cuts are made with the work offset of the scene."""
-    name = product.options[FORMAT].work_offset or next(iter(machine.work_offsets))
+    name = product.milled.gcode.work_offset or next(iter(machine.work_offsets))
     expected = machine.work_offsets.get(name, "")
     for move in program.moves:
         if move.kind != "rapid" and move.work_offset != expected:

@@ -9,7 +9,7 @@ from functools import partial
 
 from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
-from camgeo.product.product import Product
+from camgeo.product.product import Product, programs_of, sides_of
 from camgeo.reading import PROGRAM, check_text
 from camgeo.toolpath.compensation import mode_of, side_of
 from camgeo.toolpath.cut import AreaCut, ContourCut
@@ -34,7 +34,7 @@ from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, notes_of, run_bytes
 from camgeo_export.verify.cutting import cutting_checks
 from camgeo_export.verify.leads import lead_checks
-from camgeo_export.verify.lines import work_findings
+from camgeo_export.verify.lines import WORK, work_findings
 from camgeo_export.verify.plane import contour_checks
 from camgeo_export.verify.shapes import Shape, shapes_of
 from camgeo_export.verify.simulated import simulation_checks
@@ -67,21 +67,22 @@ class GcodeVerifier:
         if lacking := FORMAT.lacking(product.values):
             note = f"to compare a program with it the scene {' and '.join(lacking)}"
             return (failed("operations", note),)
-        spec = product.options[FORMAT]
+        said = stated(notes_of(data.decode("ascii", "replace")))
+        if (side := _side(product, said.second)) is None:
+            return (failed("program", "it is for a second side, which the scene does not have"),)
+        programs = programs_of(side)
+        if len(programs) > 1 and not 1 <= said.program <= len(programs):
+            note = f"it does not say which one of {len(programs)} programs it is"
+            return (failed("program", note),)
+        product = programs[said.program - 1 if len(programs) > 1 else 0]
+        spec = product.milled.gcode
         machine = load(spec.machine)
-        if len(programs := product.programs) > 1:
-            number = stated(notes_of(data.decode("ascii", "replace"))).program
-            if not 1 <= number <= len(programs):
-                note = f"it does not say which one of {len(programs)} programs it is"
-                return (failed("program", note),)
-            product = programs[number - 1]
         limits = machine.arcs
         bench = bench_of(product, machine) if reading.ours else Bench()
         try:
             program = run_bytes(data, machine, bench, fatal=("words", "path"))
             program.refuse("words", "path")
-            zero = product.milled.zero
-            program = program.seen_from(zero.place, zero.z)
+            program = program.in_the_part(product.milled.zero)
         except FileError as error:
             hint = "" if reading.ours else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)
@@ -114,12 +115,25 @@ class GcodeVerifier:
         of one whose path is not known.
         """
         program = run_bytes(data, machine, Bench())
+        side = _side(product, stated(program.comments).second)
+        if side is None:
+            note = "it is for a second side, which the scene does not have"
+            return (LineFinding(0, "unknown-side", WORK, note),)
         if program.compensated is not None or any(
             each.concerns in ("words", "path") for each in program.findings
         ):
             return ()
-        zero = product.milled.zero
-        return work_findings(product, program.seen_from(zero.place, zero.z))
+        return work_findings(side, program.in_the_part(side.milled.zero))
+
+
+def _side(product: Product, second: bool) -> Product | None:
+    """The side that a program mills, which says whether it is the second, unless it is known; None
+    if there is no such side.
+    """
+    sides = sides_of(product)
+    if len(sides) == 1:
+        return product if product.second_side or not second else None
+    return sides[second]
 
 
 def _compensation(
@@ -183,7 +197,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
             if all(loop.operation == cut.name for loop in own):  # it is one of ours
                 wanted = cut.cleared and cut.room > 0.0
                 checks += lead_checks(
-                    program, cut.name, contour, heights, allowed, wanted=wanted,
+                    program, cut.name, contour, heights, allowed, climb=cut.climb, wanted=wanted,
                     across=mode_of(cut) == CONTROL,
                 )  # fmt: skip
     for name, loop in loops:

@@ -29,6 +29,7 @@ def lead_checks(
     heights: Collection[float],
     tolerance: float,
     *,
+    climb: bool,
     wanted: bool,
     across: bool = False,
 ) -> list[Check]:
@@ -36,9 +37,10 @@ def lead_checks(
 
     Parameters
     ----------
-    path : the closed path in the direction of cutting; material lies on its right.
+    path : the closed path in the direction of cutting.
     heights : at which it is cut [mm].
     tolerance : [mm].
+    climb : whether the material lies on its right, or else on its left.
     wanted : whether each pass must begin and end off the path.
     across : whether the outer pieces of leads go across to them, as the controller takes up the
         radius of the cutter there.
@@ -71,7 +73,7 @@ def lead_checks(
         note = f"line {bare[0][0].line}: a pass begins or ends on the path itself" if bare else ""
         checks.append(Check("leads", operation, found, ok=not bare, note=note))
     if leads:
-        checks.append(_gouge(leads, path, tolerance, operation))
+        checks.append(_gouge(leads, path, tolerance, operation, climb=climb))
     return checks + ([_kink(pairs, tolerance, operation)] if pairs else [])
 
 
@@ -82,7 +84,9 @@ def _switching(moves: Sequence[CutterMove]) -> Iterator[int]:
             yield after.line
 
 
-def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: str) -> Check:
+def _gouge(
+    leads: list[CutterMove], path: Contour, tolerance: float, operation: str, *, climb: bool
+) -> Check:
     """How far a lead crosses the closed path into the material."""
     import shapely
 
@@ -94,8 +98,8 @@ def _gouge(leads: list[CutterMove], path: Contour, tolerance: float, operation: 
     polygon = shapely.Polygon(np.column_stack((course.real, course.imag)))
     shapely.prepare(polygon)
     inside = shapely.contains_xy(polygon, points.real, points.imag)
-    # On a clockwise path the material lies inside, else outside.
-    wrong = inside if path.area < 0.0 else ~inside
+    # On the right of a clockwise path is its inside, on that of another one its outside.
+    wrong = inside if (path.area < 0.0) == climb else ~inside
     depth = np.where(wrong, distances_from(course, points), 0.0)
     worst = int(np.argmax(depth))
     place = complex(points[worst])

@@ -12,19 +12,19 @@ import numpy as np
 
 from camgeo.contour.nearness import distances
 from camgeo.errors import SceneError
+from camgeo.product.milled import job
 from camgeo.product.product import Product
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.course import course_of
 from camgeo.toolpath.cut import ContourCut, Cut
-from camgeo.toolpath.judged import setup_of
 from camgeo.toolpath.moves import Feed, Rapid, Stop
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.reach import Depth, depths
 from camgeo.toolpath.setup import Run, Setup
-from camgeo.toolpath.simulation import ALLOWED, FINENESS, simulate
+from camgeo.toolpath.sides import Done, Side, settled, simulated
+from camgeo.toolpath.simulation import ALLOWED
 from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.tool import END_MILL, Tool
-from camgeo.toolpath.verdict import settled
 from camgeo.verifying.linting import LineFinding
 from camgeo_export.errors import FileError
 from camgeo_export.interpreter.run import Run as Program
@@ -56,7 +56,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
     milled = product.milled
     spec = milled.spec
     assert spec is not None  # for the scene has a tool
-    cuts, part = _cuts(product), milled.part
+    cuts = _cuts(product)
     try:
         found = traced(product, program, cuts)
     except FileError as error:
@@ -65,18 +65,37 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return (LineFinding(line, "unknown-tool", WORK, what),)
     if not found:
         return ()
-    runs = [each.run for each in found]
-    setup = setup_of(cuts, runs, part, spec.stock, spec.holding, FINENESS)
+    runs = tuple(_named_apart([each.run for each in found]))
     level = program.step if math.isfinite(program.step) else 0.0
-    flaws = simulate(setup, _named_apart(runs), allowed=ALLOWED, level=level).flaws
-    bench = Bench(part, spec)
-    told = [
-        _finding(flaw, found, bench)
-        for flaw in settled(flaws, spec, cuts, part)
-        if not flaw.watched
-    ]
-    told += _too_deep(setup, found)
+    done = _done(product, cuts, runs, level)
+    bench = Bench(milled.part, spec)
+    told = []
+    for side, flaws in zip(done, settled(done), strict=True):
+        own = side.side.runs is runs
+        for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
+            if not seen.watched:
+                told.append(_finding(flaw, seen, found, bench) if own else _of_other(seen))
+        told += _too_deep(side.setup, found) if own else ()
     return tuple(sorted(told, key=lambda each: each.line or math.inf))
+
+
+def _done(
+    product: Product, cuts: tuple[Cut, ...], runs: tuple[Run, ...], level: float
+) -> tuple[Done, ...]:
+    """Both sides of the job, or the only one; also where nothing can be planned of it."""
+    milled = product.milled
+    try:
+        tolerance = product.scene.output.tolerance
+        return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
+    except SceneError:
+        assert milled.spec is not None  # for the scene has a tool
+        side = Side(milled.part, milled.spec, cuts, runs)
+        return simulated([side], allowed=ALLOWED, level=level, of=1)
+
+
+def _of_other(flaw: Flaw) -> LineFinding:
+    """What goes wrong with the other side of the job, as it is planned, or is left after both."""
+    return LineFinding(0, RULES[flaw.name], WORK, f"of the other side, {flaw.sentence}")
 
 
 def _cuts(product: Product) -> tuple[Cut, ...]:
@@ -105,10 +124,11 @@ def _named_apart(runs: Sequence[Run]) -> list[Run]:
     return [replace(run, name=f"{number} {run.name}") for number, run in enumerate(runs)]
 
 
-def _finding(flaw: Flaw, found: Sequence[Traced], bench: Bench) -> LineFinding:
+def _finding(flaw: Flaw, seen: Flaw, found: Sequence[Traced], bench: Bench) -> LineFinding:
+    """A flaw with its line; `seen` is the same with its place as the work lies."""
     number, _, name = flaw.operation.partition(" ")
     each = found[int(number)]
-    what = flaw.sentence.removeprefix(f"{flaw.operation}: ")
+    what = seen.sentence.removeprefix(f"{flaw.operation}: ")
     reason = _too_large(flaw, each.tool, bench) if flaw.name in ("gouge", "rest") else ""
     what = f"{name}: {what}; {reason}" if reason else f"{name}: {what}"
     return LineFinding(_line(flaw, each), RULES[flaw.name], WORK, what)

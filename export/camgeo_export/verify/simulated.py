@@ -11,17 +11,16 @@ from typing import Final
 
 from camgeo.contour.pieces import HALF_TURN
 from camgeo.contour.spline import Arc
-from camgeo.formats.gcode import FORMAT
+from camgeo.product.milled import job
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.holding import Obstacle
-from camgeo.toolpath.judged import run_with, runs_of, setup_of
+from camgeo.toolpath.judged import run_with, runs_of
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.toolpath.setup import Run
-from camgeo.toolpath.simulation import ALLOWED, FINENESS, simulate
+from camgeo.toolpath.sides import settled
 from camgeo.toolpath.tool import Tool
-from camgeo.toolpath.verdict import settled
 from camgeo.verifying.verification import Check, failed, reported
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
@@ -48,11 +47,9 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     except FileError as error:
         return [failed(NAME, str(error))]
     whole = product.milled if product.milled.whole is None else product.milled.whole
-    cuts = whole.cuts
-    setup = setup_of(cuts, runs, product.milled.part, spec.stock, spec.holding, FINENESS)
     level = program.step if math.isfinite(program.step) else 0.0
-    found = simulate(setup, runs, allowed=ALLOWED + tolerance, level=level)
-    flaws = settled(found.flaws, spec, cuts, product.milled.part)
+    done = job(whole, whole.cuts, runs, tolerance, level=level)
+    flaws = [flaw for side in settled(done) for flaw in side]
     known = [flaw for flaw in flaws if flaw.watched]
     if wrong := [flaw for flaw in flaws if not flaw.watched]:
         return [failed(NAME, flaw.sentence, flaw.operation) for flaw in wrong]
@@ -110,7 +107,7 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
     tools = {tool.number: tool for tool in spec.tools} if spec is not None else {}
     named = {cut.name: cut for cut in cuts}
     above = max((abs(z) for z in _heights(program.moves)), default=0.0)
-    above = max(above, product.options[FORMAT].heights.clearance)
+    above = max(above, product.milled.gcode.heights.clearance)
     found = []
     for (name, number), group in groupby(program.moves, lambda move: (move.operation, move.tool)):
         moves = list(group)

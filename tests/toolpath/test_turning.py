@@ -1,0 +1,68 @@
+"""Work turned over: places of the part as they lie on the machine, and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.toolpath.holding import Clamp
+from camgeo.toolpath.turning import AXES, NOT, OTHER, mirrored, mirrored_all
+from camgeo.toolpath.zero import Zero
+
+LENGTHS = st.floats(-1e3, 1e3)
+PLACES = st.builds(complex, LENGTHS, LENGTHS)
+TURNED = st.sampled_from((NOT, *AXES))
+ROUNDING = 1e-12
+"""Of differences of lengths up to 2000 mm."""
+
+
+@given(PLACES, TURNED)
+def test_twice_is_as_before(place: complex, about: str) -> None:
+    assert mirrored(mirrored(place, about), about) == place
+    assert mirrored_all(np.array([place]), about)[0] == mirrored(place, about)
+
+
+@given(PLACES, PLACES, TURNED)
+def test_lengths_stay_and_senses_change(one: complex, other: complex, about: str) -> None:
+    """The area that two arms span keeps its size; where work is turned over, not its sign."""
+    a, b = mirrored(one, about), mirrored(other, about)
+    assert abs(a) == abs(one)
+    area, seen = (one.conjugate() * other).imag, (a.conjugate() * b).imag
+    assert seen == (area if about == NOT else -area)
+
+
+@pytest.mark.parametrize(("about", "stays"), [("x", 1.0), ("y", 1j)])
+def test_the_axis_stays(about: str, stays: complex) -> None:
+    assert mirrored(stays, about) == stays
+    assert mirrored(1j * stays, about) == -1j * stays
+
+
+@given(PLACES, PLACES, LENGTHS, LENGTHS, TURNED)
+def test_a_zero_is_undone(
+    place: complex, origin: complex, z: float, height: float, about: str
+) -> None:
+    zero = Zero("axis", "part-top", origin, height, about)
+    assert abs(zero.part_of(zero.of(place)) - place) <= ROUNDING
+    assert zero.of(origin) == 0j
+    x, y, low = zero.of_point((place.real, place.imag, z))
+    assert complex(x, y) == zero.of(place)
+    assert low == z - height
+
+
+def test_names_of_sides_change_places() -> None:
+    assert all(OTHER[OTHER[name]] == name for name in OTHER)
+    assert OTHER["left"] == "right"
+
+
+@pytest.mark.parametrize("about", AXES)
+def test_a_clamp_stands_where_it_is_stated(about: str) -> None:
+    """Its corners, seen in the mirror, are those of the table; its name is as stated."""
+    stated = Clamp(place=30.0 + 10.0j, length=20.0, width=8.0, height=9.0, angle=0.3)
+    turned = stated.turned_over(about)
+    wanted = stated.obstacle.outline.arcs(0.01).contour.vertices
+    found = mirrored_all(turned.obstacle.outline.arcs(0.01).contour.vertices, about)
+    for corner in wanted:
+        assert np.min(np.abs(found - corner)) <= ROUNDING
+    assert turned.obstacle.name == stated.obstacle.name == "clamp at 30, 10 mm"
