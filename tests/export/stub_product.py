@@ -91,6 +91,9 @@ class CircleBoundary:
         contour = bulged(self.radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)
 
+    def beside(self, tolerance: float) -> Fit:
+        return self.exact.beside(tolerance)
+
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         sagitta = SPEND * tolerance
         count = math.ceil(math.pi / (2.0 * math.asin(math.sqrt(sagitta / self.radius / 2.0))))
