@@ -43,6 +43,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("formats",),
     ("scene",),
     ("product",),
+    ("sheet",),
     ("writing",),
     ("verifying",),
     ("design",),

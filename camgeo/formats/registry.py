@@ -25,6 +25,7 @@ FORMATS: Final = {
     "svg": "plain:SVG",
     "png": "plain:PNG",
     "asc": "plain:ASC",
+    "drawing": "drawing:FORMAT",
 }
 """Formats of camgeo, each with its module and its name there."""
 

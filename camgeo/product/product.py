@@ -32,6 +32,9 @@ SECOND: Final = "second-side"
 ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGNORECASE)
 """End of the name of one of several programs."""
 
+OF_SHEET: Final = "-drawing"
+"""End of the name of a sheet."""
+
 
 @dataclass(frozen=True)
 class Product(Pickled):
@@ -188,6 +191,7 @@ def disc_of(discs: Sequence[Product], stem: str) -> Product:
     A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
     """
     main, *others = discs
+    stem = stem.removesuffix(OF_SHEET)
     stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)

@@ -11,6 +11,7 @@ import numpy as np
 from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError, SceneError
+from camgeo.formats.drawing import DrawingSpec, drawing_of
 from camgeo.formats.format import Options, OutputSpec
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.linkage import linked
@@ -245,10 +246,14 @@ class Builder:
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
             "limits": Limits(**self._top("limits")),
             "part": self._part(),
+            "drawing": self._drawing(),
         }
 
     def _part(self) -> PartSpec | None:
         return part_of(self._top("part")) if self.values.has("part") else None
+
+    def _drawing(self) -> DrawingSpec:
+        return drawing_of(self._top("drawing"))
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from camgeo.cam.breadth import Yoke
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
+    from camgeo.formats.drawing import DrawingSpec
     from camgeo.formats.format import OutputSpec
     from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
@@ -58,6 +59,7 @@ class Scene:
     side_clearance : groove's width less the roller's diameter [mm]; 0 without groove.
     limits : with which the design is compared.
     part : the disc as a body; None if the scene has no `[part]`.
+    drawing : what the sheet states; the defaults if the scene has no `[drawing]`.
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
@@ -83,6 +85,7 @@ class Scene:
     side_clearance: float
     limits: Limits
     part: PartSpec | None
+    drawing: DrawingSpec
     effects: Mapping[str, Mapping[str, Any]]
     output: OutputSpec
     milling: MillingSpec | None

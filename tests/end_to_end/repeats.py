@@ -43,7 +43,7 @@ SHARE: Final = 1e-11
 """Largest difference of other numbers, in addition to `LENGTHS`, as a share of the largest in their
 column, or in the certificate of themselves."""
 
-PICTURES: Final = (".svg", ".png")
+PICTURES: Final = (".svg", ".png", ".pdf")
 """Files that may differ between processors."""
 
 NUMPY: Final = {
@@ -128,7 +128,7 @@ def _lengths(rest: Sequence[Any], numbers: Sequence[float] | FloatArray) -> Cont
 
 
 def _dxf(data: bytes) -> Content:
-    lines = data.decode("ascii").split("\n")
+    lines = data.decode("utf-8").split("\n")
     pairs = [(int(code), value) for code, value in zip(lines[::2], lines[1::2], strict=False)]
     rest = [code if code in DXF_REALS else (code, value) for code, value in pairs]
     return _lengths(rest, [float(value) for code, value in pairs if code in DXF_REALS])

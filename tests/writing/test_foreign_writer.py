@@ -149,7 +149,7 @@ WRONG: Final = (
         "output.satt: is not a known key (did you mean sat?)",
     ),
     (scene(formats='"satt"'), '(did you mean "sat"?)'),
-    (scene(formats='"iges"'), '"svg", "png", "asc", "sat"'),
+    (scene(formats='"iges"'), '"svg", "png", "asc", "drawing", "sat"'),
     (scene().replace("thickness =", "rim ="), '= "sat": needs [part] thickness'),
 )
 """Scenes, and what is said of them."""

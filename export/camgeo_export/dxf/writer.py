@@ -9,14 +9,10 @@ shop can remove them. No text, no dimensions.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
 
 import numpy as np
-from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
-from ezdxf.document import Drawing
 from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
@@ -29,18 +25,16 @@ from camgeo.numeric.arrays import phase
 from camgeo.part.part import Boundary
 from camgeo.product.product import Product
 from camgeo.reading import DRAWING_LINES
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER
 from camgeo.wording import counted
 from camgeo.writing.writer import Written
 from camgeo_export.drawn import FIT_SHARE, curve_of
 from camgeo_export.dxf.curves import Curve
+from camgeo_export.dxf.file import INSUNITS, MEASUREMENT, bytes_of, describe, fixed_metadata
 from camgeo_export.dxf.measure import measure
 from camgeo_export.dxf.view import show
 from camgeo_export.errors import FileError
 from camgeo_export.layers import CUT, layered
-
-INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
-MEASUREMENT: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 
 PITCH = "PITCH_CURVE"
 
@@ -80,19 +74,14 @@ class DxfWriter:
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
         _limit(sum(map(len, (*curves, *([] if pitch is None else [pitch])))))
-        # ezdxf stamps time and random identifiers on a file when creating and when writing it
-        with _fixed_metadata():
+        with fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
             document.header["$MEASUREMENT"] = MEASUREMENT[product.unit]
-            _describe(document, product, tolerance)
+            describe(document, product, tolerance)
             space = document.modelspace()
             _draw(space, product, cut, pitch)
-            # ezdxf declares the classes in use in the order of a set, which differs between runs.
-            for kind in sorted(document.entitydb.dxf_types_in_use()):
-                document.classes.add_class(kind)
-            stream = io.StringIO()
-            document.write(stream)
-        return Written(stream.getvalue().encode(document.output_encoding), _facts(product, curves))
+            data = bytes_of(document)
+        return Written(data, _facts(product, curves))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
@@ -140,25 +129,6 @@ def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
     fit, chord = POLYLINE_SHARES
     points = product.drawn.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
     return Contour.polygon(points)
-
-
-@contextmanager
-def _fixed_metadata() -> Iterator[None]:
-    """Drawings without time stamps and random identifiers; ezdxf's setting is restored."""
-    before = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True
-    try:
-        yield
-    finally:
-        options.write_fixed_meta_data_for_testing = before
-
-
-def _describe(document: Drawing, product: Product, tolerance: float) -> None:
-    """Record the file's origin as custom document properties: no text enters the drawing."""
-    properties = document.header.custom_vars
-    properties.append("camgeo", product.version)
-    properties.append("scene", product.scene_hash)
-    properties.append("tolerance mm", repr(tolerance))
 
 
 def _draw(

@@ -30,6 +30,7 @@ from camgeo_export.matching import AnyContour
 from camgeo_export.verify.entities import contents_check, flat_checks
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, corners_of_contour, shapes_of
+from camgeo_export.verify.sheet import is_sheet, sheet_checks
 
 HEAD_BYTES = 200_000
 """Part of a drawing that holds its header."""
@@ -85,6 +86,8 @@ class DxfVerifier:
         except FileError as error:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, product, reading)]
+        if reading.ours and is_sheet(drawing):
+            return (*checks, *sheet_checks(product, data, tolerance))
         layers = _layers_of(drawing, product) if reading.ours else {reading.layer: None}
         if reading.ours:
             checks.append(contents_check(drawing, (*map(str, layers), *_auxiliary_of(product))))

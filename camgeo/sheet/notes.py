@@ -1,0 +1,101 @@
+"""The notes on a sheet: what it shows, and by what it was made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from camgeo.formats.drawing import DrawingSpec
+from camgeo.product.product import Product
+from camgeo.sheet.lettering import wrapped
+from camgeo.sheet.marks import Label, Mark
+from camgeo.sheet.words import WORDS
+from camgeo.units import MM_PER
+
+LETTER = 2.5
+
+STEP = 3.9
+"""From line to line [mm]."""
+
+Length = Callable[[float], str]
+"""Writes a length [mm] in the unit of the drawing."""
+
+
+def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Length) -> list[str]:
+    """The sentences, in the language of the sheet."""
+    words, cam, follower = WORDS[spec.language], product.cam, product.cam.follower
+    name = product.scene.name
+    found = [(words.return_disc if product.position else words.design).format(name=name)]
+    touching = words.flat_face
+    if follower.rolls:
+        radius = follower.roller_radius
+        touching = (
+            words.roller.format(diameter=length(2.0 * radius)) if radius else words.knife_edge
+        )
+    if follower.pivot is None:
+        found.append(words.guided.format(touching=touching, offset=length(follower.offset)))
+    else:
+        x, y = length(follower.pivot.real), length(follower.pivot.imag)
+        found.append(words.rocking.format(touching=touching, x=x, y=y))
+    base = words.base.format(radius=length(follower.base_radius))
+    if cam.contact.closed_by_form and cam.clearance:
+        base += f"; {words.clearance.format(clearance=length(cam.clearance))}"
+    found[1:] = [f"{found[1]}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"]
+    mark = None if product.scene.part is None else product.scene.part.mark
+    if mark is not None:
+        size = f"%%c{length(mark.width)}"
+        if mark.length is not None:
+            size = f"{length(mark.width)} x {length(mark.length)}"
+        angle = f"{math.degrees(mark.angle):.6g}".replace(
+            ".", "," if spec.language == "de" else "."
+        )
+        found.append(
+            words.mark.format(
+                size=size, radius=length(mark.radius), depth=length(mark.depth), angle=angle
+            )
+        )
+    sense = words.sense.format(sense=words.ccw if cam.rotation > 0 else words.cw)
+    found.append(f"{words.zero} {sense}")
+    shown = f"{tolerance / MM_PER[product.unit]:.6f}".rstrip("0")
+    if spec.language == "de":
+        shown = shown.replace(".", ",")
+    found.append(words.curve.format(tolerance=shown, unit=product.unit))
+    legend = []
+    if follower.has_pitch_curve:
+        legend.append(words.pitch)
+    if spec.step:
+        if not cam.contact.closed_by_form:
+            legend.append(words.polar)
+        if follower.has_pitch_curve and (spec.sheet == "A3" or cam.contact.closed_by_form):
+            legend.append(words.centre_polar)
+    legend.append(words.reference)
+    found.append(" ".join(legend))
+    found.append(words.scene.format(scene=product.scene_hash))
+    return found
+
+
+def lines_of(notes: list[str], width: float) -> list[tuple[str, bool]]:
+    """The notes in lines at most `width` [mm] wide, and whether each begins a note."""
+    found = []
+    for note in notes:
+        first, *rest = wrapped(note, LETTER, width - 6.0)
+        found += [(first, True), *((text, False) for text in rest)]
+    return found
+
+
+def height_of(lines: list[tuple[str, bool]]) -> float:
+    """Height of the notes with their heading [mm]."""
+    return 8.0 + STEP * len(lines)
+
+
+def marks_of(lines: list[tuple[str, bool]], heading: str, top: complex, width: float) -> list[Mark]:
+    """The notes, numbered, below `top`."""
+    marks: list[Mark] = [Label(heading, top - 4.5j, 3.5)]
+    number = 0
+    for row, (text, begins) in enumerate(lines):
+        at = top - 1j * (6.0 + STEP * row + LETTER)
+        if begins:
+            number += 1
+            marks.append(Label(f"{number}", at, LETTER))
+        marks.append(Label(text, at + 5.0, LETTER, width=width - 5.0))
+    return marks

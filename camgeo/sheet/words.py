@@ -1,0 +1,164 @@
+"""The words on a sheet, in each language."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from camgeo.formats.drawing import Language
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Labels of the title block, headings and notes; braces are for values."""
+
+    owner: str
+    creator: str
+    approver: str
+    date: str
+    revision: str
+    document_type: str
+    title: str
+    number: str
+    sheet: str
+    material: str
+    hardness: str
+    tolerances: str
+    edges: str
+    surface: str
+    scale: str
+    size: str
+    language: str
+    dimensions: str
+    table: str
+    motion: str
+    angle_head: str
+    swing_head: str
+    lift_head: str
+    at_head: str
+    angle: str
+    notes: str
+    design: str
+    return_disc: str
+    roller: str
+    knife_edge: str
+    flat_face: str
+    guided: str
+    rocking: str
+    base: str
+    clearance: str
+    mark: str
+    zero: str
+    sense: str
+    ccw: str
+    cw: str
+    curve: str
+    polar: str
+    centre_polar: str
+    reference: str
+    scene: str
+    pitch: str
+
+
+ENGLISH: Final = Words(
+    owner="Legal owner",
+    creator="Created by",
+    approver="Approved by",
+    date="Date of issue",
+    revision="Rev.",
+    document_type="Document type",
+    title="Title",
+    number="Identification number",
+    sheet="Sheet",
+    material="Material",
+    hardness="Hardness",
+    tolerances="General tolerances",
+    edges="Edges ISO 13715",
+    surface="Surface",
+    scale="Scale",
+    size="Size",
+    language="Lang.",
+    dimensions="Dimensions in",
+    table="Polar coordinates",
+    motion="Motion diagram",
+    angle_head="Angle °",
+    swing_head="Swing °",
+    lift_head="Lift",
+    at_head="at °",
+    angle="Cam angle in degrees",
+    notes="Notes",
+    design="Design {name}",
+    return_disc="Design {name}, return disc",
+    roller="roller %%c{diameter}",
+    knife_edge="knife edge",
+    flat_face="flat face",
+    guided="Follower: {touching} on a guide, offset {offset}",
+    rocking="Follower: {touching} on a rocker, pivot at ({x} / {y})",
+    base="Base circle radius {radius}",
+    clearance="groove wider than the roller by {clearance}",
+    mark="Timing mark {size}, {depth} deep, its middle at radius {radius} and {angle}°",
+    zero="The zero mark is cam angle 0; polar angles count from it, counter-clockwise in the view.",
+    sense="The cam turns {sense} in the view.",
+    ccw="counter-clockwise",
+    cw="clockwise",
+    curve="The flanks are the exact curve of the motion; this sheet shows it within {tolerance}"
+    " {unit}. Manufacture from the CAD or NC data of the same scene.",
+    polar="r: point of contact on the flank.",
+    centre_polar="R: centre of the roller.",
+    reference="Dimensions in brackets are auxiliary.",
+    scene="Scene SHA-256 {scene}",
+    pitch="Pitch curve: long-dashed dotted line; base circle: double-dotted.",
+)
+
+GERMAN: Final = Words(
+    owner="Gesetzlicher Eigentümer",
+    creator="Erstellt von",
+    approver="Genehmigt von",
+    date="Ausgabedatum",
+    revision="Änd.",
+    document_type="Dokumentenart",
+    title="Titel",
+    number="Sachnummer",
+    sheet="Blatt",
+    material="Werkstoff",
+    hardness="Härte",
+    tolerances="Allgemeintoleranzen",
+    edges="Kanten ISO 13715",
+    surface="Oberfläche",
+    scale="Maßstab",
+    size="Format",
+    language="Spr.",
+    dimensions="Maße in",
+    table="Polarkoordinaten",
+    motion="Bewegungsdiagramm",
+    angle_head="Winkel °",
+    swing_head="Schwenk °",
+    lift_head="Hub",
+    at_head="bei °",
+    angle="Kurvenwinkel in Grad",
+    notes="Bemerkungen",
+    design="Entwurf {name}",
+    return_disc="Entwurf {name}, Gegenscheibe",
+    roller="Rolle %%c{diameter}",
+    knife_edge="Schneide",
+    flat_face="Tellerfläche",
+    guided="Abtrieb: {touching}, gerade geführt, Versatz {offset}",
+    rocking="Abtrieb: {touching} am Schwinghebel, Drehpunkt ({x} / {y})",
+    base="Grundkreisradius {radius}",
+    clearance="Nut um {clearance} breiter als die Rolle",
+    mark="Zeitmarke {size}, {depth} tief, Mitte auf Radius {radius} bei {angle}°",
+    zero="Die Nullmarke ist Kurvenwinkel 0; Polarwinkel zählen von ihr aus gegen den Uhrzeigersinn"
+    " der Ansicht.",
+    sense="Die Kurve dreht in der Ansicht {sense}.",
+    ccw="gegen den Uhrzeigersinn",
+    cw="im Uhrzeigersinn",
+    curve="Die Flanken sind die exakte Kurve der Bewegung; dieses Blatt zeigt sie auf {tolerance}"
+    " {unit} genau. Fertigung nach den CAD- oder NC-Daten derselben Szene.",
+    polar="r: Berührpunkt auf der Flanke.",
+    centre_polar="R: Rollenmittelpunkt.",
+    reference="Eingeklammerte Maße sind Hilfsmaße.",
+    scene="Szene SHA-256 {scene}",
+    pitch="Rollenmittelpunktsbahn: Strichpunktlinie; Grundkreis: Strich-Zweipunktlinie.",
+)
+
+WORDS: Final[dict[Language, Words]] = {"en": ENGLISH, "de": GERMAN}

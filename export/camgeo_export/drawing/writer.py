@@ -1,0 +1,90 @@
+"""The drawing: one sheet as DXF, PDF and SVG."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from ezdxf.document import Drawing
+
+from camgeo.formats.drawing import FORMAT
+from camgeo.formats.format import Format
+from camgeo.product.product import Product
+from camgeo.sheet.marks import Sheet
+from camgeo.sheet.sheet import measured, sheet_of
+from camgeo.writing.writer import Written
+from camgeo_export.drawing.document import document_of
+from camgeo_export.drawing.measure import measure
+from camgeo_export.drawing.page import know_the_font, page
+from camgeo_export.dxf.file import bytes_of, describe, fixed_metadata
+
+
+def _made(product: Product, tolerance: float) -> tuple[Sheet, Drawing]:
+    """The sheet and its document, once for all files of a disc."""
+    known = product.pictured.known
+    name = f"{FORMAT.name} within {tolerance!r} mm"
+    if name not in known:
+        sheet = sheet_of(product, tolerance)
+        know_the_font()
+        with fixed_metadata():
+            document = document_of(sheet)
+            describe(document, product, tolerance)
+        known[name] = sheet, document
+    made: tuple[Sheet, Drawing] = known[name]
+    return made
+
+
+@dataclass(frozen=True, slots=True)
+class PageWriter:
+    """Writes the sheet as a picture.
+
+    Attributes
+    ----------
+    format : with the suffix of the file.
+    kind : "pdf" or "svg".
+    """
+
+    format: Format[None]
+    kind: str
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The picture of the whole sheet, at its scale."""
+        sheet, document = _made(product, tolerance)
+        return Written(page(document, sheet, self.kind))
+
+    def measure(self, product: Product, data: bytes) -> None:
+        """None: the drawing itself is measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingWriter:
+    """Writes the sheet as DXF.
+
+    Attributes
+    ----------
+    format : with the suffix of the file.
+    companions : writers of PDF and SVG.
+    """
+
+    format: Format[None]
+    companions: tuple[PageWriter, ...]
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The sheet; the edges of the part lie within `tolerance` [mm]."""
+        sheet, document = _made(product, tolerance)
+        with fixed_metadata():
+            data = bytes_of(document)
+        facts: dict[str, int | float | str] = {
+            "scale": f"{sheet.scale:g}",
+            "dimensions": len(measured(sheet)),
+        }
+        return Written(data, facts)
+
+    def measure(self, product: Product, data: bytes) -> float:
+        """Read the sheet back, without ezdxf: edges and dimensions against the part [mm]."""
+        return measure(product, data)
+
+
+PDF: Final = PageWriter(replace(FORMAT, suffix="-drawing.pdf"), "pdf")
+SVG: Final = PageWriter(replace(FORMAT, suffix="-drawing.svg"), "svg")
+WRITER: Final = DrawingWriter(FORMAT, (PDF, SVG))

@@ -1,0 +1,185 @@
+"""The sheet as DXF, PDF and SVG, read back with ezdxf and by the page's own operators."""
+
+from __future__ import annotations
+
+import io
+import re
+import zlib
+from functools import cache
+
+import numpy as np
+import pytest
+from ezdxf.bbox import extents
+from ezdxf.document import Drawing
+from ezdxf.entities.dimension import Dimension
+from ezdxf.entities.mtext import MText
+from ezdxf.filemanagement import read as parsed
+
+from camgeo.design import Design
+from camgeo.errors import FileError
+from camgeo.product.product import disc_of
+from camgeo.scene.load import load_scene
+from camgeo.sheet.marks import Distance
+from camgeo.sheet.placing import number_of
+from camgeo.sheet.sheet import measured
+from camgeo.units import MM_PER
+from camgeo.verifying.verification import Reading
+from camgeo_export.drawing.document import LAYERS
+from camgeo_export.drawing.writer import PDF, SVG, WRITER
+from camgeo_export.verify.dxf import VERIFIER
+from tests.sheet.sheets import FIXTURES, FULL, TOLERANCE, edited, products, sheets
+
+SCENES = [("setzhub", "A4", "de"), ("groove", "A4", "en"), ("inch", "A3", "en")]
+
+POINT = 25.4 / 72.0
+"""Of a PDF [mm]."""
+
+
+@cache
+def written(name: str, size: str, language: str) -> bytes:
+    return WRITER.write(products(name, size, language)[0], TOLERANCE).data
+
+
+@cache
+def read(name: str, size: str, language: str) -> Drawing:
+    return parsed(io.StringIO(written(name, size, language).decode("utf-8")))
+
+
+def dimensions(drawing: Drawing) -> list[Dimension]:
+    return [each for each in drawing.modelspace() if isinstance(each, Dimension)]
+
+
+def printed(dimension: Dimension) -> str:
+    """What a program without dimensions of its own shows."""
+    block = dimension.get_geometry_block()
+    assert block is not None
+    (text,) = [each for each in block if each.dxftype() in ("TEXT", "MTEXT")]
+    found: str = text.text if isinstance(text, MText) else text.dxf.text
+    return re.sub(r"\\A1;|\\~", "", found).replace("%%c", "Ø")
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_the_sheet_is_measured_and_sound(kind: tuple[str, str, str]) -> None:
+    product, data = products(*kind)[0], written(*kind)
+    assert WRITER.measure(product, data) <= TOLERANCE
+    drawing = read(*kind)
+    audit = drawing.audit()
+    assert not audit.errors
+    assert not audit.fixes
+    assert {each.dxf.layer for each in drawing.modelspace()} <= set(LAYERS)
+    name, size, language = kind
+    keys = {**FULL, "sheet": size, "language": language}
+    again = Design(load_scene(FIXTURES / "scenes" / f"{name}.toml").with_values(edited(keys)))
+    assert WRITER.write(again.disc, TOLERANCE).data == data
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_dimensions_state_what_they_measure(kind: tuple[str, str, str]) -> None:
+    """At every scale and in both units, with no factor and no text of their own."""
+    sheet = sheets(*kind)[0]
+    found = dimensions(read(*kind))
+    assert len(found) == len(measured(sheet))
+    for dimension, mark in zip(found, measured(sheet), strict=True):
+        assert dimension.dxf.text in ("", "<>")
+        style = dimension.override()
+        assert style.get("dimlfac") == 1.0
+        length = dimension.get_measurement()
+        assert length == pytest.approx(mark.measure / MM_PER[sheet.unit], rel=1e-12)
+        assert dimension.dxf.actual_measurement == pytest.approx(length, rel=1e-12)
+        assert isinstance(mark, Distance)
+        text = number_of(mark, sheet.unit).replace("%%c", "Ø")
+        assert printed(dimension) == (text.replace(".", ",") if sheet.comma else text)
+        number = float(re.sub(r"[^0-9.].*$", "", text.lstrip("Ø(")))
+        assert abs(number - length) <= 0.5 * 10.0**-mark.decimals
+
+
+def test_bore_and_fits_are_printed() -> None:
+    """The style of ezdxf's own set-up would print a bore of 16 as 1600."""
+    texts = [printed(each) for each in dimensions(read("setzhub", "A4", "de"))]
+    assert {"Ø16 H7", "5 JS9", "18,3", "12"} <= set(texts)
+    texts = [printed(each) for each in dimensions(read("inch", "A3", "en"))]
+    assert {"Ø0.75 H7", "0.1875 JS9", "0.844", "0.5"} <= set(texts)
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_all_is_on_the_paper(kind: tuple[str, str, str]) -> None:
+    """By the boxes of ezdxf, at the plotted scale; the part keeps its own size and place."""
+    sheet, drawing = sheets(*kind)[0], read(*kind)
+    unit = sheet.scale * MM_PER[sheet.unit]
+    box = extents(drawing.modelspace())
+    assert box.size.x * unit == pytest.approx(sheet.width)
+    assert box.size.y * unit == pytest.approx(sheet.height)
+    frame = extents(drawing.modelspace().query('*[layer=="FRAME"]'))
+    for entity in drawing.modelspace():
+        if entity.dxf.layer != "GRID":
+            own = extents([entity])
+            for end in (own.extmin, own.extmax):
+                assert frame.inside(end), entity
+    outlines = drawing.modelspace().query('LWPOLYLINE[layer=="OUTLINE"]')
+    assert len(outlines) == len(products(*kind)[0].drawn.part.boundaries)
+
+
+def test_a_changed_dimension_or_edge_is_found() -> None:
+    kind = SCENES[0]
+    product, data = products(*kind)[0], written(*kind)
+    text = data.decode()
+    place = text.index("AcDbAlignedDimension")
+    start = text.rindex("AcDbDimension", 0, place)
+    measure = re.compile(r"\n 42\n([0-9.]+)\n").search(text, start)
+    assert measure is not None
+    changed = f"{text[: measure.start(1)]}{float(measure[1]) + 0.5}{text[measure.end(1) :]}"
+    assert WRITER.measure(product, changed.encode()) == pytest.approx(0.5)
+    own = f"{text[: measure.start()]}\n  1\n16.5{text[measure.start() :]}"
+    with pytest.raises(FileError, match=r"has the text '16\.5' instead of what it measures"):
+        WRITER.measure(product, own.encode())
+    vertex = re.compile(r"\nOUTLINE\n100\nAcDb.*?\n 10\n([-0-9.]+)\n", re.DOTALL).search(text)
+    assert vertex is not None
+    moved = f"{text[: vertex.start(1)]}{float(vertex[1]) + 1.0}{text[vertex.end(1) :]}"
+    assert WRITER.measure(product, moved.encode()) > 0.05
+
+
+def test_a_page_has_the_true_size() -> None:
+    """The frame of an A4 sheet is 180 mm by 277 mm, and a stretch of 100 mm is 100 mm long."""
+    product = products("setzhub", "A4", "de")[0]
+    data = PDF.write(product, TOLERANCE).data
+    assert PDF.write(product, TOLERANCE).data == data
+    assert b"CreationDate" not in data
+    media = re.search(rb"/MediaBox \[ ?([0-9. ]+)\]", data)
+    assert media is not None
+    size = [float(each) * POINT for each in media[1].split()][2:]
+    assert size == pytest.approx([210.0, 297.0], abs=0.02)
+    stream = b"".join(
+        zlib.decompress(each) for each in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S)
+        if each[:1] == b"x"
+    )  # fmt: skip
+    widths = re.split(rb"([0-9.]+) w 0 G\n", stream)
+    widest = max(range(1, len(widths), 2), key=lambda k: float(widths[k]))
+    assert float(widths[widest]) * POINT == pytest.approx(0.7, abs=1e-3)
+    ends = re.findall(rb"([0-9.-]+) ([0-9.-]+) [ml]\b", widths[widest + 1])
+    points = np.array(ends, dtype=np.float64) * POINT
+    frame = points.max(axis=0) - points.min(axis=0)
+    # with the centring marks, 5 mm long on each side
+    assert frame * 100.0 / (190.0, 287.0) == pytest.approx([100.0, 100.0], abs=0.05)
+
+
+def test_a_picture_has_the_size_of_the_sheet() -> None:
+    product = products("setzhub", "A4", "de")[0]
+    data = SVG.write(product, TOLERANCE).data
+    head = data[: data.index(b"viewBox") + 400]
+    found = re.findall(rb'(?:width|height)="([0-9.]+)pt"', head)
+    sizes = sorted(float(each) * POINT for each in found)
+    assert sizes == pytest.approx([210.0, 297.0], abs=0.02)
+
+
+def test_files_of_a_pair_are_verified() -> None:
+    """Each sheet belongs to its disc by its name, and to no other by its content."""
+    discs = products("conjugate_lever")
+    reading = Reading("a-drawing.dxf", ours=True)
+    for disc, other in (discs, discs[::-1]):
+        assert disc_of(discs, f"{disc.name}-drawing") is disc
+        data = WRITER.write(disc, TOLERANCE).data
+        assert VERIFIER.origin(data).ours
+        checks = VERIFIER.checks(disc, data, reading, TOLERANCE)
+        assert {each.name for each in checks} == {"unit", "deviation"}
+        assert all(each.ok for each in checks)
+        assert not all(each.ok for each in VERIFIER.checks(other, data, reading, TOLERANCE))

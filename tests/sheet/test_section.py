@@ -1,0 +1,95 @@
+"""The section of parts of circles, whose cut faces and edges are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.features import bore_boundary
+from camgeo.part.part import Boundary, Layer, Part
+from camgeo.part.spec import Keyway
+from camgeo.sheet.marks import Chain, Hatched, Mark
+from camgeo.sheet.section import hatching, section
+from camgeo.sheet.shape import COARSE, shape_of
+
+
+def round_boundary(name: str, radius: float, centre: complex = 0j, *, hole: bool) -> ExactBoundary:
+    return ExactBoundary(name, hole=hole, exact=Contour.circle(radius, centre))
+
+
+def cut(*layers: Layer) -> list[Mark]:
+    return section(shape_of(Part(layers), 0.01, "fast"))
+
+
+def area(marks: list[Mark]) -> float:
+    """Of the cut faces [mm^2]."""
+    faces = [each.corners for each in marks if isinstance(each, Hatched)]
+    return sum(np.ptp(each.real) * np.ptp(each.imag) for each in faces)
+
+
+def lines(marks: list[Mark], layer: str) -> set[tuple[complex, complex]]:
+    """The lines of a layer, to a thousandth."""
+    return {
+        (complex(np.round(m.vertices[0], 3)), complex(np.round(m.vertices[1], 3)))
+        for m in marks
+        if isinstance(m, Chain) and m.layer == layer
+    }
+
+
+OUTLINE: Boundary = round_boundary("outline", 40.0, hole=False)
+BORE: Boundary = round_boundary("bore", 8.0, hole=True)
+HUB: Boundary = round_boundary("hub", 15.0, hole=False)
+
+
+def test_a_disc_with_a_hub() -> None:
+    """Faces, and every edge: those of the bore's rims are behind the plane."""
+    marks = cut(Layer(-10.0, 0.0, (OUTLINE, BORE)), Layer(0.0, 12.0, (HUB, BORE), "hub"))
+    assert area(marks) == pytest.approx(10.0 * 64.0 + 12.0 * 14.0)
+    across = {each for each in lines(marks, "SECTION") if each[0].imag == each[1].imag}
+    assert across == {
+        (complex(0, y), complex(end, y)) for y, end in ((40, 10), (-40, 10), (8, 22), (-8, 22))
+    } | {(complex(10, y), complex(22, y)) for y in (15, -15)}
+    assert lines(marks, "EDGES") == {(0 - 8j, 0 + 8j), (22 - 8j, 22 + 8j)}
+
+
+def test_material_that_continues_through_layers_has_no_line_between_them() -> None:
+    whole = cut(Layer(-10.0, 0.0, (OUTLINE, BORE)))
+    halves = cut(Layer(-10.0, -4.0, (OUTLINE, BORE)), Layer(-4.0, 0.0, (OUTLINE, BORE), "groove"))
+    assert area(whole) == pytest.approx(area(halves))
+    for layer in ("SECTION", "EDGES"):
+        assert lines(whole, layer) == lines(halves, layer)
+
+
+@pytest.mark.parametrize(("angle", "seen"), [(0.0, True), (math.pi, False)])
+def test_a_keyway_is_seen_behind_the_plane_alone(angle: float, seen: bool) -> None:
+    bore = bore_boundary(16.0, Keyway(5.0, 2.3, angle))
+    found = lines(cut(Layer(-10.0, 0.0, (OUTLINE, bore))), "EDGES")
+    sides = {(complex(0, y), complex(10, y)) for y in (2.5, -2.5)}
+    assert (found & sides == sides) is seen
+
+
+def test_what_lies_behind_is_seen_beyond_the_cut() -> None:
+    """A disc about another centre is larger behind the plane than in it."""
+    off = round_boundary("outline", 30.0, 18.0 + 0j, hole=False)
+    marks = cut(Layer(-5.0, 0.0, (off,)))
+    assert area(marks) == pytest.approx(5.0 * 48.0, rel=2.0 * COARSE)
+    found = lines(marks, "EDGES")
+    assert (0 + 30j, 5 + 30j) in found
+    assert (0 - 30j, 5 - 30j) in found
+
+
+def test_hatching_stays_in_its_face_at_its_distance() -> None:
+    face = Hatched(np.array([1 + 2j, 9 + 2j, 9 + 30j, 1 + 30j]))
+    found = list(hatching(face, 2.5))
+    assert found
+    rises = sorted(start.imag - start.real for start, _ in found)
+    assert np.allclose(np.diff(rises), 2.5 * math.sqrt(2.0))
+    for ends in found:
+        assert ends[1] - ends[0] == pytest.approx((ends[1] - ends[0]).real * (1 + 1j))
+        for end in ends:
+            assert 1.0 - 1e-9 <= end.real <= 9.0 + 1e-9
+            assert 2.0 - 1e-9 <= end.imag <= 30.0 + 1e-9

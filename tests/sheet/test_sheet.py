@@ -1,0 +1,210 @@
+"""Every fixture scene's sheet: all in its frame, no text across another, true dimensions."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import SceneError
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.scene.load import parse_scene
+from camgeo.sheet.frame import LEFT, MARGIN
+from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
+from camgeo.sheet.scales import scales
+from camgeo.sheet.sheet import measured, sheet_of
+from tests.sheet.sheets import (
+    FIXTURES,
+    FULL,
+    HUBBED,
+    SCENES,
+    TOLERANCE,
+    corners,
+    edited,
+    overlaps,
+    products,
+    sheets,
+    text_boxes,
+)
+
+KINDS = [
+    (name, ("A3", "A4")[number % 2], ("en", "de")[number // 2 % 2])
+    for number, name in enumerate(SCENES)
+]
+"""Each scene on one of the sheets, in one of the languages."""
+
+PAPER = {"A3": (420.0, 297.0), "A4": (210.0, 297.0)}
+"""Trimmed sheets of ISO 216 [mm]."""
+
+ROUNDING = 1e-9
+
+
+def _paper(view: View, sheet: Sheet, points: ComplexArray) -> ComplexArray:
+    """Points of a view on the sheet."""
+    return np.asarray(view.at + points * sheet.scale, np.complex128)
+
+
+def points_of(sheet: Sheet) -> ComplexArray:
+    """Points of all that the views draw [mm of paper]."""
+    found: list[ComplexArray] = []
+    for view in sheet.views:
+        for mark in view.marks:
+            if isinstance(mark, Chain):
+                found.append(_paper(view, sheet, mark.vertices))
+            elif isinstance(mark, Round):
+                sides = mark.centre + mark.radius * np.array([1, 1j, -1, -1j], np.complex128)
+                found.append(_paper(view, sheet, sides))
+            elif isinstance(mark, Distance):
+                ends = np.array([mark.first, mark.second, mark.line], np.complex128)
+                found.append(_paper(view, sheet, ends))
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize(("name", "size", "language"), KINDS)
+def test_all_is_inside_the_frame_and_no_text_is_across_another(
+    name: str, size: str, language: str
+) -> None:
+    for sheet in sheets(name, size, language):
+        assert (sheet.width, sheet.height) == PAPER[size]
+        low = complex(LEFT, MARGIN) - ROUNDING * (1 + 1j)
+        high = complex(sheet.width - MARGIN, sheet.height - MARGIN) + ROUNDING * (1 + 1j)
+        points = points_of(sheet)
+        assert low.real < points.real.min()
+        assert points.real.max() < high.real
+        assert low.imag < points.imag.min()
+        assert points.imag.max() < high.imag
+        texts = text_boxes(sheet)
+        for text, box in texts:
+            if re.fullmatch(r"[1-8A-F]", text):
+                continue  # of the grid
+            for corner in corners(box):
+                assert low.real <= corner.real <= high.real, text
+                assert low.imag <= corner.imag <= high.imag, text
+        assert overlaps(texts) == []
+
+
+@pytest.mark.parametrize(("name", "size", "language"), KINDS)
+def test_dimensions_measure_the_part(name: str, size: str, language: str) -> None:
+    """What the scene states is measured; definition points are on lines that are drawn."""
+    for product, sheet in zip(
+        products(name, size, language), sheets(name, size, language), strict=True
+    ):
+        found = [each.measure for each in measured(sheet)]
+        spec = product.scene.part
+        assert spec is not None
+        stated = [spec.thickness, spec.rim]
+        if product.cam.contact.runs_inside:
+            stated.append(spec.bore)
+        if spec.keyway is not None and spec.bore is not None:
+            stated += [spec.keyway.width, spec.bore + spec.keyway.depth]
+        for length in stated:
+            if length is not None:
+                assert min(abs(each - length) for each in found) <= 1e-9 * length
+        for view in sheet.views:
+            chains = (mark for mark in view.marks if isinstance(mark, Chain))
+            drawn = [each for each in chains if each.layer in ("OUTLINE", "SECTION", "EDGES")]
+            for mark in view.marks:
+                if isinstance(mark, Distance):
+                    for end in (mark.first, mark.second):
+                        assert min(distance(end, each) for each in drawn) <= 1e-3, mark
+
+
+def distance(point: complex, chain: Chain) -> float:
+    """From a point to a chain [mm], by its pieces' own circles and lines."""
+    starts, sweeps = chain.vertices, chain.sweeps
+    ends = np.roll(starts, -1)
+    if not chain.closed:
+        starts, sweeps, ends = starts[:-1], sweeps[:-1], ends[:-1]
+    chord = ends - starts
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.clip(((point - starts) * chord.conj()).real / np.abs(chord) ** 2, 0.0, 1.0)
+        straight = np.abs(point - starts - np.nan_to_num(share) * chord)
+        centres = 0.5 * (starts + ends) + 0.5j * chord / np.tan(0.5 * sweeps)
+        turned = np.angle((point - centres) / (starts - centres)) * np.sign(sweeps) % (2 * np.pi)
+        radial = np.abs(np.abs(point - centres) - np.abs(starts - centres))
+        radial = np.where(turned <= np.abs(sweeps), radial, np.inf)
+    ends_at = np.minimum(np.abs(point - starts), np.abs(point - ends))
+    return float(np.min(np.where(sweeps == 0.0, straight, np.fmin(radial, ends_at))))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_scale_is_a_standard_one(name: str) -> None:
+    kinds = [kind for kind in KINDS if kind[0] == name]
+    for sheet in sheets(*kinds[0]):
+        assert sheet.scale in {float(each) for each in scales()}
+
+
+def test_hubs_and_marks_are_drawn() -> None:
+    scene = parse_scene(HUBBED).with_values(edited({**FULL, "language": "de"}))
+    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    found = [each.measure for each in measured(sheet)]
+    for length in (30.0, 12.0, 10.0, 34.0, 16.0, 5.0, 18.3):
+        assert min(abs(each - length) for each in found) < 1e-9, length
+    front = sheet.views[0].marks
+    hidden = [each for each in front if isinstance(each, Chain) and each.layer == "HIDDEN"]
+    assert len(hidden) == 1  # the hub below
+    assert any(isinstance(each, Diameter) for each in front)  # the keyway is in the section
+    texts = [each.text for each in sheet.marks if isinstance(each, Label)]
+    assert any("3 x 8, 1 tief, Mitte auf Radius 25 bei 30°" in each for each in texts)
+
+
+def test_flats_and_holes_are_dimensioned() -> None:
+    text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }",
+                          "d_shaft = { across = 14, angle = 20 }\n"
+                          "bolt_circle = { count = 6, circle = 56, hole = 4 }")  # fmt: skip
+    scene = parse_scene(text.replace("angle = 30 }", "angle = 20 }")).with_values(edited(FULL))
+    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    assert overlaps(text_boxes(sheet)) == []
+    found = measured(sheet)
+    for length, suffix in ((16.0, " H7"), (14.0, ""), (4.0, " (6x)"), (56.0, "")):
+        assert any(abs(m.measure - length) < 1e-9 and m.suffix == suffix for m in found), length
+
+
+def test_the_example_of_the_page_is_a_table() -> None:
+    page = (FIXTURES.parent / "docs" / "drawing.md").read_text("utf-8")
+    table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]
+    assert table.keys() >= FULL.keys()
+    sheet_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
+
+
+def test_nothing_is_invented() -> None:
+    """A scene without [drawing] has empty fields, and no tolerance or symbol."""
+    design = Design(parse_scene(HUBBED).with_values({"output.fit": "fast"}))
+    sheet = sheet_of(design.disc, TOLERANCE)
+    texts = " ".join(
+        mark.text for mark in (*sheet.marks, *sheet.views[0].marks) if isinstance(mark, Label)
+    )
+    assert not re.search(r"H7|JS9|Ra|20\d\d-|ISO 2768|HRC", texts)
+    assert {each.suffix for each in measured(sheet)} <= {"", ")"}
+
+
+def test_a_part_without_thickness_has_one_view() -> None:
+    text = HUBBED.partition("[part]")[0] + "[part]\nbore = 16\n"
+    sheet = sheet_of(Design(parse_scene(text)).disc, TOLERANCE)
+    assert len(sheet.views) == 1
+    assert [each.measure for each in measured(sheet) if isinstance(each, Diameter)] == [16.0]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"scale": "10:1"}, r'drawing\.scale = "10:1": does not fit .*: at most "1:1" does'),
+        ({"sheet": "A4", "step": 5}, r"drawing\.step = 5: must be at least 10 on a sheet A4"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_its_key(keys: dict[str, object], message: str) -> None:
+    design = Design(parse_scene(HUBBED).with_values(edited(keys)))
+    with pytest.raises(SceneError, match=message):
+        sheet_of(design.disc, TOLERANCE)
+
+
+def test_the_sheets_of_a_pair_are_numbered() -> None:
+    texts = [
+        [mark.text for mark in sheet.marks if isinstance(mark, Label)]
+        for sheet in sheets("conjugate_lever")
+    ]
+    assert ["1/2" in each for each in texts] == [True, False]
+    assert ["2/2" in each for each in texts] == [False, True]
