@@ -264,7 +264,10 @@ class Part:
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """The flat faces, from the lowest upwards; raises like `require_heights`."""
+        """The flat faces, from the lowest upwards; raises like `require_heights`.
+
+        There is none between layers of the same boundaries.
+        """
         self.require_heights()
         first, last, disc = self.layers[0], self.layers[-1], self.outermost
         found = [Level("lower face", first.z0, (), first.boundaries)]
@@ -276,5 +279,6 @@ class Part:
                 name = "upper face of the disc"
             elif disc in begins:
                 name = "lower face of the disc"
-            found.append(Level(name, upper.z0, ends, begins))
+            if ends or begins:
+                found.append(Level(name, upper.z0, ends, begins))
         return (*found, Level("upper face", last.z1, last.boundaries, ()))

@@ -8,6 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour
@@ -26,7 +28,7 @@ from camgeo_export.step import rings
 from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.shell import bounds_of, is_flat, shell_checks, volume_of
 from camgeo_export.verify.step import VERIFIER
-from tests.export.stub_product import PIECES, StubProduct
+from tests.export.stub_product import PIECES, CircleBoundary, StubProduct
 from tests.export.test_dxf_spline import PRODUCTS
 from tests.export.test_solids import BORE, PARTS, POCKETS, RIM, VOLUMES, PartProduct
 from tests.export.verified import TOLERANCE, faults
@@ -138,6 +140,81 @@ def test_a_closed_cavity_is_refused() -> None:
     product = PartProduct(given=Part((layers[0], hollow, layers[1])))
     with pytest.raises(GeometryError, match="one body without closed cavities"):
         WRITER.write(product, TOLERANCE)
+
+
+SOLID, OPEN, RINGED = "solid", "open", "with an island"
+
+ISLANDS = tuple(
+    CircleBoundary(f"island {k}", False, 2.0, pocket.centre) for k, pocket in enumerate(POCKETS)
+)
+
+Slice = tuple[str, ...]
+"""What is at the place of each pocket in a layer."""
+
+
+def _regions(kind: str) -> dict[str, bool]:
+    """Whether the middle and the ring at a pocket are solid."""
+    return {"middle": kind != OPEN, "ring": kind == SOLID}
+
+
+def _pieces(slices: list[Slice], *, solid: bool) -> int:
+    """Into how many pieces the material falls, or all that is none, the outside included."""
+    cells = {
+        (layer, place, part)
+        for layer, kinds in enumerate(slices)
+        for place, kind in enumerate(kinds)
+        for part, is_solid in _regions(kind).items()
+        if is_solid == solid
+    }
+    rest = {(layer, -1, "plate") for layer in range(len(slices))}
+    outside = {(-1, 0, "outside")}
+    cells |= rest if solid else outside
+    found = 0
+    while cells:
+        left = [cells.pop()]
+        found += 1
+        while left:
+            layer, place, part = left.pop()
+            near = {each for each in cells if _touch((layer, place, part), each, len(slices))}
+            cells -= near
+            left += near
+    return found
+
+
+def _touch(one: tuple[int, int, str], other: tuple[int, int, str], layers: int) -> bool:
+    """Whether two regions of the same kind have an area in common."""
+    if "outside" in (one[2], other[2]):
+        cell = other if one[2] == "outside" else one
+        return cell[0] in (0, layers - 1)
+    if "plate" in (one[2], other[2]):
+        cell = other if one[2] == "plate" else one
+        return cell[2] == "plate" or (one[0] == other[0] and cell[2] == "ring")
+    if one[1] != other[1]:
+        return False
+    return one[0] == other[0] or (abs(one[0] - other[0]) == 1 and one[2] == other[2])
+
+
+@given(st.lists(st.tuples(*[st.sampled_from((SOLID, OPEN, RINGED))] * 2), min_size=1, max_size=4))
+@settings(max_examples=examples(12, long=300), deadline=None)
+def test_random_layers_are_one_solid_or_are_refused(slices: list[Slice]) -> None:
+    """Refused if the material falls apart, or holds a cavity; else closed and of its volume."""
+    layers = []
+    for number, kinds in enumerate(slices):
+        boundaries = [RIM]
+        for place, kind in enumerate(kinds):
+            boundaries += [POCKETS[place]] if kind != SOLID else []
+            boundaries += [ISLANDS[place]] if kind == RINGED else []
+        layers.append(Layer(2.0 * number, 2.0 * number + 2.0, tuple(boundaries), f"{number}"))
+    product = PartProduct(given=Part(tuple(layers)))
+    if _pieces(slices, solid=True) > 1 or _pieces(slices, solid=False) > 1:
+        with pytest.raises(GeometryError, match="one body without closed cavities"):
+            WRITER.write(product, 0.1)
+        return
+    written = WRITER.write(product, 0.1)
+    assert WRITER.measure(product, written.data) <= 0.1
+    areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
+    volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
+    assert volume_of(bounds_of(read(written.data))) == pytest.approx(volume, rel=0.01)
 
 
 def test_a_scene_without_thickness_is_refused() -> None:

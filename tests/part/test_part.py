@@ -329,3 +329,13 @@ def test_a_deviation_is_computed_once_for_the_same_contour(
     assert len(calls) <= known + 1
     assert boundary.deviation(Contour.polygon(1.001 * contour.vertices)) > found
     assert len(calls) <= known + 2
+
+
+def test_layers_of_the_same_boundaries_have_no_face_between() -> None:
+    disc, bore = _circle("rim", 40.0, hole=False), _circle("bore", 8.0, hole=True)
+    part = Part((Layer(-6.0, -2.0, (disc, bore)), Layer(-2.0, 0.0, (disc, bore), "other")))
+    assert [(level.name, level.z) for level in part.levels] == [
+        ("lower face", -6.0),
+        ("upper face", 0.0),
+    ]
+    assert [(wall.z0, wall.z1) for wall in part.walls] == [(-6.0, 0.0), (-6.0, 0.0)]
