@@ -7,6 +7,7 @@ from typing import Final
 
 from camgeo.answers.inspect import inspect
 from camgeo.cli.command import (
+    CallError,
     add_json,
     add_output,
     add_scene,
@@ -51,6 +52,10 @@ def options(parser: argparse.ArgumentParser) -> None:
         " cam axis, or shift and turn; a fit hides eccentricity and phase; default %(default)s",
     )  # fmt: skip
     parser.add_argument(
+        "--robust", action="store_true",
+        help="of a fit: pass over local errors of form, which would sway the least squares",
+    )  # fmt: skip
+    parser.add_argument(
         "--unit", choices=("mm", "inch"), help="unit of MEASURED, if it does not state one; default"
         " the scene's",
     )  # fmt: skip
@@ -72,11 +77,14 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or write the results."""
+    if arguments.robust and arguments.align == Align.DATUM:
+        raise CallError("--robust: allowed with --align rotation or free only")
     found = inspect(
         opened(arguments),
         arguments.measured,
         arguments.flank,
         align=arguments.align,
+        robust=arguments.robust,
         unit=arguments.unit,
         ball=arguments.ball,
         tolerance=arguments.tolerance,

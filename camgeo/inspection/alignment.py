@@ -25,6 +25,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.inspection.exact_flank import ExactFlank, Feet
+from camgeo.inspection.robust import standard_error, weights
 from camgeo.numeric import student
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 
@@ -39,6 +40,10 @@ STEPS: Final = 40
 
 SETTLED: Final = 1e-12
 """A step below this fraction of the flank's size is the last one."""
+
+ROBUST: Final = 1e-10
+PATIENT: Final = 200
+"""The same, and the most steps, of a robust fit, whose weights change from step to step."""
 
 NEAR: Final = 1e-5
 TRIAL: Final = 15
@@ -125,8 +130,8 @@ class Alignment:
         there is more material.
     shift_uncertainty : of both coordinates of the shift [mm], at `CONFIDENCE`; None if not fitted.
     turn_uncertainty : of the turn [rad]; infinite if the points do not show it, None if not fitted.
-    sway : what errors of form can do to the fit: the largest shift [mm] and turn [rad] that any
-        deviations of 1 mm root mean square cause. Zeros for what is not fitted.
+    sway : what errors of form can do to a fit of least squares: the largest shift [mm] and turn
+        [rad] that any deviations of 1 mm root mean square cause. Zeros for what is not fitted.
     other_turn : a further turn [rad] at which the points fit as well, as on a flank that repeats
         itself; None if there is none.
     """
@@ -141,12 +146,20 @@ class Alignment:
     other_turn: float | None = None
 
 
-def aligned(flank: ExactFlank, points: ComplexArray, align: Align, ball: float = 0.0) -> Alignment:
+def aligned(
+    flank: ExactFlank,
+    points: ComplexArray,
+    align: Align,
+    ball: float = 0.0,
+    *,
+    robust: bool = False,
+) -> Alignment:
     """Lay measured `points` (n,) [mm] on the flank.
 
     Parameters
     ----------
     ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
+    robust : whether a fit passes over local errors of form, see `camgeo.inspection.robust`.
 
     Raises
     ------
@@ -162,8 +175,10 @@ def aligned(flank: ExactFlank, points: ComplexArray, align: Align, ball: float =
         )
     frame, other = _best(flank, points, align, ball)
     frame = _fit(flank, points, align, frame, ball)
+    if robust:
+        frame = _fit(flank, points, align, frame, ball, ROBUST, PATIENT, robust=True)
     found = _result(flank, points, align, frame, ball)
-    shift, turn, sway = _uncertainties(found, flank.size)
+    shift, turn, sway = _uncertainties(found, flank.size, robust=robust)
     other = None if math.isinf(turn) else other
     return replace(
         found, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
@@ -255,8 +270,10 @@ def _fit(
     ball: float,
     settled: float = SETTLED,
     steps: int = STEPS,
+    *,
+    robust: bool = False,
 ) -> Frame:
-    """The frame of the least squares near `frame`."""
+    """The frame of the least squares near `frame`; of weighted ones if `robust`."""
     last = math.inf
     for _ in range(steps):
         feet = flank.feet(frame.inward(points))
@@ -264,6 +281,9 @@ def _fit(
         columns = _determined(matrix, align)
         step = np.zeros(3)
         misses = feet.distances - ball
+        if robust:
+            roots = np.sqrt(weights(misses, FLOOR * flank.size))
+            matrix, misses = matrix * roots[:, np.newaxis], misses * roots
         step[columns] = np.linalg.lstsq(matrix[:, columns], misses, rcond=None)[0]
         step /= flank.size
         frame = frame.moved(complex(step[0], step[1]) * flank.size, float(step[2]))
@@ -296,7 +316,7 @@ def _determined(matrix: FloatArray, align: Align) -> list[int]:
 
 
 def _uncertainties(
-    found: Alignment, size: float
+    found: Alignment, size: float, *, robust: bool = False
 ) -> tuple[tuple[float, float] | None, float, tuple[float, float]]:
     """Of shift [mm] and turn [rad], at `CONFIDENCE`: by Student's t from the covariance; and the
     sway.
@@ -306,6 +326,8 @@ def _uncertainties(
     columns = _determined(matrix, found.align)
     freedom = count - found.align.fitted
     sigma = math.sqrt(float(np.sum(found.deviations**2)) / freedom)
+    if robust:
+        sigma = standard_error(found.deviations, freedom, FLOOR * size)
     factor = sigma * student.quantile(0.5 + 0.5 * CONFIDENCE, freedom)
     chosen = matrix[:, columns]
     cofactors = np.zeros((3, 3))

@@ -154,6 +154,12 @@ def test_errors_of_form_are_told_to_sway_a_fit() -> None:
     found = found_on("plate_translating", away=bump(places.phi), align=Align.FREE)
     (told,) = (each for each in found.findings if each.name == "form")
     assert told.severity == "warning"
+    assert "--robust" in told.sentence
+    robust = found_on("plate_translating", away=bump(places.phi), align=Align.FREE, robust=True)
+    assert "form" not in {each.name for each in robust.findings}
+    assert "shifted and turned to fit, but for local errors" in text(robust)
+    assert document(robust)["robust"] is True
+    assert document(found)["robust"] is False
     assert "form" not in {each.name for each in found_on("plate_translating").findings}
 
 

@@ -67,6 +67,7 @@ def test_a_table_and_a_picture_are_written(points: Path, tmp_path: Path) -> None
     ("words", "message"),
     [
         (["--align", "best"], "invalid choice: 'best'"),
+        (["--robust"], "--robust: allowed with --align rotation or free only"),
         (["--unit", "cm"], "invalid choice: 'cm'"),
         (["--ball", "nan"], "is not a finite number"),
         (["--tolerance", "0"], "must be a number from"),

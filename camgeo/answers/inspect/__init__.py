@@ -74,6 +74,7 @@ class Inspection(Answer):
     count : of its points.
     ball : radius [mm] of the ball whose centres they are, 0 for points of the flank.
     tolerance : width [mm] of the zone about the flank in which points may lie; None if not stated.
+    robust : whether the fit passes over local errors of form.
     alignment : how the points lie on the flank.
     deviations : over the cam angle.
     lift : effect on the follower; None if it cannot be told, see the findings.
@@ -89,6 +90,7 @@ class Inspection(Answer):
     count: int
     ball: float
     tolerance: float | None
+    robust: bool
     alignment: Alignment
     deviations: Deviations
     lift: LiftEffect | None
@@ -137,6 +139,7 @@ def inspect(
     flank: str | None = None,
     *,
     align: str = Align.DATUM,
+    robust: bool = False,
     unit: LengthUnit | None = None,
     ball: float = 0.0,
     tolerance: float | None = None,
@@ -149,6 +152,7 @@ def inspect(
         pair which disc it is of ("-return"), and of a groove which flank ("-inner", "-outer").
     flank : "inner" or "outer"; None by the file's name, or the one that closes the contact.
     align : "datum", "rotation" or "free", see `camgeo.inspection.alignment`.
+    robust : whether a fit passes over local errors of form; without a fit it makes no difference.
     unit : of a file that states none; None for that of the scene.
     ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
     tolerance : width [mm] of the zone about the flank in which all points must lie.
@@ -164,7 +168,14 @@ def inspect(
     disc, side = _measured(design, path.stem, flank)
     measured = read_points(_data(path), path.name, unit or design.scene.unit)
     return of_points(
-        disc, side, measured, path.name, align=Align(align), ball=ball, tolerance=tolerance
+        disc,
+        side,
+        measured,
+        path.name,
+        align=Align(align),
+        robust=robust,
+        ball=ball,
+        tolerance=tolerance,
     )
 
 
@@ -175,19 +186,20 @@ def of_points(
     name: str,
     *,
     align: Align = Align.DATUM,
+    robust: bool = False,
     ball: float = 0.0,
     tolerance: float | None = None,
 ) -> Inspection:
     """Compare `measured` points of a flank with it; `name` is that of their file."""
     cam = disc.cam
     exact = ExactFlank(cam.disc.outline(side).path, side)
-    alignment = aligned(exact, measured.points, align, ball)
+    alignment = aligned(exact, measured.points, align, ball, robust=robust)
     deviations = deviations_of(exact, alignment.feet, alignment.deviations)
     findings = [
         _profile(deviations, tolerance),
         _coverage(deviations),
         *_turn(alignment),
-        *_form(alignment, deviations),
+        *([] if robust else _form(alignment, deviations)),
         *_axes(exact, measured, deviations, ball),
         *_normals(alignment, measured),
     ]
@@ -208,6 +220,7 @@ def of_points(
         len(measured.points),
         ball,
         tolerance,
+        robust and align is not Align.DATUM,
         alignment,
         deviations,
         effect,
@@ -319,7 +332,8 @@ def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
     bounds += [small(math.degrees(turn), "deg")] * (turn > 0.0)
     sentence = (
         f"errors of form of {small(form, 'mm')} (root mean square) may have moved the fit by up to"
-        f" {' and '.join(bounds)}, which its uncertainty, that of the scatter, does not count"
+        f" {' and '.join(bounds)}, which its uncertainty does not count;"
+        " --robust passes over local ones"
     )
     if bounds:
         yield Finding("form", "warning", sentence, form, unit="mm")

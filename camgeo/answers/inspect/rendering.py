@@ -32,7 +32,7 @@ def text(answer: Inspection) -> str:
     points = counted(answer.count, "point" if answer.ball == 0.0 else "centre")
     head = f"{answer.disc.name}: {points} of the {answer.flank} flank, {answer.file}"
     found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
-    lines = [f"{head}, {ALIGNED[answer.align]}"]
+    lines = [f"{head}, {_fitted(answer)}"]
     low, high = found.extremes.lowest, found.extremes.highest
     lines.append(_line("more material", _at(high, "mm")))
     lines.append(_line("less material", _at(low, "mm")))
@@ -87,12 +87,16 @@ def figure(answer: Inspection) -> Figure:
     return inspection.figure(
         answer.deviations,
         None if lift is None else lift.errors,
-        title=f"{answer.disc.name}: {answer.flank} flank, {answer.file}, {ALIGNED[answer.align]}",
+        title=f"{answer.disc.name}: {answer.flank} flank, {answer.file}, {_fitted(answer)}",
         unit=(answer.scene.unit, 1.0 / mm),
         lift_unit=("", 1.0) if lift is None else (lift.unit, lift.factor),
         tolerance=answer.tolerance,
         joints=answer.disc.cam.drive.joints,
     )
+
+
+def _fitted(answer: Inspection) -> str:
+    return ALIGNED[answer.align] + ", but for local errors" * answer.robust
 
 
 def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
