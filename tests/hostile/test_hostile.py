@@ -77,5 +77,5 @@ def test_mutated_files_crash_no_reader() -> None:
     """`--mutations 300` of another seed runs more."""
     count = examples(6, long=12)
     found = results("--mutations", str(count), "--seed", "1")
-    assert len(found) == 17 * count
+    assert len(found) == 18 * count
     assert [each for each in found if each.error] == []
