@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,7 +16,7 @@ from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary, largest_radius
 from camgeo.part.features import bore_boundary, hole_boundaries, mark_boundary
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import BOTH, LOWER, UPPER, Holes, Hub, PartSpec
+from camgeo.part.spec import BOTH, LOWER, UPPER, Holes, Hub, PartSpec, SetScrew
 
 UPPER_HUB: Final = "hub"
 LOWER_HUB: Final = "lower hub"
@@ -107,6 +108,8 @@ def assembled(
         for hole in hole_boundaries(holes, name) if holes is not None else ():
             hub = _require_clear(hole, f"part.{table}", features, tolerance)
             reach = (low, high) if hub else (bottom, 0.0)
+            if hub and spec.set_screw is not None:
+                _require_beside(hole, spec.set_screw)
             features.append(Feature(hole, *reach))
     if spec.mark is not None:
         mark = mark_boundary(spec.mark)
@@ -164,6 +167,15 @@ def _require_within(bore: ExactBoundary, hub: Hub) -> None:
             key="part.hub.diameter",
             value=f"{hub.diameter:g}",
         )
+
+
+def _require_beside(hole: ExactBoundary, screw: SetScrew) -> None:
+    """GeometryError unless a hole through the hub lies beside the radial hole of a set screw."""
+    middle = complex(hole.exact.centres[0]) * cmath.exp(-1j * screw.angle)
+    away = abs(middle.imag) if middle.real > 0.0 else abs(middle)
+    if away <= hole.round_radius + 0.5 * screw.diameter:
+        message = f"the hole of the set screw meets the {hole.name}"
+        raise GeometryError(message, key="part.set_screw.angle")
 
 
 def _require_clear(

@@ -107,6 +107,30 @@ class Hub:
 
 
 @dataclass(frozen=True, slots=True)
+class SetScrew:
+    """Radial hole through the hub into the bore; prismatic layers do not have it.
+
+    Attributes
+    ----------
+    diameter : of the hole [mm].
+    height : of its middle above the face on which the hub stands [mm].
+    angle : direction from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to 2 pi.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    diameter: Length
+    height: Length
+    angle: Angle = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.set_screw.")
+
+
+@dataclass(frozen=True, slots=True)
 class Mark:
     """A timing mark sunk in the upper face of the disc: a radial slot with round ends, or a dot.
 
@@ -192,12 +216,14 @@ class PartSpec:
     mark : for timing, less deep than the disc is thick.
     d_shaft : flat side of the bore, in place of a keyway.
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
+    set_screw : in the hub, between its face and that of the disc.
 
     Raises
     ------
     GeometryError
         With the key, if a value is invalid, groove or mark are as deep as the disc, a keyway or
-        flat has no bore, the flat does not cut the bore, or the hub is no larger than the bore.
+        flat has no bore, the flat does not cut the bore, the hub is no larger than the bore, or the
+        set screw has no bore or does not fit into the hub.
     """
 
     thickness: Length | None = None
@@ -210,6 +236,7 @@ class PartSpec:
     d_shaft: DShaft | None = None
     bolt_circle: Holes | None = None
     lightening_holes: Holes | None = None
+    set_screw: SetScrew | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
@@ -219,6 +246,14 @@ class PartSpec:
             number("part.mark.depth", self.mark.depth, below=self.thickness, unit="mm")
         if self.hub is not None and self.bore is not None:
             number("part.hub.diameter", self.hub.diameter, above=self.bore, unit="mm")
+        if self.set_screw is not None:
+            if self.hub is None or self.bore is None:
+                raise GeometryError("belongs to a hub with a bore", key="part.set_screw")
+            half, key = 0.5 * self.set_screw.diameter, "part.set_screw"
+            most = min(self.hub.height, self.bore)
+            number(f"{key}.diameter", self.set_screw.diameter, below=most, unit="mm")
+            below = self.hub.height - half
+            number(f"{key}.height", self.set_screw.height, above=half, below=below, unit="mm")
         for name in ("keyway", "d_shaft"):
             if getattr(self, name) is not None and self.bore is None:
                 raise GeometryError("belongs to a bore, and there is none", key=f"part.{name}")
@@ -239,6 +274,7 @@ def part_of(table: Mapping[str, Any]) -> PartSpec:
         "d_shaft": DShaft,
         "hub": Hub,
         "mark": Mark,
+        "set_screw": SetScrew,
         "bolt_circle": Holes,
         "lightening_holes": Holes,
     }

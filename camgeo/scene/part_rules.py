@@ -52,6 +52,7 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     hub = values.get("part", "hub", "diameter")
     if bore is not None and hub is not None and not hub > bore:
         yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
+    yield from _set_screw_fits(values)
     length, width = (values.get("part", "mark", key) for key in ("length", "width"))
     if length is not None and width is not None and not length > width:
         yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
@@ -73,3 +74,24 @@ def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[
             din_6885_1(bore * values.mm)
         except GeometryError as error:
             yield (*place, "standard"), f"{error.message}; width and depth state another"
+
+
+def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:
+    """Within the height of the hub, and narrower than the bore."""
+    place = ("part", "set_screw")
+    if not values.has(*place):
+        return
+    for key in ("bore", "hub"):
+        if values.lacks("part", key):
+            yield place, f"needs [part] {key}"
+    size, at = (values.get(*place, key) for key in ("diameter", "height"))
+    high, bore = values.get("part", "hub", "height"), values.get("part", "bore")
+    most = min((each for each in (high, bore) if each is not None), default=None)
+    if size is None or most is None:
+        return
+    if not size < most:
+        what = "bore" if most == bore else "height of the hub"
+        yield (*place, "diameter"), f"must be less than the {what}, {most:g}"
+    elif high is not None and at is not None and not 0.5 * size < at < high - 0.5 * size:
+        message = f"must be more than {0.5 * size:g}, less than {high - 0.5 * size:g}"
+        yield (*place, "height"), f"{message}: the hole lies within the hub"

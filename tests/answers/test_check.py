@@ -356,6 +356,16 @@ def test_a_thin_wall_is_told(
     assert built.files
 
 
+def test_a_set_screw_that_no_file_has_is_told() -> None:
+    hub = "hub = { diameter = 40, height = 8 }, set_screw = { diameter = 5, height = 4 }"
+    found = check(camgeo.loads(f"{DISC}part = {{ thickness = 12, bore = 20, {hub} }}\n"))
+    (part,) = found.parts.values()
+    (told,) = (each for each in part.findings if each.severity == "warning")
+    assert told.name == "set-screw"
+    assert "5 mm in diameter, 4 mm above the face of the disc" in told.sentence
+    assert found.exit_code == 0
+
+
 def test_limits_are_in_the_unit_of_the_scene() -> None:
     inch = 'units = { length = "inch" }\n' + DISC.replace("base_radius = 50", "base_radius = 2")
     inch = inch.replace("roller_radius = 10", "roller_radius = 0.4").replace("to = 8", "to = 0.3")

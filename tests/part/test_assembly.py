@@ -17,7 +17,7 @@ from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.features import flattened, mark_outline
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import DShaft, Holes, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import DShaft, Holes, Hub, Keyway, Mark, PartSpec, SetScrew
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -166,6 +166,22 @@ def test_holes_beside_a_groove() -> None:
         made(Contact.GROOVE, replace(DISC, bolt_circle=Holes(4, circle, 4.0)))
     with pytest.raises(GeometryError, match="no material"):
         made(Contact.GROOVE, replace(DISC, bolt_circle=Holes(1, 80.0, 4.0, math.pi / 2.0)))
+
+
+@pytest.mark.parametrize(
+    ("angle", "meets"), [(0.0, True), (0.27, True), (0.6, False), (math.pi, False)]
+)
+def test_a_set_screw_meets_no_hole(angle: float, meets: bool) -> None:
+    """A hole of 5 mm 20 mm away, one of 6 mm beside it: they meet within 5.5 mm."""
+    screw = SetScrew(6.0, 4.0, angle)
+    spec = replace(DISC, hub=Hub(52.0, 8.0), bolt_circle=Holes(1, 40.0, 5.0), set_screw=screw)
+    if not meets:
+        names = [each.name for each in made(Contact.INNER, spec).boundaries]
+        assert names == ["outline", "bore", "bolt hole 1", "hub"]
+        return
+    with pytest.raises(GeometryError, match="meets the bolt hole 1") as caught:
+        made(Contact.INNER, spec)
+    assert caught.value.key == "part.set_screw.angle"
 
 
 @given(st.floats(5.0, 60.0), st.floats(0.501, 0.999), st.floats(-6.2, 6.2))

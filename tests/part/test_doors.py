@@ -11,7 +11,7 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.part.features import bore_boundary
 from camgeo.part.part import Wall
-from camgeo.part.spec import DShaft, Keyway, PartSpec
+from camgeo.part.spec import DShaft, Hub, Keyway, PartSpec, SetScrew
 
 WRONG_LENGTHS: tuple[Any, ...] = (
     0, 0.0, -5.0, math.nan, math.inf, -math.inf, 5e-324, 1e300, 10**400, "3", True, 1j, [1.0], {},
@@ -34,6 +34,13 @@ def test_what_does_not_go_together() -> None:
         with pytest.raises(GeometryError, match=r"above 10 .* below 20") as caught:
             replace(SPEC, keyway=None, d_shaft=DShaft(across))
         assert caught.value.key == "part.d_shaft.across"
+    with pytest.raises(GeometryError, match="a hub with a bore") as caught:
+        replace(SPEC, set_screw=SetScrew(5.0, 4.0))
+    assert caught.value.key == "part.set_screw"
+    for screw, key in ((SetScrew(8.0, 4.0), "diameter"), (SetScrew(5.0, 2.5), "height")):
+        with pytest.raises(GeometryError) as caught:
+            replace(SPEC, hub=Hub(30.0, 8.0), set_screw=screw)
+        assert caught.value.key == f"part.set_screw.{key}"
     with pytest.raises(GeometryError, match=r"must be a .Keyway.") as caught:
         replace(SPEC, keyway=(6.0, 2.8))  # type: ignore[arg-type]  # wrong on purpose
     assert caught.value.key == "part.keyway"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -15,6 +16,7 @@ from camgeo.wording import at_cam_angles
 if TYPE_CHECKING:
     from camgeo.numeric.arrays import FloatArray
     from camgeo.part.part import Part
+    from camgeo.part.spec import PartSpec
     from camgeo.product.product import Product
     from camgeo.scene.scene import Scene
 
@@ -26,6 +28,9 @@ KG_M3: Final = 1e12
 
 SMALLEST_WALL: Final = "smallest-wall"
 """Name of the finding on the thinnest material between two boundaries."""
+
+SET_SCREW: Final = "set-screw"
+"""Name of the finding on a hole that no file has."""
 
 BALANCE: Final = "balance"
 """The effect whose table states the density."""
@@ -84,7 +89,8 @@ class PartFound:
     diameter : of the circle about the cam axis that it sweeps [mm]; None if there is no such part.
     layers : from the lowest upward; empty if there is no such part.
     body : None if the scene does not state all heights.
-    findings : diameter, mass and smallest wall, with their limits; or why there is no such part.
+    findings : diameter, mass and smallest wall, with their limits, and what no file has; or why
+        there is no such part.
     """
 
     diameter: float | None
@@ -104,7 +110,7 @@ def part_of(disc: Product) -> PartFound:
     where = "" if angle is None else f" {at_cam_angles(angle)}"
     statement = f"largest diameter {diameter:.6g} mm{where}"
     found = [held("largest-diameter", statement, diameter, limits.diameter, "mm", angle)]
-    walls = tuple(_smallest_wall(part, limits.wall))
+    walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
     layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
     try:
         body = Body(solid(part), _density(disc.scene))
@@ -133,6 +139,21 @@ def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
     verdict = "below" if thin else "at least"
     share = f"{verdict} {web.usual:.4g} mm, {SHARE:.0%} of the diameter of the hole"
     yield Finding(SMALLEST_WALL, severity, f"{statement}, {share}", web.thickness, web.usual, "mm")
+
+
+def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
+    """What upright walls cannot show."""
+    if spec is None or spec.set_screw is None:
+        return
+    screw = spec.set_screw
+    angle = math.degrees(screw.angle)
+    yield Finding(
+        SET_SCREW,
+        "warning",
+        f"the radial hole of the set screw, {screw.diameter:g} mm in diameter, {screw.height:g} mm"
+        f" above the face of the disc in the direction {angle:g} deg, is in no file and in no mass:"
+        " it is drilled by the drawing",
+    )
 
 
 def _density(scene: Scene) -> float | None:
