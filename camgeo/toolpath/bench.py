@@ -121,6 +121,10 @@ class Bench:
         """Whether the wall reaches the lower face."""
         return wall.z0 == self.lower_face
 
+    def pierces(self, wall: Wall) -> bool:
+        """Whether the wall reaches the lower face of the disc, perhaps beside a hub on it."""
+        return wall.z0 <= self.part.disc[0].z0
+
     def bottom(self, wall: Wall) -> float:
         """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
         holding = self.milling.holding

@@ -90,7 +90,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
     through: dict[tuple[float, float], dict[str, complex]] = {}
     for wall in (each for each in bench.holes if each.boundary.name in walls):
         boundary = bore_of(wall)
-        if bench.is_through(wall):
+        if bench.pierces(wall):
             size = boundary.round_radius, wall.z1
             through.setdefault(size, {})[boundary.name] = complex(boundary.exact.centres[0])
             continue

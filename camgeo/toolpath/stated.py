@@ -182,13 +182,13 @@ class _Stated:
             if each.rpartition(" ")[0] == name and wall in self.bench.holes
         ]
         found = numbered or [self._wall(name)]
-        if any(not wall.boundary.hole or not self.bench.is_through(wall) for wall in found):
+        if any(not wall.boundary.hole or not self.bench.pierces(wall) for wall in found):
             raise GeometryError("it is no hole", f"{self.key}.boundary", f'"{name}"')
         return found
 
     def _engrave(self) -> Cut:
         wall = self._wall(self.spec.boundary or MARK_NAME)
-        if wall not in self.bench.holes or self.bench.is_through(wall):
+        if wall not in self.bench.holes or self.bench.pierces(wall):
             value = f'"{wall.boundary.name}"'
             raise GeometryError("is no mark", f"{self.key}.boundary", value)
         self._require(self.bench.no_engraver(self.tool, wall))

@@ -262,6 +262,21 @@ def test_a_hub_on_the_lower_face_is_not_for_this_side() -> None:
         assert caught.value.key == "part.hub.side"
 
 
+def test_holes_beside_a_lower_hub_are_drilled_from_above() -> None:
+    """Down to where the second side takes away what lies below the disc."""
+    text = SCENE.replace("height = 6 }", 'height = 6, side = "both" }')
+    text = text.replace("flute_length = 20\nstick_out = 30", "flute_length = 26\nstick_out = 30")
+    turned = '[second_side]\nturned_about = "x"\n[second_side.holding]\nkind = "fixture"\n'
+    milled = _milled(f"{text}{ROUND_BLANK.replace('top = 1', '')}{turned}through = 0\n")
+    drilled = named(milled.sequence)["drill bolt hole 1, bolt hole 2, bolt hole 3"]
+    assert drilled.top == -6.0
+    assert drilled.bottom == pytest.approx(drilled.top - 10.0 - drilled.tool.tip_length)
+    second = milled.second
+    assert second is not None
+    assert [cut.name for cut in second.cuts] == ["rough lower hub", "lower hub"]
+    assert _wrong(milled) == _wrong(second) == []
+
+
 def test_a_groove_below_a_hub() -> None:
     spec = PartSpec(thickness=10.0, bore=25.0, rim=150.0, groove_depth=6.0, hub=Hub(40.0, 5.0))
     found = sequence(Contact.GROOVE, MILL, spec=spec)
