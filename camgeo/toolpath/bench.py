@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Self
 
-import numpy as np
-
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
@@ -201,17 +199,6 @@ class Bench:
             f" the largest that fits has {largest_diameter(place):g} mm",
             "diameter",
         )
-
-    def no_engraver(self, tool: Tool, wall: Wall) -> str:
-        """Why a tool does not make a mark in one pass."""
-        width = 2.0 * float(np.max(bore_of(wall).exact.radii))
-        if tool.kind != END_MILL or tool.corner_radius:
-            return "a mark is cut with a flat end mill"
-        if abs(tool.diameter - width) > SAME * width:
-            return f"it is not as wide as the {wall.boundary.name}, {width:g} mm"
-        if bore_of(wall).is_round and not tool.plunges:
-            return "a dot takes a tool that plunges"
-        return self.too_short(tool, self.bottom(wall), wall.z1)
 
     def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:
         """Why a tool cannot finish a wall at full depth from `top` [mm]."""

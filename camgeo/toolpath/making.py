@@ -221,6 +221,18 @@ def drill_all(
     )  # fmt: skip
 
 
+def no_engraver(bench: Bench, tool: Tool, wall: Wall) -> str:
+    """Why a tool does not make a mark in one pass; empty if it does."""
+    width = 2.0 * float(np.max(bore_of(wall).exact.radii))
+    if tool.kind != END_MILL or tool.corner_radius:
+        return "a mark is cut with a flat end mill"
+    if abs(tool.diameter - width) > SAME * width:
+        return f"it is not as wide as the {wall.boundary.name}, {width:g} mm"
+    if bore_of(wall).is_round and not tool.plunges:
+        return "a dot takes a tool that plunges"
+    return bench.too_short(tool, bench.bottom(wall), wall.z1)
+
+
 def engraved(bench: Bench, wall: Wall, tool: Tool, top: float) -> LineCut | PointCut:
     """A mark as wide as the tool: a slot along its middle line, or a dot."""
     boundary = bore_of(wall)

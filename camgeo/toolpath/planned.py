@@ -25,6 +25,7 @@ from camgeo.toolpath.making import (
     drill_at,
     engraved,
     finish_along,
+    no_engraver,
     rough_around,
     rough_outside,
     slot_between,
@@ -96,7 +97,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             continue
         width = 2.0 * float(np.max(boundary.exact.radii))
         tool = next(
-            (each for each in bench.milling.tools if not bench.no_engraver(each, wall)), None
+            (each for each in bench.milling.tools if not no_engraver(bench, each, wall)), None
         )
         if tool is not None:
             yield engraved(bench, wall, tool, wall.z1)

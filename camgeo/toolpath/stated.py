@@ -20,6 +20,7 @@ from camgeo.toolpath.making import (
     engraved,
     finish_along,
     loops_along,
+    no_engraver,
     rough_around,
     rough_outside,
     slot_between,
@@ -191,7 +192,7 @@ class _Stated:
         if wall not in self.bench.holes or self.bench.pierces(wall):
             value = f'"{wall.boundary.name}"'
             raise GeometryError("is no mark", f"{self.key}.boundary", value)
-        self._require(self.bench.no_engraver(self.tool, wall))
+        self._require(no_engraver(self.bench, self.tool, wall))
         return engraved(self.bench, wall, self.tool, self._top(wall))
 
     def _top(self, wall: Wall) -> float:
