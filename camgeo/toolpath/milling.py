@@ -77,6 +77,7 @@ class OperationSpec:
     boundary : name of the wall that is cut; empty where the kind says it.
     name : in the program; empty for kind and boundary.
     allowance : left on the wall [mm].
+    depth : from the upper end of the wall [mm]; None for all of it.
     strategy : of roughing, one of `STRATEGIES`; empty for what suits the blank.
     size : of a chamfer along the face [mm].
     stepdown, stepover : [mm].
@@ -100,6 +101,7 @@ class OperationSpec:
     boundary: Text = ""
     name: Text = ""
     allowance: Radius = 0.0
+    depth: Length | None = None
     strategy: Annotated[str, partial(one_of, choices=("", *STRATEGIES))] = ""
     size: Length | None = None
     stepdown: Length | None = None
@@ -348,6 +350,8 @@ def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "boundary", f'belongs to {known}; "{kind}" knows what it cuts'
     if kind != ROUGH and "strategy" in table:
         yield "strategy", f'belongs to kind "{ROUGH}"'
+    if kind not in (ROUGH, FINISH, BORE) and "depth" in table:
+        yield "depth", f'belongs to kinds "{ROUGH}", "{FINISH}", "{BORE}"'
     if kind == CHAMFER and "size" not in table:
         yield "size", "is missing: how wide the chamfer is"
     if kind != FINISH and "compensation" in table:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import shapely
 
-from camgeo.part.part import Part
+from camgeo.part.part import Part, Wall
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.holding import FIXTURE, Holding
 from camgeo.toolpath.judged import setup_of
@@ -23,7 +23,7 @@ from camgeo.toolpath.simulation import Simulation, corners_of, simulate
 from camgeo.toolpath.stages import Flaw, Slab
 from camgeo.toolpath.sweep import NOTHING, Area
 from camgeo.toolpath.turning import mirrored
-from camgeo.toolpath.verdict import FINENESS, finished_by
+from camgeo.toolpath.verdict import FINENESS, finished_by, finished_down_to, lowest_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,10 +89,9 @@ def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
     """The flaws of each side, as its work lies; a rest is one to be watched if the operations that
     the scene states leave a wall of the part unfinished.
     """
-    names = {name for each in done for cut in each.side.cuts for name in finished_by(cut)}
     stated = any(each.side.milling.operations for each in done)
-    walls = done[0].side.part.walls
-    left = stated and any(wall.boundary.name not in names for wall in walls)
+    sides = [each.side for each in done]
+    left = stated and not all(_is_finished(wall, sides) for wall in sides[0].part.walls)
     return tuple(
         tuple(
             _seen(replace(flaw, watched=True) if left and flaw.name == "rest" else flaw, each.side)
@@ -100,6 +99,20 @@ def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
         )
         for each in done
     )
+
+
+def _is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
+    """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
+    first, name = sides[0], wall.boundary.name
+    down = finished_down_to(first.cuts, name)
+    if down <= lowest_of(wall, first.milling.holding):
+        return True
+    if len(sides) == 1:
+        return False
+    second, low = sides[1], first.lowest
+    turned = replace(wall, z0=low - wall.z1, z1=low - wall.z0)
+    below = finished_down_to(second.cuts, name)
+    return below <= lowest_of(turned, second.milling.holding) or down <= low - below
 
 
 def _seen(flaw: Flaw, side: Side) -> Flaw:

@@ -130,7 +130,8 @@ class _Stated:
         return self._chamfer(wall)
 
     def _wall(self, name: str) -> Wall:
-        return self.bench.wall(name, f"{self.key}.boundary")
+        wall, depth = self.bench.wall(name, f"{self.key}.boundary"), self.spec.depth
+        return wall if depth is None else replace(wall, z0=max(wall.z0, wall.z1 - depth))
 
     def _require(self, reason: str) -> None:
         if reason:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Final
 
 from camgeo.check.finding import Finding
+from camgeo.part.part import Wall
 from camgeo.toolpath.bench import Bench, is_open
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.guard import LOOSE_CORE
+from camgeo.toolpath.holding import Holding
 from camgeo.toolpath.stages import Flaw
 
 FINENESS: Final = 1e-3
@@ -20,12 +23,27 @@ def finished_by(cut: Cut) -> tuple[str, ...]:
     return () if cut.allowance else cut.produced
 
 
+def finished_down_to(cuts: Iterable[Cut], name: str) -> float:
+    """Z down to which cuts leave a wall as it is to be [mm]; infinite if none does."""
+    return min((cut.bottom for cut in cuts if name in finished_by(cut)), default=math.inf)
+
+
+def lowest_of(wall: Wall, holding: Holding | None) -> float:
+    """Z down to which a wall is to be cut [mm]: a skin is left, to be removed by hand."""
+    return wall.z0 + (0.0 if holding is None else holding.skin or 0.0)
+
+
 def done_by(bench: Bench, cuts: Iterable[Cut]) -> frozenset[str]:
     """Names of the walls that are done with the cuts of one side; of a planned sequence all that
     tools reach: what it leaves out is there, or made otherwise.
     """
     if bench.milling.operations:
-        return frozenset(name for cut in cuts for name in finished_by(cut))
+        cuts = tuple(cuts)
+        names = ((wall, wall.boundary.name) for wall in bench.part.walls)
+        return frozenset(
+            name for wall, name in names
+            if finished_down_to(cuts, name) <= lowest_of(wall, bench.milling.holding)
+        )  # fmt: skip
     return frozenset(wall.boundary.name for wall in bench.part.walls if is_open(bench.part, wall))
 
 

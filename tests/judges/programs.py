@@ -12,7 +12,7 @@ from typing import Final
 
 import camgeo
 from camgeo.design import Design
-from camgeo.product.product import Product
+from camgeo.product.product import Product, sides_of
 from camgeo.toolpath import machine as machines
 from camgeo_export.gcode.writer import WRITER
 
@@ -49,19 +49,21 @@ def scene_of(name: str) -> Path:
 
 
 def products(folder: Path, scene: str, machine: str) -> list[Product]:
-    """The discs of a scene in a `workshop`, for a machine; none if that cannot change its tools."""
+    """The sides of the discs of a scene in a `workshop`, for a machine; none of those for which it
+    would have to change its tools and cannot.
+    """
     design = camgeo.load(folder / f"{scene}.toml")
     edited = design.scene.with_values({"output.gcode.machine": f"{machine}.toml"})
     changes = machines.load(machine).tool_change.change
     found = []
-    for product in Design(edited).discs:
+    for product in (side for disc in Design(edited).discs for side in sides_of(disc)):
         if changes or len({cut.tool.number for cut in product.milled.cuts}) == 1:
             found.append(product)
     return found
 
 
 def programs(folder: Path, scene: str, machine: str) -> Iterator[tuple[Product, bytes]]:
-    """Each disc of a scene in a `workshop`, and its program for a machine."""
+    """Each side of each disc of a scene in a `workshop`, and its program for a machine."""
     for product in products(folder, scene, machine):
         yield product, WRITER.write(product, TOLERANCE).data
 

@@ -109,6 +109,47 @@ direction = "{direction}"
 """
 """A bored plate, of which one side is chamfered, and the outline is cut from the other."""
 
+HALVES: Final = """[stock]
+length = 84
+width = 76
+bore = 18
+[holding]
+kind = "fixture"
+through = 0.3
+[[operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.4
+depth = 3.5
+[[operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+depth = 3.5
+[second_side]
+turned_about = "{about}"
+[second_side.holding]
+kind = "screws"
+through = 0
+[[second_side.holding.screw]]
+place = [0, 0]
+head_diameter = 24
+height = 8
+[[second_side.operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.4
+depth = 3
+[[second_side.operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+depth = 3
+"""
+"""An outline that each side cuts half of."""
+
 MACHINE: Final = """[output.gcode]
 machine = "{machine}"
 clearance_height = 15

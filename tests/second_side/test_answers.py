@@ -170,6 +170,10 @@ def test_a_side_that_there_is_not_cannot_be_linted(tmp_path: Path) -> None:
             'zero_height = "blank-bottom"', "clearance_height = 2",
             "second_side.retract_height",
         ),
+        (
+            'tool = 5\nsize = 0.4', 'tool = 5\nsize = 0.4\ndepth = 2',
+            'operation[1].depth = 2: belongs to kinds "rough", "finish", "bore"',
+        ),
         ("length = 84\nwidth = 76\n", "", 'second_side.zero = "front-left": needs a plate'),
         ("head_diameter = 24", "head_diameter = -1", "second_side.holding.screw[1].head_diameter"),
     ],

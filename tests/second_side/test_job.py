@@ -15,7 +15,7 @@ from camgeo.toolpath.judged import runs_of
 from camgeo.toolpath.moves import Point, Stop
 from camgeo.toolpath.sides import Done, Side, settled, simulated
 from camgeo.toolpath.stages import Flaw
-from tests.second_side.scenes import FACED, FROM_BELOW, TOLERANCE, design, scene
+from tests.second_side.scenes import FACED, FROM_BELOW, HALVES, TOLERANCE, design, scene
 
 OPERATIONS: Final = """[[second_side.operation]]
 kind = "{kind}"
@@ -101,6 +101,18 @@ def test_it_starts_from_what_the_first_has_left() -> None:
     assert (high[0].z0, high[-1].z1) == pytest.approx((-6.0, 2.5))
 
 
+def test_edges_that_the_first_side_breaks_are_none_of_the_part() -> None:
+    """Seen from below the part is narrower where its upper edge is broken, by up to 0.4 mm."""
+    _, second = done(scene(FROM_BELOW))
+    found = second.simulation
+    slabs = found.stages[-1].slabs
+    low, whole = (
+        next(area for slab, area in zip(slabs, found.part, strict=True) if slab.z0 <= z < slab.z1)
+        for z in (-5.99, -3.0)
+    )
+    assert whole.area - low.area == pytest.approx(0.4 * whole.exterior.length, rel=0.15)
+
+
 def test_what_the_second_side_cuts_is_not_demanded_of_the_first() -> None:
     first, second = done(scene(FROM_BELOW))
     assert not first.setup.final
@@ -136,6 +148,21 @@ height = 8
     assert second.setup.before is not None
     carried = sum((s.z1 - s.z0) * s.material.area for s in second.setup.before.slabs)
     assert carried == pytest.approx(first.simulation.stages[-1].volume)
+
+
+def test_what_the_first_side_leaves_on_the_part_is_there_in_the_end() -> None:
+    """A face that is cut 0.3 mm too high."""
+    first, second = done(scene(FACED))
+    own = first.side
+    face = tuple(
+        move if isinstance(move, Stop) else replace(move, end=(*move.end[:2], move.end[2] + 0.3))
+        for move in own.runs[0].moves
+    )
+    runs = (replace(own.runs[0], moves=face), *own.runs[1:])
+    wrong = Side(own.part, own.milling, own.cuts, runs)
+    found = simulated([wrong, second.side], allowed=0.04, level=1e-6, of=2)
+    assert "rest" not in {flaw.name for flaw in found[0].simulation.flaws}
+    assert "rest" in {flaw.name for flaw in found[1].simulation.flaws}
 
 
 def test_tabs_of_the_first_side_may_stay() -> None:
@@ -225,6 +252,32 @@ def test_what_cannot_be_done_from_below_is_refused(tables: str, expected: str) -
     with pytest.raises(SceneError) as caught:
         _ = second.zero, second.toolpath(TOLERANCE)
     assert expected in str(caught.value)
+
+
+def test_short_edges_cut_a_thick_part_from_both_sides() -> None:
+    """Edges of 4 mm, a part of 6 mm; neither side alone finishes its outline."""
+    text = scene(HALVES).replace("flute_length = 12", "flute_length = 4")
+    assert flaws(text) == []
+    first, second = done(text)
+    assert [min(cut.depths) for cut in first.side.cuts] == [-3.5, -3.5]
+    assert [min(cut.depths) for cut in second.side.cuts] == [-3.0, -3.0]
+
+
+def test_halves_that_do_not_meet_leave_a_web() -> None:
+    text = scene(HALVES.replace("depth = 3\n", "depth = 2\n"))
+    (rest,) = flaws(text)
+    assert (rest.name, rest.watched) == ("rest", True)
+    assert rest.place[2] == pytest.approx(-2.5)
+    assert "0.5 mm high" in rest.text
+
+
+def test_a_wall_of_which_the_first_side_cuts_half_is_planned_from_below() -> None:
+    tables = HALVES.partition("[[second_side.operation]]")[0]
+    second = sides_of(design(scene(tables)).disc)[1].milled
+    assert [cut.name for cut in second.cuts] == ["rough outline", "outline"]
+    whole = tables.replace("depth = 3.5\n", "")
+    with pytest.raises(SceneError, match="nothing is to be milled"):
+        _ = sides_of(design(scene(whole)).disc)[1].milled.cuts
 
 
 def test_a_groove_is_not_reached_from_below() -> None:

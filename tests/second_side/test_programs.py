@@ -19,7 +19,15 @@ from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.second_side.scenes import FACED, FROM_BELOW, TOLERANCE, design, scene, second
+from tests.second_side.scenes import (
+    FACED,
+    FROM_BELOW,
+    HALVES,
+    TOLERANCE,
+    design,
+    scene,
+    second,
+)
 
 READING: Final = Reading("a.ngc", ours=True)
 
@@ -59,7 +67,11 @@ def compensated(about: str, mode: str = "wear", direction: str = "climb") -> Pro
 
 @pytest.mark.parametrize(
     ("machine", "tables", "about"),
-    [*((name, FROM_BELOW + EDGE, "x") for name in names()), ("linuxcnc", FACED, "y")],
+    [
+        *((name, FROM_BELOW + EDGE, "x") for name in names()),
+        ("linuxcnc", FACED, "y"),
+        ("haas", HALVES, "y"),
+    ],
 )
 def test_programs_of_both_sides_are_clean_and_verify(machine: str, tables: str, about: str) -> None:
     profile = load(machine)
