@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.cam.contact import Contact
 from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError, SceneError
-from camgeo.formats.drawing import DrawingSpec, drawing_of
+from camgeo.formats.drawing import drawing_of
 from camgeo.formats.format import Options, OutputSpec
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.linkage import linked
@@ -81,6 +81,9 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     if faults or plan is None or (follower is None and values.has("follower")):
         last = len(document.lines) + SCENE.size
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
+    rest = builder.rest(speed_curve)
+    if inside.faults:
+        raise SceneError(inside.faults, source.file)
     return {
         "stated": values,
         "source": source.having(inside.contents),
@@ -93,7 +96,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         "effects": effects,
         "output": output,
         "milling": milling,
-        **builder.rest(speed_curve),
+        **rest,
     }
 
 
@@ -229,7 +232,9 @@ class Builder:
         return effect_tables(self.inside, faulted)
 
     def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
-        """The other attributes of a scene, all of whose values are valid."""
+        """The other attributes of a scene, all of whose values are valid; None, with a fault, for
+        what has numbers too large or too small to be computed with.
+        """
         get = self.values.get
         speed = get("cam", "speed")
         if speed_curve is not None:
@@ -244,16 +249,13 @@ class Builder:
             "speed_curve": speed_curve,
             "contact": self.values.contact or Contact.INNER,
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
-            "limits": Limits(**self._top("limits")),
-            "part": self._part(),
-            "drawing": self._drawing(),
+            "limits": self._engine(("limits",), lambda: Limits(**self._top("limits"))),
+            "part": self._engine(("part",), self._part),
+            "drawing": self._engine(("drawing",), lambda: drawing_of(self._top("drawing"))),
         }
 
     def _part(self) -> PartSpec | None:
         return part_of(self._top("part")) if self.values.has("part") else None
-
-    def _drawing(self) -> DrawingSpec:
-        return drawing_of(self._top("drawing"))
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""
