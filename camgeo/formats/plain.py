@@ -51,15 +51,20 @@ CUT_SVG: Final = _plain(
 BODY: Final = (("part.thickness",), (groove_has_a_depth,))
 """The needs and rules of formats of solid bodies."""
 
-STL: Final = _plain("stl", ".stl", "The part as a body of triangles, in single precision", *BODY)
+STL: Final = _plain(
+    "stl",
+    ".stl",
+    "The part as a body of triangles, in single precision, its header in ASCII",
+    *BODY,
+)
 THREEMF: Final = _plain(
-    "3mf", ".3mf", "The part as a body of triangles, in double precision", *BODY
+    "3mf", ".3mf", "The part as a body of triangles, in double precision; UTF-8", *BODY
 )
 
 ASC: Final = _plain(
     "asc",
     "1.asc",
-    "The point files of opticurv, at the step of the value table",
+    "The point files of opticurv, at the step of the value table, in ASCII",
     ("linkage",),
     (is_a_rocker_behind_a_slider,),
 )

@@ -185,6 +185,14 @@ def programs_of(side: Product) -> tuple[Product, ...]:
     return made
 
 
+def title_of(disc: Product) -> str:
+    """What people call the disc, in any characters: the title of the drawing, or its name."""
+    title = disc.scene.drawing.title
+    if not title:
+        return disc.name
+    return f"{title} ({RETURN})" if disc.position else title
+
+
 def disc_of(discs: Sequence[Product], stem: str) -> Product:
     """The disc to which a file belongs that is named `stem` without its ending.
 

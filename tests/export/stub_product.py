@@ -21,6 +21,7 @@ from camgeo.check.judge import Judgement
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
+from camgeo.formats.drawing import DrawingSpec
 from camgeo.formats.dxf import DxfSpec
 from camgeo.formats.format import Options, Values
 from camgeo.formats.step import StepSpec
@@ -135,7 +136,12 @@ def there_and_back(stroke: float) -> plan.MotionPlan:
     return plan.MotionPlan(tuple(plan.Move(Decimal(180), to, law) for to in (stroke, 0.0)))
 
 
-NO_SCENE: Any = None
+@dataclass(frozen=True, slots=True)
+class StubScene:
+    drawing: DrawingSpec = field(default_factory=DrawingSpec)
+
+
+NO_SCENE: Any = StubScene()
 
 TOOL = Tool(
     number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0, plunges=True

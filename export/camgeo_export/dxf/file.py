@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
 from ezdxf.document import Drawing
 
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.units import LengthUnit
 
 INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
@@ -35,6 +35,8 @@ def describe(document: Drawing, product: Product, tolerance: float) -> None:
     properties.append("camgeo", product.version)
     properties.append("scene", product.scene_hash)
     properties.append("tolerance mm", repr(tolerance))
+    if title_of(product) != product.name:
+        properties.append("title", title_of(product))
 
 
 def bytes_of(document: Drawing) -> bytes:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import re
 import textwrap
+import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from camgeo.product.product import SECOND as NAME
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.toolpath.blank import described
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine import Machine
@@ -86,6 +87,9 @@ def about_program(
             for each, tool in tools.items()
         ),
         *product.milled.told,
+        ""
+        if title_of(product) == product.name
+        else f"title {title_of(product)}",  # anyone's words: last
     )
     return [part for part in parts if part]
 
@@ -138,10 +142,29 @@ def comment_texts(texts: Iterable[str], form: TextForm) -> list[str]:
     replaced = str.maketrans({"(": "[", ")": "]"} | dict.fromkeys(form.forbidden, "_"))
     lines = []
     for text in texts:
-        plain = text.encode("ascii", "replace").decode("ascii").translate(replaced)
+        plain = ascii_of(text).translate(replaced)
         plain = plain.upper() if form.letters == "upper" else plain
         lines += textwrap.wrap(plain, width)
     return lines
+
+
+SPELLED = str.maketrans(
+    {
+        "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "ẞ": "SS",
+        "Ø": "dia. ", "ø": "dia. ", "⌀": "dia. ", "Æ": "Ae", "æ": "ae", "Œ": "Oe", "œ": "oe",
+        "Å": "Aa", "å": "aa", "Ł": "L", "ł": "l", "°": " deg", "±": "+-", "×": "x", "µ": "u",
+        "μ": "u", "–": "-", "—": "-", "’": "'", "…": "...",
+    }
+)  # fmt: skip
+"""Characters of technical texts as ASCII."""
+
+
+def ascii_of(text: str) -> str:
+    """`text` in ASCII: special letters and signs spelled out, accents left off, others as "?"."""
+    spelled_out = unicodedata.normalize("NFC", text).translate(SPELLED)
+    parts = unicodedata.normalize("NFKD", spelled_out)
+    kept = "".join(each for each in parts if not unicodedata.combining(each))
+    return kept.encode("ascii", "replace").decode("ascii")
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camgeo.errors import GeometryError
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.units import MM_PER
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
@@ -31,7 +31,7 @@ def measure(product: Product, data: bytes) -> float:
     if solid.unit != MM_PER[product.unit]:
         raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
     for check in (
-        contents_check(exchange, model, solid, part, product.name),
+        contents_check(exchange, model, solid, part, title_of(product)),
         *shell_checks(solid, UNCERTAINTY),
     ):
         if not check.ok:

@@ -11,7 +11,7 @@ import math
 from camgeo.contour.spline import Arc
 from camgeo.formats.step import FORMAT
 from camgeo.part.part import Part
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.reading import INSTANCES
 from camgeo.units import MM_PER
 from camgeo.wording import counted
@@ -44,13 +44,13 @@ class StepWriter:
         rings = {each.name: ring_of(each, product, tolerance) for each in part.boundaries}
         _limit(sum(len(rings[wall.boundary.name].strands) for wall in part.walls))
         file = Entities()
-        shape = add_product(file, product.name)
+        shape = add_product(file, title_of(product))
         context = add_context(file, product.unit)
         pen = Pen(file, MM_PER[product.unit])
         shell = Shell(pen, part, rings)
-        solid = file.add("MANIFOLD_SOLID_BREP", product.name, shell.add())
+        solid = file.add("MANIFOLD_SOLID_BREP", title_of(product), shell.add())
         representation = file.add(
-            "ADVANCED_BREP_SHAPE_REPRESENTATION", product.name, (pen.axes(0.0), solid), context
+            "ADVANCED_BREP_SHAPE_REPRESENTATION", title_of(product), (pen.axes(0.0), solid), context
         )
         file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
         text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])

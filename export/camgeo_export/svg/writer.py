@@ -16,7 +16,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.formats.plain import CUT_SVG
 from camgeo.part.boundaries import largest_radius
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.reading import SVG_PIECES
 from camgeo.wording import counted
 from camgeo.writing.writer import Written
@@ -72,7 +72,7 @@ class CutSvgWriter:
         lines = [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1" {size} {box}>',
-            f"<title>{escape(product.name)}</title>",
+            f"<title>{escape(title_of(product))}</title>",
             f"<desc>{made}; tolerance {tolerance!r} mm</desc>",
         ]
         for name, contours in layers.items():

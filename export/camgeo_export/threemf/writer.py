@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.formats.plain import THREEMF
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -117,7 +117,7 @@ def _frame(product: Product, tolerance: float) -> ET.Element:
     }
     root = ET.Element("model", attributes)
     metadata = {
-        "Title": product.name,
+        "Title": title_of(product),
         "Application": f"camgeo {product.version}",
         "camgeo:scene": product.scene_hash,
         "camgeo:tolerance": f"{tolerance!r} mm",
@@ -125,7 +125,9 @@ def _frame(product: Product, tolerance: float) -> ET.Element:
     for name, value in metadata.items():
         ET.SubElement(root, "metadata", {"name": name}).text = value
     resources = ET.SubElement(root, "resources")
-    item = ET.SubElement(resources, "object", {"id": "1", "type": "model", "name": product.name})
+    item = ET.SubElement(
+        resources, "object", {"id": "1", "type": "model", "name": title_of(product)}
+    )
     mesh = ET.SubElement(item, "mesh")
     ET.SubElement(mesh, "vertices").text = VERTICES
     ET.SubElement(mesh, "triangles").text = TRIANGLES

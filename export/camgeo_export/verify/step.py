@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camgeo.errors import GeometryError
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.verifying.verification import (
     Check,
     Origin,
@@ -65,7 +65,7 @@ class StepVerifier:
         except GeometryError as error:
             return (*checks, failed("body", f"there is none to compare it with: {error.message}"))
         if reading.ours:
-            checks.append(contents_check(exchange, model, solid, part, product.name))
+            checks.append(contents_check(exchange, model, solid, part, title_of(product)))
         stated = solid.uncertainty
         shell = shell_checks(solid, min(stated or tolerance, tolerance))
         checks += shell

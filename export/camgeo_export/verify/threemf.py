@@ -6,7 +6,7 @@ import io
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
-from camgeo.product.product import Product
+from camgeo.product.product import Product, title_of
 from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
@@ -53,7 +53,7 @@ class ThreeMfVerifier:
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
         parts = parts_of(data)
-        valid = package_checks(parts, reading.ours, product.name)
+        valid = package_checks(parts, reading.ours, title_of(product))
         unit, _ = _head(parts)
         name = SHORT.get(unit, unit)
         check = unit_check(name, reading, "mm", "camgeo's 3MF files are in millimetres")
