@@ -9,10 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.chords.fewest import fewest_chords
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.proof.deviation import deviation
@@ -64,6 +61,9 @@ class CurveBoundary(Pickled):
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises ToleranceError, or UndercutError if the path is not an outline."""
+        from camgeo.contour.arcs.fast import fit_arcs  # a check without milling has no arcs
+        from camgeo.contour.arcs.fewest import fewest_arcs
+
         fit = fit_arcs if effort == "fast" else fewest_arcs
         return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
 
@@ -79,6 +79,8 @@ class CurveBoundary(Pickled):
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises like `arcs`."""
+        from camgeo.contour.chords.fewest import fewest_chords  # a check has the fast fit
+
         fit = fit_polyline if effort == "fast" else fewest_chords
         return self._fitted("chords", fit, tolerance, lambda found: found.contour)
 
