@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from camgeo.formats.drawing import DrawingSpec
+from camgeo.part.spec import LOWER, PartSpec
 from camgeo.product.product import Product
 from camgeo.sheet.lettering import wrapped
 from camgeo.sheet.marks import Label, Mark
-from camgeo.sheet.words import WORDS
+from camgeo.sheet.words import WORDS, Words
 from camgeo.units import MM_PER
 
 LETTER = 2.5
@@ -41,22 +42,10 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
     if cam.contact.closed_by_form and cam.clearance:
         base += f"; {words.clearance.format(clearance=length(cam.clearance))}"
     found[1:] = [f"{found[1]}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"]
-    mark = None if product.scene.part is None else product.scene.part.mark
-    if mark is not None:
-        size = f"%%c{length(mark.width)}"
-        if mark.length is not None:
-            size = f"{length(mark.width)} x {length(mark.length)}"
-        angle = f"{math.degrees(mark.angle):.6g}".replace(
-            ".", "," if spec.language == "de" else "."
-        )
-        found.append(
-            words.mark.format(
-                size=size, radius=length(mark.radius), depth=length(mark.depth), angle=angle
-            )
-        )
+    found += _features(product.scene.part, words, length, spec)
     sense = words.sense.format(sense=words.ccw if cam.rotation > 0 else words.cw)
     found.append(f"{words.zero} {sense}")
-    shown = f"{tolerance / MM_PER[product.unit]:.6f}".rstrip("0")
+    shown = f"{tolerance / MM_PER[product.unit]:.9f}".rstrip("0")
     if spec.language == "de":
         shown = shown.replace(".", ",")
     found.append(words.curve.format(tolerance=shown, unit=product.unit))
@@ -72,6 +61,38 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
     found.append(" ".join(legend))
     found.append(words.scene.format(scene=product.scene_hash))
     return found
+
+
+def _features(
+    part: PartSpec | None, words: Words, length: Length, spec: DrawingSpec
+) -> Iterator[str]:
+    """What views and dimensions leave open: a timing mark, and the hole of a set screw."""
+    if part is None:
+        return
+
+    def degrees(angle: float) -> str:
+        text = f"{math.degrees(angle):.6g}"
+        return text.replace(".", ",") if spec.language == "de" else text
+
+    if part.mark is not None:
+        mark = part.mark
+        size = f"%%c{length(mark.width)}"
+        if mark.length is not None:
+            size = f"{length(mark.width)} x {length(mark.length)}"
+        yield words.mark.format(
+            size=size,
+            radius=length(mark.radius),
+            depth=length(mark.depth),
+            angle=degrees(mark.angle),
+        )
+    if part.set_screw is not None and part.hub is not None:
+        screw = part.set_screw
+        yield words.set_screw.format(
+            diameter=length(screw.diameter),
+            height=length(screw.height),
+            angle=degrees(screw.angle),
+            face=words.lower if part.hub.side == LOWER else words.upper,
+        )
 
 
 def lines_of(notes: list[str], width: float) -> list[tuple[str, bool]]:

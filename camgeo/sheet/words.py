@@ -48,6 +48,9 @@ class Words:
     base: str
     clearance: str
     mark: str
+    set_screw: str
+    upper: str
+    lower: str
     zero: str
     sense: str
     ccw: str
@@ -97,6 +100,10 @@ ENGLISH: Final = Words(
     base="Base circle radius {radius}",
     clearance="groove wider than the roller by {clearance}",
     mark="Timing mark {size}, {depth} deep, its middle at radius {radius} and {angle}°",
+    set_screw="Hole %%c{diameter} for a set screw, radial through the hub at {angle}°, its middle"
+    " {height} from the {face} face of the disc (not drawn)",
+    upper="upper",
+    lower="lower",
     zero="The zero mark is cam angle 0; polar angles count from it, counter-clockwise in the view.",
     sense="The cam turns {sense} in the view.",
     ccw="counter-clockwise",
@@ -147,6 +154,10 @@ GERMAN: Final = Words(
     base="Grundkreisradius {radius}",
     clearance="Nut um {clearance} breiter als die Rolle",
     mark="Zeitmarke {size}, {depth} tief, Mitte auf Radius {radius} bei {angle}°",
+    set_screw="Bohrung %%c{diameter} für einen Gewindestift, radial durch die Nabe bei {angle}°,"
+    " Mitte {height} von der {face} Fläche der Scheibe (nicht gezeichnet)",
+    upper="oberen",
+    lower="unteren",
     zero="Die Nullmarke ist Kurvenwinkel 0; Polarwinkel zählen von ihr aus gegen den Uhrzeigersinn"
     " der Ansicht.",
     sense="Die Kurve dreht in der Ansicht {sense}.",

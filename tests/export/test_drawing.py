@@ -62,6 +62,8 @@ def printed(dimension: Dimension) -> str:
 def test_the_sheet_is_measured_and_sound(kind: tuple[str, str, str]) -> None:
     product, data = products(*kind)[0], written(*kind)
     assert WRITER.measure(product, data) <= TOLERANCE
+    facts = WRITER.write(product, TOLERANCE).facts
+    assert facts["scale"] == ("1:1" if kind[1] == "A3" else "1:5" if kind[0] == "groove" else "1:2")
     drawing = read(*kind)
     audit = drawing.audit()
     assert not audit.errors

@@ -6,15 +6,21 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from shapely import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
 
+from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.features import bore_boundary
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import Keyway
+from camgeo.part.spec import Keyway, PartSpec
 from camgeo.sheet.marks import Chain, Hatched, Mark
 from camgeo.sheet.section import hatching, section
 from camgeo.sheet.shape import COARSE, shape_of
+from tests.part.parts import FLANKS, made_or_refused, specs
 
 
 def round_boundary(name: str, radius: float, centre: complex = 0j, *, hole: bool) -> ExactBoundary:
@@ -93,3 +99,25 @@ def test_hatching_stays_in_its_face_at_its_distance() -> None:
         for end in ends:
             assert 1.0 - 1e-9 <= end.real <= 9.0 + 1e-9
             assert 2.0 - 1e-9 <= end.imag <= 30.0 + 1e-9
+
+
+@given(st.sampled_from(list(FLANKS)), specs())
+@settings(max_examples=15)
+def test_random_parts_are_cut_as_their_polygons_are(contact: Contact, spec: PartSpec) -> None:
+    """Any layers: their material on the plane by polygons, and the edges below others."""
+    part = made_or_refused(contact, spec)
+    assume(part is not None)
+    assert part is not None
+    shape = shape_of(part, 0.01, "fast")
+    expected = 0.0
+    for layer in part.layers:
+        inside: BaseGeometry = Polygon()
+        for contour in shape.contours(layer):
+            points = contour.points(1e-3)
+            ring = Polygon(np.column_stack((points.real, points.imag)))
+            inside = inside.symmetric_difference(ring)
+        plane = LineString([(0.0, -200.0), (0.0, 200.0)])
+        expected += (layer.z1 - layer.z0) * inside.intersection(plane).length
+    assert area(section(shape)) == pytest.approx(expected, rel=1e-2)
+    top = part.layers[-1]
+    assert not any(edge.hidden for edge in shape.edges if edge.boundary in top.boundaries)

@@ -163,6 +163,15 @@ def test_flats_and_holes_are_dimensioned() -> None:
         assert any(abs(m.measure - length) < 1e-9 and m.suffix == suffix for m in found), length
 
 
+def test_what_no_layer_has_is_a_note() -> None:
+    """Of all files only the sheet has the hole of a set screw."""
+    screw = "set_screw = { diameter = 4, height = 6, angle = 45 }\nhub ="
+    scene = parse_scene(HUBBED.replace("hub =", screw)).with_values(edited({}))
+    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
+    assert "Hole %%c4 for a set screw, radial through the hub at 45°, its middle 6 from" in texts
+
+
 def test_the_example_of_the_page_is_a_table() -> None:
     page = (FIXTURES.parent / "docs" / "drawing.md").read_text("utf-8")
     table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Final
 
 from ezdxf.document import Drawing
@@ -11,6 +12,7 @@ from camgeo.formats.drawing import FORMAT
 from camgeo.formats.format import Format
 from camgeo.product.product import Product
 from camgeo.sheet.marks import Sheet
+from camgeo.sheet.scales import SMALLEST, spelled
 from camgeo.sheet.sheet import measured, sheet_of
 from camgeo.writing.writer import Written
 from camgeo_export.drawing.document import document_of
@@ -75,7 +77,7 @@ class DrawingWriter:
         with fixed_metadata():
             data = bytes_of(document)
         facts: dict[str, int | float | str] = {
-            "scale": f"{sheet.scale:g}",
+            "scale": spelled(Fraction(sheet.scale).limit_denominator(SMALLEST)),
             "dimensions": len(measured(sheet)),
         }
         return Written(data, facts)
