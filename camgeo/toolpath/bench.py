@@ -73,11 +73,6 @@ class Bench:
         return {wall.boundary.name: wall for wall in self.part.walls}
 
     @property
-    def up(self) -> str:
-        """Which face of the part lies up: "upper", or "lower" on the second side."""
-        return "lower" if self.milling.turned else "upper"
-
-    @property
     def lower_face(self) -> float:
         """Z of the lower face of the part [mm]."""
         return self.part.layers[0].z0
@@ -110,7 +105,7 @@ class Bench:
             known = ", ".join(f'"{each}"' for each in walls)
             message = f"the part has no such wall; it has {known}"
         elif not is_open(self.part, walls[name]):
-            message = f"it is not open on the {self.up} face: the part lies over it"
+            message = f"it is not open on the {self.milling.up} face: the part lies over it"
         if message:
             raise GeometryError(message, key, f'"{name}"')
         return walls[name]

@@ -171,6 +171,11 @@ class MillingSpec:
         if repeated := [number for number, count in numbers_of(tools).items() if count > 1]:
             raise GeometryError("each tool needs its own number", "tool", f"{repeated[0]}")
 
+    @property
+    def up(self) -> str:
+        """Which face of the part lies up: "upper", or "lower" on the second side."""
+        return "lower" if self.turned else "upper"
+
     def of_second_side(self, *, faced: bool, done: frozenset[str]) -> MillingSpec | None:
         """What is stated on the second side, as if it were all; None if there is none.
 

@@ -157,7 +157,9 @@ class _Stated:
 
     def _face(self) -> Cut:
         if not self.top or self.bench.milling.stock.outline is None:
-            message = f"there is nothing to face: the blank ends at the {self.bench.up} face"
+            message = (
+                f"there is nothing to face: the blank ends at the {self.bench.milling.up} face"
+            )
             if self.top:
                 message = "the outline of a blank that is to be faced must be known"
             raise GeometryError(message, f"{self.key}.kind", '"face"')
@@ -358,10 +360,10 @@ class _Stated:
         assert size is not None  # which the rules of the scene require
         assert tool.tip_angle is not None
         if wall.z1 != 0.0:
-            message = f"its {self.bench.up} edge is not on the {self.bench.up} face"
+            message = f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face"
             raise GeometryError(message, f"{self.key}.boundary")
         if self.top:
-            message = f"the {self.bench.up} face is not there yet: it is to be faced before"
+            message = f"the {self.bench.milling.up} face is not there yet: it is to be faced before"
             raise GeometryError(message, f"{self.key}.kind", '"chamfer"')
         # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
         reach = (1.0 + BELOW) * size
