@@ -29,7 +29,9 @@ FORMATS: Final = {
 }
 """Formats of camgeo, each with its module and its name there."""
 
-NO_FORMATS: Final = {"pdf": "PDFs are drawn by: camgeo plot SCENE -o FILE.pdf"}
+NO_FORMATS: Final = {
+    "pdf": "PDFs are drawn by: camgeo plot SCENE -o FILE.pdf; a sheet by the format drawing",
+}
 """Names that users may take for formats, with hints at what makes such files."""
 
 
