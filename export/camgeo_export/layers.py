@@ -49,8 +49,8 @@ def layered(product: Product) -> dict[str, tuple[Boundary, ...]]:
     return found
 
 
-def of_the_part(layers: Iterable[str]) -> tuple[str, ...]:
+def of_the_part(layers: Iterable[str]) -> set[str]:
     """Those of `layers` that are named like layers of a part's edges."""
     heads = tuple(f"{word}_" for word in WORDS.values())
     known = (CUT, *WORDS.values())
-    return tuple(name for name in layers if name in known or name.startswith(heads))
+    return {name for name in layers if name in known or name.startswith(heads)}

@@ -41,10 +41,10 @@ def test_edges_of_hubs_pockets_and_holes() -> None:
         "lower hub": "RAISED_BELOW_7",
     }
     assert layer_name(found["pocket"], 25.4) == "BLIND_0.246063"
-    assert of_the_part(["0", *names.values(), "BLIND", "BLINDS", "PITCH_CURVE"]) == (
+    assert of_the_part(["0", *names.values(), "BLIND", "BLINDS", "PITCH_CURVE"]) == {
         *names.values(),
         "BLIND",
-    )
+    }
 
 
 @pytest.mark.parametrize(("change", "name"), [

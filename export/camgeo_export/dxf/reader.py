@@ -153,11 +153,12 @@ class Drawing:
 
     def on(self, layer: str | None, kinds: tuple[str, ...] = CURVES) -> list[Item]:
         """The entities of those `kinds` on a layer; see `joined`."""
-        layers = sorted({item.layer for item in self.items})
+        layers = {item.layer for item in self.items}
         if layer is not None and layer not in layers:
-            raise FileError(f"{self.name}: has no layer {layer!r}; there are {', '.join(layers)}")
-        ours = of_the_part(layers) if CUT in layers else tuple(layers)
-        wanted = ours if layer is None else (layer,)
+            known = ", ".join(sorted(layers))
+            raise FileError(f"{self.name}: has no layer {layer!r}; there are {known}")
+        ours = of_the_part(layers) if CUT in layers else layers
+        wanted = ours if layer is None else {layer}
         chosen = [item for item in self.items if item.layer in wanted]
         for item in chosen:
             if item.kind in REFUSED and item.kind not in kinds:
