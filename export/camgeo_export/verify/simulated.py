@@ -49,13 +49,16 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     whole = product.milled if product.milled.whole is None else product.milled.whole
     level = program.step if math.isfinite(program.step) else 0.0
     done = job(whole, whole.cuts, runs, tolerance, level=level)
-    flaws = [flaw for side in settled(done) for flaw in side]
-    known = [flaw for flaw in flaws if flaw.watched]
-    if wrong := [flaw for flaw in flaws if not flaw.watched]:
-        return [failed(NAME, flaw.sentence, flaw.operation) for flaw in wrong]
+    told = [
+        (flaw, flaw.sentence if side.side.runs is runs else f"of the other side, {flaw.sentence}")
+        for side, flaws in zip(done, settled(done), strict=True)
+        for flaw in flaws
+    ]
+    if wrong := [(flaw, text) for flaw, text in told if not flaw.watched]:
+        return [failed(NAME, text, flaw.operation) for flaw, text in wrong]
     names = {run.name for run in runs}
     checks = [Check(NAME, "", counted(len(names), "operation"), ok=True)]
-    return checks + [Check(NAME, flaw.operation, ok=None, note=flaw.sentence) for flaw in known]
+    return checks + [Check(NAME, flaw.operation, ok=None, note=text) for flaw, text in told]
 
 
 def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> tuple[Run, ...]:
