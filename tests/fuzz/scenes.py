@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import tomllib
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -180,8 +181,36 @@ def made_up(rng: Random) -> dict[str, Any]:
     if rng.random() < 0.6:
         values["cam"]["speed"] = rng.choice((1, 60.0, 300.0, 1e4))
     if rng.random() < 0.5:
-        values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3)}
+        values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3), **features(rng, radius)}
     return values
+
+
+def features(rng: Random, radius: float) -> dict[str, Any]:
+    """What a part has beside its bore: often where there is room, at times where there is none."""
+
+    def size(low: float, high: float) -> float:
+        return float(f"{radius * rng.uniform(low, high):.4g}")
+
+    def holes() -> dict[str, Any]:
+        found = {"count": rng.randint(1, 7), "circle": size(0.5, 1.9), "hole": size(0.02, 0.2)}
+        return {**found, "angle": rng.choice((0, 17.5, -360))}
+
+    makers: dict[str, Callable[[], dict[str, Any]]] = {
+        "keyway": lambda: rng.choice(
+            ({"standard": "DIN 6885-1"}, {"width": size(0.05, 0.3), "depth": size(0.02, 0.2)})
+        ),
+        "d_shaft": lambda: {"across": size(0.21, 0.39)},
+        "hub": lambda: {
+            "diameter": size(0.45, 1.5),
+            "height": size(0.01, 0.5),
+            "side": rng.choice(("upper", "lower", "both")),
+        },
+        "mark": lambda: {"radius": size(0.3, 0.9), "width": size(0.01, 0.1), "depth": 1},
+        "bolt_circle": holes,
+        "lightening_holes": holes,
+    }
+    chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
+    return {name: makers[name]() for name in chosen}
 
 
 def _guided(rng: Random, radius: float) -> dict[str, Any]:
