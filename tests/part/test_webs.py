@@ -110,7 +110,7 @@ def _walls(part: Part) -> list[tuple[float, float]]:
             if not (apart or (nested and not solid.hole and hole.hole)):
                 continue
             sizes = [
-                2.0 * math.sqrt(areas[each.name].area / math.pi)
+                2.0 * math.sqrt(each.arcs(1e-2, "fast").contour.area / math.pi)
                 for each in (one, other)
                 if each.hole and each.name not in ("outline", "outer flank")
             ]
