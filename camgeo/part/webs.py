@@ -80,6 +80,18 @@ def thinnest(part: Part, limit: float | None = None) -> Web | None:
     return found
 
 
+def surely_thick(part: Part, limit: float | None = None) -> bool:
+    """Whether circles about the boundaries suffice to show that no web is thinner than the `limit`
+    [mm], or than its usual thickness; raises like `thinnest`.
+    """
+    return all(
+        _least(*(pair if pair[1].hole else pair[::-1]), limit) >= (1.0 if limit is None else limit)
+        for layer in part.layers
+        for pair in combinations(layer.boundaries, 2)
+        if pair[0].hole or pair[1].hole
+    )
+
+
 def _size(web: Web, limit: float | None) -> tuple[float, float]:
     """By which webs are compared."""
     return _relative(web.thickness, web.usual, limit), web.thickness
@@ -92,11 +104,12 @@ def _relative(thickness: float, usual: float, limit: float | None) -> float:
 
 
 def _least(one: Boundary, hole: Boundary, limit: float | None) -> float:
-    """A lower bound of `_size` of a web between two holes, from circles about them; 0 beside an
-    outline.
+    """A lower bound of `_size` of a web, from circles about two holes, or about the cam axis within
+    an outline and around a hole.
     """
     if not one.hole:
-        return 0.0
+        apart = one.nearest() - hole.farthest()[0]
+        return _relative(max(0.0, apart), _usual(one, hole), limit)
     circles = []
     for each in (one, hole):
         fit = each.beside(TOLERANCES[0])

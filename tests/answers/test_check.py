@@ -297,7 +297,7 @@ def test_mass_properties_of_the_part_of_each_disc() -> None:
     reported = document(found)["parts"]["disc"]
     assert reported["diameter_mm"] == part.diameter
     assert reported["body"]["centre_mm"] == centre.tolist()
-    assert reported["body"]["density_kg_m3"] == pytest.approx(7850.0)
+    assert reported["body"]["density_kg_per_m3"] == pytest.approx(7850.0)
     assert reported["body"]["mass_kg"] == part.body.mass
     inertia = part.body.inertia
     assert inertia is not None

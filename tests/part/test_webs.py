@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from camgeo.cam.contact import Contact
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
-from camgeo.part.webs import SHARE, thinnest
+from camgeo.part.webs import SHARE, surely_thick, thinnest
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -35,8 +35,11 @@ CIRCLE = math.pi / 2.0
 def test_walls_of_circles(
     spec: PartSpec, names: tuple[str, str] | None, thickness: float, usual: float
 ) -> None:
-    found = thinnest(made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec))
+    part = made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec)
+    found = thinnest(part)
     assert found is not None
+    # A groove's outer flank is a hole around the bore, so circles about both meet.
+    assert surely_thick(part) == (thickness > usual and spec.rim is None)
     assert names in (None, (found.one, found.other))
     assert found.thickness == pytest.approx(thickness, abs=0.01)
     assert found.usual == pytest.approx(usual)
@@ -83,11 +86,13 @@ def test_no_wall_of_a_random_part_is_thinner(
     part = made_or_refused(contact, spec)
     assume(part is not None)
     assert part is not None
-    found = thinnest(part, 1.0 if limited else None)
+    limit = 1.0 if limited else None
+    found = thinnest(part, limit)
     walls = list(_walls(part))
     assert (found is None) == (not walls)
     if found is None:
         return
+    assert not surely_thick(part, limit) or found.thickness >= (limit or found.usual)
     if limited or not found.usual:
         assert found.thickness == pytest.approx(min(wall for wall, _ in walls), abs=0.05)
         return

@@ -51,10 +51,9 @@ def told(design: Design) -> tuple[Finding, ...]:
     bad = tuple(each for each in design.findings if each.severity != "ok")
     if not design.judgement.has_outline or design.scene.part is None:
         return bad
-    from camgeo.answers.check.parts import part_of  # few designs have a part
+    from camgeo.answers.check.parts import poor_in  # few designs have a part
 
-    parts = chain.from_iterable(part_of(disc).findings for disc in design.discs)
-    return bad + tuple(each for each in parts if each.severity in ("warning", "broken"))
+    return (*bad, *chain.from_iterable(map(poor_in, design.discs)))
 
 
 def build(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from camgeo.check.finding import Finding, Severity, held
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
-from camgeo.part.webs import SHARE, thinnest
+from camgeo.part.webs import SHARE, surely_thick, thinnest
 from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
@@ -105,21 +105,52 @@ def part_of(disc: Product) -> PartFound:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
         return PartFound(None, (), None, (Finding("part", "invalid", str(error)),))
-    limits = disc.scene.limits
+    limits, body = disc.scene.limits, _body(disc, part)
+    diameter = _diameter(part, limits.diameter)
+    walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
+    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
+    return PartFound(diameter.value, layers, body, (diameter, *_mass(body, limits.mass), *walls))
+
+
+def poor_in(disc: Product) -> tuple[Finding, ...]:
+    """The findings of a part beyond a limit, or worth a warning: those of `part_of`, of which only
+    what may be one is computed. What makes a part impossible is left to its files.
+    """
+    try:
+        part = disc.drawn.part
+    except (GeometryError, ToleranceError):
+        return ()
+    limits, found = disc.scene.limits, [*_set_screw(disc.scene.part)]
+    if limits.diameter is not None:
+        found.append(_diameter(part, limits.diameter))
+    if limits.mass is not None:
+        found += _mass(_body(disc, part), limits.mass)
+    if not surely_thick(part, limits.wall):
+        found += _smallest_wall(part, limits.wall)
+    return tuple(each for each in found if each.severity != "ok")
+
+
+def _diameter(part: Part, limit: float | None) -> Finding:
+    """The largest diameter."""
     diameter, angle = largest_diameter(part)
     where = "" if angle is None else f" {at_cam_angles(angle)}"
     statement = f"largest diameter {diameter:.6g} mm{where}"
-    found = [held("largest-diameter", statement, diameter, limits.diameter, "mm", angle)]
-    walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
-    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
+    return held("largest-diameter", statement, diameter, limit, "mm", angle)
+
+
+def _body(disc: Product, part: Part) -> Body | None:
+    """The part as a body; None if the scene does not state all heights."""
     try:
-        body = Body(solid(part), _density(disc.scene))
-    except GeometryError:  # heights that the scene does not state
-        return PartFound(diameter, layers, None, (*found, *walls))
-    if body.mass is not None:
-        most = None if limits.mass is None else KG * limits.mass
-        found.append(held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg"))
-    return PartFound(diameter, layers, body, (*found, *walls))
+        return Body(solid(part), _density(disc.scene))
+    except GeometryError:
+        return None
+
+
+def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
+    """The mass, where the scene states the density; the limit in t."""
+    if body is not None and body.mass is not None:
+        most = None if limit is None else KG * limit
+        yield held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
 
 
 def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
