@@ -27,6 +27,9 @@ STEP = 9.0
 BEYOND = 10.0
 """From the bottom of a keyway to the dimension of its width [mm of paper]."""
 
+UPRIGHT = 0.5
+"""Cosine of the direction of a keyway below which it counts as upright."""
+
 OUTSIDE = 8.0
 """From a circle to the middle of its diameter outside [mm of paper]."""
 
@@ -56,6 +59,15 @@ class Keyway:
     radius: float
 
     @property
+    def datum(self) -> tuple[complex, complex]:
+        """The corner of its bottom where its datum stands, and the unit vector to there: away from
+        the frame of the flank, which is on the upper left.
+        """
+        if self.outward.real < -UPRIGHT:
+            return self.right, -1j * self.outward
+        return self.left, 1j * self.outward
+
+    @property
     def bottom(self) -> float:
         """Distance of its bottom from the cam axis [mm]."""
         return ((self.left + self.right) / 2.0 * self.outward.conjugate()).real
@@ -80,16 +92,25 @@ def of_keyway(key: Keyway, spec: DrawingSpec, unit: LengthUnit, scale: float) ->
     """Width and depth of a keyway; the depth is measured through the bore."""
     across = phase(key.outward) + 0.5 * math.pi
     beyond = key.outward * (key.bottom + BEYOND / scale)
-    below = -1j * key.outward if key.outward.real >= -1e-9 else 1j * key.outward
+    below = _beside(key.outward)
     aside = below * (key.radius + 8.0 / scale)
     near = key.right if (key.right * below.conjugate()).real > 0.0 else key.left
     suffix = f" {spec.keyway_fit}" if spec.keyway_fit else ""
     width = Distance(key.right, key.left, beyond, across, suffix=suffix, decimals=EXACT[unit])
     depth = Distance(key.far, near, aside, phase(key.outward), decimals=EXACT[unit])
     return [
-        *placed(width, scale, unit, -1j * key.outward),
+        *placed(width, scale, unit, -key.datum[1]),
         *placed(depth, scale, unit, -key.outward),
     ]
+
+
+def _beside(outward: complex) -> complex:
+    """On which side of a bore the depth of its keyway is, as a unit vector: below, or on the left
+    of an upright one, on whose right the diameter is.
+    """
+    upright = abs(outward.real) < UPRIGHT
+    aside = -1j * outward
+    return min(aside, -aside, key=lambda way: way.real if upright else way.imag)
 
 
 def of_flat(edge: Edge, unit: LengthUnit, scale: float) -> list[Mark]:
@@ -101,7 +122,7 @@ def of_flat(edge: Edge, unit: LengthUnit, scale: float) -> list[Mark]:
     ends = [complex(each[flats[0]]) for each in (contour.vertices, contour.ends)]
     middle = 0.5 * (ends[0] + ends[1]) - circle[0]
     outward = middle / abs(middle)
-    below = -1j * outward if outward.real >= -1e-9 else 1j * outward
+    below = _beside(outward)
     near = max(ends, key=lambda end: (end * below.conjugate()).real)
     far, line = circle[0] - circle[1] * outward, below * (circle[1] + 8.0 / scale)
     mark = Distance(far, near, line, phase(outward), decimals=EXACT[unit])

@@ -110,8 +110,9 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
         if each.keyway is not None:
             marks += dimensions.of_keyway(each.keyway, spec, unit, scale)
             if spec.flank_tolerance is not None:
-                end = each.keyway.left + each.keyway.outward * dimensions.BEYOND / scale
-                marks += _moved(datum(0j, 1j * each.keyway.outward, "B"), end, scale)
+                corner, way = each.keyway.datum
+                end = corner + each.keyway.outward * dimensions.BEYOND / scale
+                marks += _moved(datum(0j, way, "B"), end, scale)
         if not drawn.cut or not dimensions.in_section(each):
             text = dimensions.fit(each, spec)
             marks.append(Diameter(0j, each.radius, SLANTED, text, dimensions.EXACT[unit]))

@@ -151,6 +151,24 @@ def test_hubs_and_marks_are_drawn() -> None:
     assert any("3 x 8, 1 tief, Mitte auf Radius 25 bei 30°" in each for each in texts)
 
 
+@pytest.mark.parametrize("size", ["A3", "A4"])
+@pytest.mark.parametrize(
+    ("angle", "bore", "width", "depth"),
+    [(0, 16, 5, 2.3), (90, 10.9, 3.27, 1.64), (180, 22, 6.6, 3.3), (270, 20.2, 6.07, 3.04)],
+)
+def test_keyways_may_point_anywhere(
+    angle: int, bore: float, width: float, depth: float, size: str
+) -> None:
+    """Also where the drawing is small: nothing is written across its dimensions and datum."""
+    text = HUBBED.partition("hub =")[0].replace("bore = 16", f"bore = {bore}")
+    text = text.replace("thickness = 10", "thickness = 22")
+    keyway = f"width = {width}, depth = {depth}, angle = {angle}"
+    text = text.replace("width = 5, depth = 2.3, angle = 90", keyway)
+    keys = edited({**FULL, "sheet": size})
+    sheet = sheet_of(Design(parse_scene(text).with_values(keys)).disc, TOLERANCE)
+    assert overlaps(text_boxes(sheet)) == []
+
+
 def test_flats_and_holes_are_dimensioned() -> None:
     text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }",
                           "d_shaft = { across = 14, angle = 20 }\n"
