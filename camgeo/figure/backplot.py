@@ -96,13 +96,13 @@ class _Shown:
     Attributes
     ----------
     plot : its traces, in the part's coordinates [mm].
-    ground : blank and part, as the work lies, in the unit of the picture.
+    ground : blank, and layers of the part upwards, as the work lies, in the unit of the picture.
     seen : points of the part [mm] as the work lies, in that unit.
     turned : whether it is on the second side.
     """
 
     plot: Plotted
-    ground: tuple[Area, Area]
+    ground: tuple[Area, ...]
     seen: Callable[[ComplexArray], ComplexArray]
     turned: bool
 
@@ -119,9 +119,9 @@ def _shown(side: Product) -> Iterator[_Shown]:
     def seen(points: ComplexArray) -> ComplexArray:
         return mirrored_all(points, spec.turned) * scale
 
-    parts = [seen(contour.points(TOLERANCE)) for body in setup.part for contour in body.contours]
     blank = [seen(contour.points(TOLERANCE)) for contour in setup.blank]
-    ground = _ground(blank, BLANK), _ground(_distinct(parts), PART)
+    layers = [[seen(each.points(TOLERANCE)) for each in body.contours] for body in setup.part]
+    ground = (_ground(blank, BLANK), *(_ground(rings, PART) for rings in _distinct(layers)))
     for each in plotted(toolpath, setup.blank, setup.top, TOLERANCE):
         yield _Shown(each, ground, seen, bool(spec.turned))
 
@@ -167,9 +167,9 @@ def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
     )
 
 
-def _distinct(rings: list[ComplexArray]) -> list[ComplexArray]:
-    """Each ring once: a boundary may run through several layers."""
-    found: dict[bytes, ComplexArray] = {ring.tobytes(): ring for ring in rings}
+def _distinct(layers: list[list[ComplexArray]]) -> list[list[ComplexArray]]:
+    """Layers with the same rings once."""
+    found = {b"".join(ring.tobytes() for ring in rings): rings for rings in layers}
     return list(found.values())
 
 
