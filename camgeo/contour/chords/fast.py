@@ -185,6 +185,8 @@ class _Group:
             whole[:-1, -1] = whole[1:, 0]
             whole[stops - 1, -1] = ends[list(pieces)]
         chord = points[:, -1] - points[:, 0]
+        # Next to a cusp two joints may be one point; they are too near to each other to be kept.
+        chord[chord == 0.0] = 1.0
         back = np.conj(chord / np.abs(chord))[:, None]
         apart = (back * (points - points[:, :1])).imag
         growth = (back * rates).imag * steps[:, None]
