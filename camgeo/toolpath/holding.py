@@ -116,6 +116,11 @@ class Clamp:
         return replace(self, place=place, angle=-self.angle, called=self.place)
 
     @property
+    def what(self) -> str:
+        """In a word."""
+        return "screw" if self.round else "clamp"
+
+    @property
     def obstacle(self) -> Obstacle:
         """What cutters must clear."""
         import numpy as np
@@ -123,15 +128,14 @@ class Clamp:
         from camgeo.contour.contour import Contour
         from camgeo.part.boundaries import ExactBoundary
 
-        what = "screw" if self.round else "clamp"
-        name = f"{what} at {_places(self.place if self.called is None else self.called)} mm"
+        name = f"{self.what} at {_places(self.place if self.called is None else self.called)} mm"
         if self.round:
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
             corner = 0.5 * complex(self.length, self.width)
             corners = np.array([-corner, corner.conjugate(), corner, -corner.conjugate()])
             contour = Contour.polygon(self.place + corners * cmath.exp(1j * self.angle))
-        return Obstacle(name, ExactBoundary(what, hole=False, exact=contour), self.height)
+        return Obstacle(name, ExactBoundary(self.what, hole=False, exact=contour), self.height)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -74,6 +74,20 @@ def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
     assert document(wrong)["flaws"][0]["place"] == [1.0, 2.0, -3.0]
 
 
+def test_a_sheet_is_in_the_unit_of_its_scene() -> None:
+    """As its program is; JSON is in mm."""
+    found = setup_sheet(Design(load_scene(FIXTURES / "scenes" / "inch.toml")))
+    assert found.blank == "plate of unstated size, 0.5 inch high, its upper face at Z 0"
+    assert found.holding.endswith("cuts go 0.02 inch below the part")
+    assert found.traverses == "at Z 0.25"
+    rows = [line.split() for line in text(found).splitlines()]
+    assert ["1", "end", "mill", "0.5", "-", "1", "-", "-"] in rows
+    assert ["2", "bore", "1", "3000", "12.00", "4.00", "-0.52"] in [row[:7] for row in rows]
+    assert "Lengths in inch, feeds in inch/min" in html(found, "<svg></svg>")
+    (tool,) = document(found)["tools"]
+    assert tool["diameter"] == pytest.approx(12.7)
+
+
 def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
     scene = FIXTURES / "milling" / "moved_clamps.toml"
     found = setup_sheet(Design(load_scene(scene)))

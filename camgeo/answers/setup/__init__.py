@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from functools import partial
+from typing import ClassVar, Final
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
@@ -24,6 +25,10 @@ from camgeo.toolpath.stages import Flaw
 from camgeo.toolpath.tool import Tool
 from camgeo.toolpath.turning import HOW
 from camgeo.toolpath.zero import Zero
+from camgeo.units import MM_PER, LengthUnit
+
+DECIMALS: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 6}
+"""Of lengths in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +90,7 @@ class SetupSheet(Answer):
     scene : whose main disc is milled.
     machine : the controller.
     work_offset : as the scene states it; empty for the machine's first.
-    blank, holding, zero, traverses : in words; lengths in mm.
+    blank, holding, zero, traverses : in words; lengths in the unit of the scene.
     tools : each once, in the order in which they are called.
     steps : the operations.
     told : of the sequence, a sentence each: what is not milled, and what is left to be done.
@@ -162,16 +167,16 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     assert spec is not None  # for there is a program
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.gcode.machine), milled.gcode
-    zero = milled.zero
+    zero, unit = milled.zero, design.scene.unit
     told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
         options.work_offset or next(iter(machine.work_offsets)),
-        described(spec.stock, milled.part, zero),
-        _holding(spec.holding, zero),
+        described(spec.stock, milled.part, zero, unit),
+        _holding(spec.holding, zero, unit),
         zero.sentence,
-        _traverses(options.heights, zero),
+        _traverses(options.heights, zero, unit),
         _tools(toolpath),
         _steps(
             toolpath,
@@ -179,6 +184,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
             milled.engaged(toolpath),
             machine,
             zero,
+            unit,
         ),
         (*told, *_programs(product, machine)),
         milled.flaws(toolpath, tolerance),
@@ -191,12 +197,13 @@ def _steps(
     found: Sequence[Engaged],
     machine: Machine,
     zero: Zero,
+    unit: LengthUnit,
 ) -> tuple[Step, ...]:
     seconds = {} if times is None else {each.name: each.seconds for each in times}
     engaged = {each.operation: each for each in found}
     words = machine.compensation
     told = {
-        name: limit.sentence(words, "{:g} mm".format)
+        name: limit.sentence(words, lambda mm: f"{shown(mm, unit)} {unit}")
         for name, limit in limits_of(toolpath.operations).items()
         if words is not None
     }
@@ -222,34 +229,45 @@ def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
     return tuple(found.values())
 
 
-def _holding(holding: Holding | None, zero: Zero) -> str:
+def shown(mm: float, unit: LengthUnit) -> str:
+    """A length in the unit of the scene, to a ten-thousandth of a millimetre."""
+    return f"{round(mm / MM_PER[unit], DECIMALS[unit]) + 0.0:g}"
+
+
+def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
     """The holding in words, from the program's zero."""
     if holding is None:
         return "not stated; no cut goes through"
-    tabs = holding.tabs
+    length = partial(shown, unit=unit)
+    tabs, skin = holding.tabs, holding.skin
     words = {
         FIXTURE: "from below: vacuum, tape, soft jaws or a chuck",
-        TABS: "" if tabs is None else f"{tabs.count} tabs, {tabs.width:g} x {tabs.height:g} mm",
-        ONION_SKIN: "" if holding.skin is None else f"a skin of {holding.skin:g} mm",
+        TABS: "" if tabs is None
+        else f"{tabs.count} tabs, {length(tabs.width)} x {length(tabs.height)} {unit}",
+        ONION_SKIN: "" if skin is None else f"a skin of {length(skin)} {unit}",
         CLAMPS: "clamps",
         SCREWS: "screws",
-    }[holding.kind]
-    places = "; ".join(_clamp(each, zero) for each in holding.clamps)
-    through = f"; cuts go {holding.through:g} mm below the part" if holding.through else ""
-    return f"{words}{': ' if places else ''}{places}{through}"
+    }[holding.kind]  # fmt: skip
+    places = "; ".join(_clamp(each, zero, unit) for each in holding.clamps)
+    through = holding.through
+    below = f"; cuts go {length(through)} {unit} below the part" if through else ""
+    return f"{words}{': ' if places else ''}{places}{below}"
 
 
-def _clamp(clamp: Clamp, zero: Zero) -> str:
+def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
     """Where it stands, from the program's zero, and when."""
-    body = replace(clamp, place=zero.of(clamp.place), called=None).obstacle
+    length, place = partial(shown, unit=unit), zero.of(clamp.place)
+    where = f"{clamp.what} at {length(place.real)}, {length(place.imag)} {unit}"
     since = f", from {clamp.since} on" if clamp.since else ""
     until = f", until {clamp.until}" if clamp.until else ""
-    return f"{body.name}, top at Z {body.top - zero.z:g}{since}{until}"
+    return f"{where}, top at Z {length(clamp.height - zero.z)}{since}{until}"
 
 
-def _traverses(heights: Heights, zero: Zero) -> str:
+def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
     """Their heights in words, from the program's zero."""
-    clearance, retract = heights.clearance - zero.z, heights.retract - zero.z
+    clearance, retract = (
+        shown(each - zero.z, unit) for each in (heights.clearance, heights.retract)
+    )
     if retract == clearance:
-        return f"at Z {clearance:g}"
-    return f"at Z {clearance:g} between operations, at Z {retract:g} within them"
+        return f"at Z {clearance}"
+    return f"at Z {clearance} between operations, at Z {retract} within them"

@@ -7,8 +7,9 @@ from html import escape
 from typing import Final
 
 from camgeo.answers.answer import MARKS
-from camgeo.answers.setup import SetupSheet, Step
+from camgeo.answers.setup import SetupSheet, Step, shown
 from camgeo.toolpath.tool import Tool
+from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import clock, counted
 
 NONE: Final = "-"
@@ -16,7 +17,10 @@ NONE: Final = "-"
 
 TOOLS: Final = ("T", "tool", "diameter", "flutes", "cutting length", "stick-out", "shank")
 STEPS: Final = ("", "operation", "T", "speed", "feed", "plunge", "down to Z", "coolant", "time")
-"""Heads of the columns; lengths in mm, feeds in mm/min, speeds in rev/min."""
+"""Heads of the columns; lengths and feeds in the unit of the scene, speeds in rev/min."""
+
+FEED: Final[dict[LengthUnit, int]] = {"mm": 0, "inch": 2}
+"""Decimals of feeds."""
 
 STYLE: Final = """
 body { font: 14px/1.4 sans-serif; margin: 2em auto; max-width: 60em; color: #111; }
@@ -38,8 +42,10 @@ def text(answer: SetupSheet) -> str:
 def _side_text(answer: SetupSheet) -> str:
     lines = [_head(answer), ""]
     lines += [f"{name:10}{value}" for name, value in _facts(answer)]
-    lines += ["", *_columns(TOOLS, [_tool(tool) for tool in answer.tools])]
-    lines += ["", *_columns(STEPS, [_step(k, step) for k, step in enumerate(answer.steps, 1)])]
+    unit = answer.scene.unit
+    lines += ["", *_columns(TOOLS, [_tool(tool, unit) for tool in answer.tools])]
+    steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
+    lines += ["", *_columns(STEPS, steps), _units(unit)]
     lines += [f"   {each}" for each in _remarks(answer)]
     marks = {True: MARKS["warning"], False: "FLAW"}
     flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
@@ -76,15 +82,16 @@ def _side_html(answer: SetupSheet) -> str:
     listed = f"<ul>{remarks}</ul>" if remarks else ""
     flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
     verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
-    steps = [_step(k, step) for k, step in enumerate(answer.steps, 1)]
+    unit = answer.scene.unit
+    steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
     return f"""<h1>{escape(_head(answer))}</h1>
 <dl>{facts}</dl>
 <h2>Tools</h2>
-{_table(TOOLS, [_tool(tool) for tool in answer.tools])}
+{_table(TOOLS, [_tool(tool, unit) for tool in answer.tools])}
 <h2>Operations</h2>
 {_table(STEPS, steps)}
 {listed}
-<p>Lengths in mm, feeds in mm/min, speeds in rev/min. Each operation can be started alone.</p>
+<p>{_units(unit)} Each operation can be started alone.</p>
 <h2>Simulation</h2>
 {verdict}
 """
@@ -129,32 +136,36 @@ def _remarks(answer: SetupSheet) -> Iterator[str]:
     yield from answer.told
 
 
-def _tool(tool: Tool) -> list[str]:
-    def shown(value: float | None) -> str:
-        return NONE if value is None else f"{value:g}"
+def _units(unit: LengthUnit) -> str:
+    return f"Lengths in {unit}, feeds in {unit}/min, speeds in rev/min."
+
+
+def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
+    def length(mm: float | None) -> str:
+        return NONE if mm is None else shown(mm, unit)
 
     kind = tool.kind.replace("-", " ")
     return [
         f"{tool.number}",
         f"{tool.name}, {kind}" if tool.name else kind,
-        f"{tool.diameter:g}",
-        shown(tool.flutes),
-        shown(tool.flute_length),
-        shown(tool.stick_out),
-        shown(tool.shank_diameter),
+        length(tool.diameter),
+        NONE if tool.flutes is None else f"{tool.flutes}",
+        length(tool.flute_length),
+        length(tool.stick_out),
+        length(tool.shank_diameter),
     ]
 
 
-def _step(number: int, step: Step) -> list[str]:
-    tool = step.tool
+def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
+    tool, scale = step.tool, 1.0 / MM_PER[unit]
+    feeds = (f"{each * scale:.{FEED[unit]}f}" for each in (tool.feed, tool.plunge_feed))
     return [
         f"{number}",
         step.name,
         f"{tool.number}",
         f"{tool.spindle_speed:.0f}",
-        f"{tool.feed:.0f}",
-        f"{tool.plunge_feed:.0f}",
-        f"{step.lowest:.4g}",
+        *feeds,
+        f"{step.lowest * scale:.4g}",
         tool.coolant or NONE,
         NONE if step.seconds is None else clock(step.seconds),
     ]
