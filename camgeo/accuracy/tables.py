@@ -40,7 +40,7 @@ def table_rows(
 
         def made(step: Decimal = step) -> tuple[int, int]:
             table = design.tabulated.table(step)
-            return len(table.values), len(table.csv().encode())
+            return len(table.values), len(table.encoded())
 
         (count, size), seconds = timed(made)
         error = interpolation_error(design.scene.plan, np.radians(cam_angles(step)))

@@ -90,7 +90,7 @@ def tables(answer: Answer, name: str | None) -> list[Written]:
     if name is None:
         return []
     table = render.table(answer)
-    return [(Path(name), table.csv().encode(), counted(len(table.values), "row"))]
+    return [(Path(name), table.encoded(), counted(len(table.values), "row"))]
 
 
 def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None:

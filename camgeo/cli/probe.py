@@ -112,7 +112,7 @@ def _lift(found: Probing, output: str | None) -> Iterator[Written]:
     if output is not None:
         table = lift_table(found)
         rows = counted(len(table.values), "row")
-        yield Path(output), table.csv().encode(), f"lift curve, {rows}"
+        yield Path(output), table.encoded(), f"lift curve, {rows}"
 
 
 def _csv(name: str) -> str:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -30,6 +30,9 @@ if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.scene.scene import Scene
 
 FULL_TURN = Decimal(360)
+
+NUMBERS: Final = 10_000_000
+"""In a table at most: 80 MB, as text twice as much, and both are there several times."""
 
 POWERS = ("s", "s^2", "s^3")
 
@@ -57,8 +60,9 @@ class Table:
     ----------
     names : of the columns, with their unit in brackets, e.g. "phi [deg]".
     values : (n, k), one column per name, without NaN.
-    cells : the same as text, for rounded numbers; None for the shortest form that reads back the
-        same, in which no number is -0.0.
+    cells : the same as text, for rounded numbers; None for `decimals`.
+    decimals : of all numbers, which are rounded to that many; None for the shortest form that reads
+        back the same, in which no number is -0.0.
     separator : between columns as text.
     decimal_comma : whether numbers as text have a comma.
     """
@@ -66,6 +70,7 @@ class Table:
     names: tuple[str, ...]
     values: FloatArray
     cells: Sequence[Sequence[str]] | None = None
+    decimals: int | None = None
     separator: str = ","
     decimal_comma: bool = False
 
@@ -84,15 +89,22 @@ class Table:
 
     def csv(self) -> str:
         """The table as CSV, below one header line."""
-        stream = io.StringIO()
+        return self.encoded().decode()
+
+    def encoded(self) -> bytes:
+        """The same in UTF-8, with no more memory than twice its size."""
+        found = io.BytesIO()
+        stream = io.TextIOWrapper(found, "utf-8", newline="")
         rows = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
         rows.writerow(self.names)
-        shortest = ([repr(value) for value in (row + 0.0).tolist()] for row in self.values)
-        cells: Iterable[Sequence[str]] = self.cells or shortest
+        spelled = repr if self.decimals is None else f"{{:.{self.decimals}f}}".format
+        numbers = ([spelled(value) for value in (row + 0.0).tolist()] for row in self.values)
+        cells: Iterable[Sequence[str]] = self.cells or numbers
         if self.decimal_comma:
             cells = ([cell.replace(".", ",") for cell in row] for row in cells)
         rows.writerows(cells)
-        return stream.getvalue()
+        stream.flush()
+        return found.getvalue()
 
 
 def cam_angles(step: Decimal) -> FloatArray:
@@ -156,6 +168,8 @@ class TabulatedCam(Pickled):
         return rounded(self.stated(step), self.scene.output.options[FORMAT].decimals)
 
     def _table(self, degrees: FloatArray, unit: LengthUnit | None = None) -> Table:
+        if len(degrees) > 1:
+            _require_few(len(degrees), len(self._table(degrees[:1], unit).names))
         phi, unit = np.radians(degrees), unit or self.scene.unit
         columns: Columns = [("phi [deg]", degrees)]
         motions = _motions(self.drive, self.scene.lift_unit, phi)
@@ -167,6 +181,13 @@ class TabulatedCam(Pickled):
         columns += [_of_effect(unit, column, phi) for column in self.columns()]
         names = tuple(name for name, _ in columns)
         return Table(names, np.column_stack([values for _, values in columns]))
+
+
+def _require_few(rows: int, columns: int) -> None:
+    """GeometryError with the key of the step, unless that many numbers are within the limit."""
+    if rows * columns > NUMBERS:
+        message = f"{rows} rows of {columns} columns are more than {NUMBERS} numbers"
+        raise GeometryError(message, "output.csv.step")
 
 
 def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
@@ -282,9 +303,9 @@ def rounded(table: Table, decimals: int | None) -> Table:
     """The table with its numbers rounded to so many `decimals`; None leaves them as they are."""
     if decimals is None:
         return table
-    cells = [[f"{round(value, decimals) + 0.0:.{decimals}f}" for value in row]
-             for row in table.values.tolist()]  # fmt: skip
-    return replace(table, values=np.array(cells, dtype=np.float64), cells=cells)
+    values = table.values.ravel()
+    near = np.fromiter((round(float(value), decimals) for value in values), np.float64, len(values))
+    return replace(table, values=near.reshape(table.values.shape), decimals=decimals)
 
 
 def _bare(heading: str) -> str:

@@ -129,7 +129,7 @@ def test_undercut_is_reported_and_nothing_written(tmp_path: Path, capsys: Captur
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ([("bore = 20", "bore = 79")], r"part\.bore|the bore reaches"),
+        ([("bore = 20", "bore = 81")], r"part\.bore|the bore reaches"),
         (
             [("\ndiameter = 10", "\ndiameter = 20.5")],
             r"diameter = 20\.5: must be less than the bore",

@@ -190,7 +190,7 @@ def allowed(annotation: str, value: Any) -> bool:
         return annotation == "bool"
     if isinstance(value, complex):
         finite = math.isfinite(abs(value)) and abs(value) < 1e300
-        return annotation == "complex" and finite
+        return annotation.removesuffix(" | NoneType") == "complex" and finite
     return False
 
 

@@ -15,6 +15,7 @@ import camgeo
 from camgeo.design import Design
 from camgeo.errors import GeometryError, SceneError, ToleranceError
 from camgeo.formats.csv import CsvSpec
+from camgeo.product import value_table
 from camgeo.product.value_table import Table, rounded
 from camgeo_export.asc.writer import WRITER as ASC
 from camgeo_export.errors import FileError
@@ -149,6 +150,15 @@ def test_the_declaration_has_its_own_door(given: dict[str, Any]) -> None:
     with pytest.raises(GeometryError) as caught:
         CsvSpec(**given)
     assert caught.value.key == f"output.csv.{next(iter(given))}"
+
+
+def test_a_table_has_a_largest_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = camgeo.load(SETZHUB)
+    monkeypatch.setattr(value_table, "NUMBERS", 40 * len(design.tabulated.table(90).names))
+    assert len(design.tabulated.table(9).values) == 40
+    with pytest.raises(GeometryError, match="45 rows of 25 columns are more than 1000") as caught:
+        design.tabulated.table(8)
+    assert caught.value.key == "output.csv.step"
 
 
 def test_rounding_writes_no_minus_zero() -> None:
