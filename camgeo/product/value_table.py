@@ -24,6 +24,7 @@ from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.outline.convex import touch
 from camgeo.pickled import Pickled
 from camgeo.units import MM_PER, LengthUnit, LiftUnit
+from camgeo.wording import counted
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.effects.effect import Column
@@ -186,7 +187,8 @@ class TabulatedCam(Pickled):
 def _require_few(rows: int, columns: int) -> None:
     """GeometryError with the key of the step, unless that many numbers are within the limit."""
     if rows * columns > NUMBERS:
-        message = f"{rows} rows of {columns} columns are more than {NUMBERS} numbers"
+        size = f"{counted(rows, 'row')} of {counted(columns, 'column')}"
+        message = f"{size} are more than {counted(NUMBERS, 'number')}"
         raise GeometryError(message, "output.csv.step")
 
 

@@ -156,7 +156,7 @@ def test_a_table_has_a_largest_size(monkeypatch: pytest.MonkeyPatch) -> None:
     design = camgeo.load(SETZHUB)
     monkeypatch.setattr(value_table, "NUMBERS", 40 * len(design.tabulated.table(90).names))
     assert len(design.tabulated.table(9).values) == 40
-    with pytest.raises(GeometryError, match="45 rows of 25 columns are more than 1000") as caught:
+    with pytest.raises(GeometryError, match="45 rows of 25 columns are more than 1,000") as caught:
         design.tabulated.table(8)
     assert caught.value.key == "output.csv.step"
 
