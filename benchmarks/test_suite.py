@@ -3,7 +3,8 @@
     python benchmarks/test_suite.py [PATH ...] [--against TREE] [--processes N] [--quick] [--write]
 
 With PATHs only these modules or folders are run; `--processes 1` runs without pytest-xdist.
-`--against` also runs the tests of another checkout, with its own .venv, and prints the ratio.
+`--against` also runs the tests of another checkout, with its own .venv, and prints the ratios, of
+all tests and of the modules that both have.
 `--write` writes the modules that take more than a second to tests/expensive_modules.json, the list
 of modules that `-m quick` leaves out. Unlike wall time, CPU time hardly depends on what else the
 machine does.
@@ -133,6 +134,9 @@ def main() -> None:
         tree = arguments.against.resolve()
         there, tests = measured(tree, str(tree / ".venv" / "bin" / "python"), *words)
         print(f"{tree}, {len(tests)} tests: {there:.0f} s; here {here / there:.2f} of it")
+        now, then = by(spent, 9), by(tests, 9)
+        same = sum(now[name] for name in then) / then.total()
+        print(f"modules that are there, without collection: here {same:.2f} of it")
 
 
 if __name__ == "__main__":
