@@ -32,6 +32,9 @@ from camgeo.toolpath.moves import Operation
 from camgeo.toolpath.plane.crossings import crossings, inside
 from camgeo.toolpath.tool import END_MILL
 
+FIRST: Final = 8
+"""Swept pieces with which a place is compared first."""
+
 ROUNDING: Final = 1e-10
 """Share of the radius by which a point must be within reach to be passed over: the edge of the
 cutter itself, and that of a neighbouring piece which touches it there, are at its radius."""
@@ -236,9 +239,13 @@ class _Judge:
         points = place + radius * way * np.exp(1j * middles)
         material = inside(self.boundary, points)
         for each, size in swept:
-            if len(each) and np.any(material):
-                gone = distances(points[material], each) < size - ROUNDING * radius
+            # The latest pieces first, a few and then more: they leave few points for the others.
+            stop, count = len(each), FIRST
+            while stop > 0 and np.any(material):
+                some = taken(each, np.arange(max(0, stop - count), stop))
+                gone = distances(points[material], some) < size - ROUNDING * radius
                 material[material] = ~gone
+                stop, count = stop - count, 2 * count
         found = float(np.sum((ends[1:] - ends[:-1])[material]))
         return found if found > NOTHING else 0.0
 
