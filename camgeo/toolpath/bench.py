@@ -222,6 +222,11 @@ def is_open(part: Part, wall: Wall) -> bool:
     return True
 
 
+def as_wide(tool: Tool, half: float) -> bool:
+    """Whether a tool is as wide as a groove, a mark or a hole of twice `half` [mm]."""
+    return abs(tool.radius - half) <= SAME * half
+
+
 def flank_curve(wall: Wall) -> WorkingCurve:
     """The working curve of a flank's wall."""
     assert isinstance(wall.boundary, CurveBoundary)  # as every flank is

@@ -14,7 +14,7 @@ from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
 from camgeo.part.part import Boundary, Wall
-from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve
 from camgeo.toolpath.cut import (
     MOST_SLACK,
     AreaCut,
@@ -226,7 +226,7 @@ def no_engraver(bench: Bench, tool: Tool, wall: Wall) -> str:
     width = 2.0 * float(np.max(bore_of(wall).exact.radii))
     if tool.kind != END_MILL or tool.corner_radius:
         return "a mark is cut with a flat end mill"
-    if abs(tool.diameter - width) > SAME * width:
+    if not as_wide(tool, 0.5 * width):
         return f"it is not as wide as the {wall.boundary.name}, {width:g} mm"
     if bore_of(wall).is_round and not tool.plunges:
         return "a dot takes a tool that plunges"

@@ -15,7 +15,7 @@ from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Wall
-from camgeo.toolpath.bench import BORE, SAME, Bench, bore_of, flank_curve, is_open
+from camgeo.toolpath.bench import BORE, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.fitting import core
 from camgeo.toolpath.making import (
@@ -147,7 +147,7 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
 
 
 def _drills(tool: Tool, diameter: float) -> bool:
-    return tool.kind == DRILL and abs(tool.diameter - diameter) <= SAME * diameter
+    return tool.kind == DRILL and as_wide(tool, 0.5 * diameter)
 
 
 def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
@@ -190,11 +190,6 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
         yield rough_around(bench, wall, tool, top, allowance)
     for wall, allowance in walls:
         yield finish_along(bench, wall, tool, top, 0.5 * side, rest=allowance)
-
-
-def as_wide(tool: Tool, half: float) -> bool:
-    """Whether a tool is as wide as a groove of twice `half` [mm]."""
-    return abs(tool.radius - half) <= SAME * half
 
 
 def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:

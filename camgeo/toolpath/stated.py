@@ -8,7 +8,7 @@ from dataclasses import replace
 from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Wall
-from camgeo.toolpath.bench import SAME, Bench, bore_of, flank_curve
+from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.fitting import tightest
 from camgeo.toolpath.making import (
@@ -347,7 +347,7 @@ class _Stated:
     def _slot(self) -> Cut:
         inner, outer = self._wall("inner flank"), self._wall("outer flank")
         half = flank_curve(outer).distance
-        if abs(self.tool.radius - half) > SAME * half:
+        if not as_wide(self.tool, half):
             width = 2.0 * half
             self._require(f"it is not as wide as the groove, {width:g} mm: rough and finish it")
         top = self._top(outer)
