@@ -122,15 +122,32 @@ def panel_curves(figure: Figure, label: str) -> list[FloatArray]:
     return [np.column_stack(line.get_data()) for line in axes.lines]
 
 
-def test_infinite_accelerations_and_jerks_are_marked() -> None:
+def test_infinite_accelerations_and_jerks_point_the_way_of_the_jump() -> None:
+    """A jump is infinite one way in the next derivative, and both ways in the one after it."""
     figure = drawn(planned())
-    marked = {}
+    ways = {"^": "up", "v": "down"}
+    marked: dict[str, list[float]] = {}
     for label in ("s′", "s″", "s‴"):
-        lines = [line for line in panel(figure, label).lines if line.get_marker() == "^"]
-        marked[label] = [float(x) for line in lines for x in np.asarray(line.get_xdata())]
-    assert marked["s′"] == []
-    assert marked["s″"] == pytest.approx([60.0, 150.0])
-    assert marked["s‴"] == pytest.approx([60.0, 150.0, 180.0, 210.0, 240.0])
+        for line in panel(figure, label).lines:
+            if line.get_marker() in ways:
+                places = [float(x) for x in np.asarray(line.get_xdata())]
+                marked[f"{label} {ways[str(line.get_marker())]}"] = places
+    assert list(marked) == ["s″ up", "s″ down", "s‴ up", "s‴ down"]
+    assert marked["s″ up"] == pytest.approx([60.0])  # onto the straight line
+    assert marked["s″ down"] == pytest.approx([150.0])
+    assert marked["s‴ up"] == pytest.approx([60.0, 150.0, 210.0])  # last the turn of the parabola
+    assert marked["s‴ down"] == pytest.approx([60.0, 150.0, 180.0, 240.0])
+
+
+def test_no_finite_value_is_the_extreme_where_one_is_infinite() -> None:
+    """Straight lines have no acceleration but at their ends, where it is infinite."""
+    straight = MotionPlan((move("150", 10.0, "straight-line"), move("210", 0.0, "straight-line")))
+    product = StubProduct(cam=replace(CAM, drive=Drive(straight, speed=1.0)))
+    figure = drawn(product)
+    assert texts(panel(figure, "s″")) == ["max ∞ at 0.0°,  min −∞ at 150.0°"]
+    assert texts(panel(figure, "s‴")) == ["max ∞ at 0.0°,  min −∞ at 0.0°"]
+    for label in ("s″", "a "):
+        assert list(panel(figure, label).get_yticks()) == [0.0], "a scale of nothing"
 
 
 def test_extremes_are_reported() -> None:
@@ -154,6 +171,19 @@ def test_a_second_scale_shows_values_over_time() -> None:
         )
 
 
+def test_behind_a_linkage_both_ends_have_a_diagram() -> None:
+    """The lever's angle, and what its follower makes of it, each with its own derivatives."""
+    design = camgeo.load(next(path for path in SCENES if path.stem == "four_bar"))
+    figure, drive = drawn(design.disc), design.drive
+    phi = np.radians(np.linspace(1.0, 359.0, 7))
+    for symbol, jet in (("χ", drive.plan.jet(phi)), ("ψ", drive.motion.jet(phi))):
+        for order, mark in enumerate(("", "′", "″", "‴")):
+            curve = max(panel_curves(figure, f"{symbol}{mark} ["), key=len)
+            values = np.interp(np.degrees(phi), curve[:, 0], curve[:, 1])
+            # Chords of a quarter of a degree.
+            assert values == pytest.approx(np.degrees(jet[order]), abs=1e-3 * np.abs(curve).max())
+
+
 by_scene = pytest.mark.parametrize("scene", some(SCENES, of=3, first=2), ids=lambda path: path.stem)
 
 
@@ -167,11 +197,15 @@ def drawn_scene(path: Path) -> tuple[Design, Figure]:
 @by_scene
 def test_every_scene_is_drawn_with_titles_that_say_whose_motion(scene: Path) -> None:
     design, figure = drawn_scene(scene)
-    plan, diagram = (text.get_text() for text in figure.texts)
+    plan, *diagrams = (text.get_text() for text in figure.texts)
     linked = design.drive.linkage is not None
     demanded = "follower" if design.cam.drive.linkage is None else design.cam.drive.linkage.member
     assert plan == f"{design.name}: motion plan of the {demanded}"
-    assert ("behind the linkage" in diagram) == linked
+    assert [f" of the {demanded}" in diagrams[0], "behind the linkage" in diagrams[-1]] == [
+        True,
+        linked,
+    ]
+    assert len(diagrams) == 1 + linked
     # Nothing is cut off: all text lies on the page.
     width, height = figure.bbox.width, figure.bbox.height
     for axes in figure.axes:
