@@ -14,6 +14,7 @@ from typing import Any, Final
 from camgeo.check.finding import Finding, forbidding
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.product.judged_part import findings_on
 from camgeo.product.product import Product
 from camgeo.reading import VERIFIED, read_within
 from camgeo.writing.transaction import Progress, silent, write_set
@@ -142,7 +143,7 @@ def make_files(
         contents[file] = written.data
         size, facts, told = len(written.data), written.facts, written.findings
         reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
-    contents[CERTIFICATE] = _certificate(product, tolerance, reports, contents)
+    contents[CERTIFICATE] = _certificate(discs, tolerance, reports, contents)
     return contents, tuple(reports)
 
 
@@ -184,9 +185,15 @@ def _make(
 
 
 def _certificate(
-    product: Product, tolerance: float, reports: list[FileReport], contents: dict[str, bytes]
+    discs: Sequence[Product],
+    tolerance: float,
+    reports: list[FileReport],
+    contents: dict[str, bytes],
 ) -> bytes:
-    """What has been proved about the files, as JSON; the same for the same scene."""
+    """What has been proved about the files, and found on the discs and their parts, as JSON; the
+    same for the same scene.
+    """
+    product = discs[0]
     document: dict[str, Any] = {
         "camgeo": product.version,
         "scene": {
@@ -208,8 +215,14 @@ def _certificate(
             for report in reports
         ],
         "findings": [
-            {key: getattr(finding, key) for key in ("name", "severity", "value", "limit", "unit")}
-            for finding in (*product.findings, *chain.from_iterable(r.findings for r in reports))
+            *map(_stated, product.findings),
+            *({**_stated(each), "part": disc.name} for disc in discs for each in findings_on(disc)),
+            *map(_stated, chain.from_iterable(report.findings for report in reports)),
         ],
     }
     return (json.dumps(document, indent=2, allow_nan=False) + "\n").encode()
+
+
+def _stated(finding: Finding) -> dict[str, Any]:
+    """A finding as the certificate has it."""
+    return {key: getattr(finding, key) for key in ("name", "severity", "value", "limit", "unit")}

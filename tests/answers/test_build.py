@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.build import build
+from camgeo.answers.build import build, told
 from camgeo.answers.render import text
 from camgeo.answers.verify import verify
 from camgeo.design import Design
@@ -85,3 +85,12 @@ def test_a_cam_without_outline_has_no_files(tmp_path: Path) -> None:
     assert (reported["files"], reported["certificate"], text(found)) == ([], None, "")
     assert found.exit_code == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_diameter_is_limited_without_a_part() -> None:
+    """The outline alone is a part: build tells of it what check does."""
+    design = camgeo.load(FIXTURES / "scenes" / "vorschub.toml")
+    edits = {"output.formats": ["csv"], "limits.diameter": 50.0}
+    bare = {key: None for key in ("part", "tool", "stock", "holding") if key in design.scene.values}
+    found = told(camgeo.Design(design.scene.with_values({**edits, **bare})))
+    assert [each.name for each in found if each.severity == "broken"] == ["largest-diameter"]

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.answers.check import check
 from camgeo.errors import SceneError, ToleranceError
 from camgeo.formats.format import Format, no_options
 from camgeo.formats.registry import writer_entries
@@ -67,6 +68,27 @@ def test_report_and_certificate(tmp_path: Path) -> None:
         assert file.deviation is not None
         assert file.deviation <= 0.01
     assert [finding["name"] for finding in certificate["findings"]]
+
+
+def test_the_certificate_has_the_findings_on_parts(tmp_path: Path) -> None:
+    """Those of `camgeo check`, with the disc; none of a scene that says nothing of its part."""
+    scene = camgeo.load(SCENES / "conjugate_lever.toml").scene
+    screw = {"diameter": 5, "height": 6}
+    edits = {"part.hub": {"diameter": 40, "height": 12}, "part.set_screw": screw}
+    for name, values in (("a", edits | {"limits.diameter": 100.0}), ("b", {"part": None})):
+        design = camgeo.Design(scene.with_values({"output.formats": ["csv"], **values}))
+        design.write(tmp_path / name, ["csv"])
+        certificate = json.loads((tmp_path / name / "certificate.json").read_bytes())
+        found = [each for each in certificate["findings"] if "part" in each]
+        parts = check(design).parts if name == "a" else {}
+        keys = ("part", "name", "severity", "value")
+        assert [tuple(map(each.get, keys)) for each in found] == [
+            (part, each.name, each.severity, each.value)
+            for part, one in parts.items()
+            for each in one.findings
+        ]
+        names = {each["name"] for each in found}
+        assert names == ({"largest-diameter", "smallest-wall", "set-screw"} if parts else set())
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, 9e-8, 1.1, float("nan"), float("inf")])

@@ -49,9 +49,9 @@ def told(design: Design) -> tuple[Finding, ...]:
     part impossible is left to its files.
     """
     bad = tuple(each for each in design.findings if each.severity != "ok")
-    if not design.judgement.has_outline or design.scene.part is None:
+    if not design.judgement.has_outline:
         return bad
-    from camgeo.answers.check.parts import poor_in  # few designs have a part
+    from camgeo.product.judged_part import poor_in  # a cam without outline has no part
 
     return (*bad, *chain.from_iterable(map(poor_in, design.discs)))
 

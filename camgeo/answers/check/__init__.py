@@ -15,13 +15,13 @@ from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, 
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
-    from camgeo.answers.check.parts import PartFound
     from camgeo.cam.disc import Disc
     from camgeo.check.cures.cure import Cure
     from camgeo.design import Design
     from camgeo.errors import Fault
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path, Pivot
+    from camgeo.product.judged_part import PartFound
     from camgeo.product.product import Product
     from camgeo.scene.scene import Scene
     from camgeo.toolpath.engaged import Engaged
@@ -179,7 +179,7 @@ def check(design: Design) -> Check:
 
 
 def _parts(design: Design) -> dict[str, PartFound]:
-    from camgeo.answers.check.parts import part_of  # a motion alone has none
+    from camgeo.product.judged_part import part_of  # a motion alone has none
 
     return {disc.name: part_of(disc) for disc in design.discs}
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import Check, Machining
-from camgeo.answers.check.parts import Body, PartFound
+from camgeo.product.judged_part import Body, PartFound
 from camgeo.wording import clock
 
 if TYPE_CHECKING:

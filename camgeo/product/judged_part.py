@@ -1,4 +1,4 @@
-"""The part of a disc as `camgeo check` describes it: size, mass properties, and their limits."""
+"""The part of a disc, judged: size, mass properties, walls, and their limits."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class PartFound:
-    """What a check finds of a part.
+    """What is found of a part.
 
     Attributes
     ----------
@@ -105,17 +105,41 @@ def part_of(disc: Product) -> PartFound:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
         return PartFound(None, (), None, (Finding("part", "invalid", str(error)),))
-    limits, body = disc.scene.limits, _body(disc, part)
+    body = _body(disc, part)
+    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
+    return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
+
+
+def findings_on(disc: Product) -> tuple[Finding, ...]:
+    """The findings of `part_of`; of a scene that states nothing of a part, none."""
+    if not _stated(disc.scene):
+        return ()
+    try:
+        part = disc.drawn.part
+    except (GeometryError, ToleranceError) as error:
+        return (Finding("part", "invalid", str(error)),)
+    body = None if _density(disc.scene) is None else _body(disc, part)
+    return _findings(disc, part, body)
+
+
+def _stated(scene: Scene) -> bool:
+    """Whether a scene says anything of the part, or what it must hold."""
+    return scene.part is not None or scene.limits.diameter is not None
+
+
+def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ...]:
+    limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
-    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
-    return PartFound(diameter.value, layers, body, (diameter, *_mass(body, limits.mass), *walls))
+    return (diameter, *_mass(body, limits.mass), *walls)
 
 
 def poor_in(disc: Product) -> tuple[Finding, ...]:
-    """The findings of a part beyond a limit, or worth a warning: those of `part_of`, of which only
-    what may be one is computed. What makes a part impossible is left to its files.
+    """The findings of a part beyond a limit, or worth a warning: those of `findings_on`, of which
+    only what may be one is computed. What makes a part impossible is left to its files.
     """
+    if not _stated(disc.scene):
+        return ()
     try:
         part = disc.drawn.part
     except (GeometryError, ToleranceError):
