@@ -14,9 +14,15 @@ from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary, largest_radius
-from camgeo.part.features import bore_boundary, hole_boundaries, mark_boundary
+from camgeo.part.features import (
+    COUNTERBORE,
+    bore_boundary,
+    counterbore_boundaries,
+    hole_boundaries,
+    mark_boundary,
+)
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import BOTH, LOWER, UPPER, Holes, Hub, PartSpec, SetScrew
+from camgeo.part.spec import BOTH, LOWER, UPPER, Counterbore, Holes, Hub, PartSpec, SetScrew
 
 UPPER_HUB: Final = "hub"
 LOWER_HUB: Final = "lower hub"
@@ -83,6 +89,8 @@ def assembled(
         With the key of the scene, if a feature has no room.
     """
     sunk = spec.mark.depth if spec.mark is not None else 0.0
+    if spec.bolt_circle is not None and spec.bolt_circle.counterbore is not None:
+        sunk = max(sunk, spec.bolt_circle.counterbore.depth)
     depth = spec.groove_depth or 0.0
     # What the scene does not give is taken as anything that keeps the order, and is 0 in the end.
     bottom = -(spec.thickness or 2.0 * max(sunk, depth) + 1.0)
@@ -103,20 +111,32 @@ def assembled(
         features.append(Feature(bore, low, high))
     name = "groove" if grooved else ""
     features += [Feature(each, floor if grooved else bottom, 0.0, name) for each in flanks]
+    under: list[Feature] = []  # what is clear of all else because something wider over it is
     for table, name in HOLES.items():
         holes: Holes | None = getattr(spec, table)
-        for hole in hole_boundaries(holes, name) if holes is not None else ():
-            hub = _require_clear(hole, f"part.{table}", features, tolerance)
-            reach = (low, high) if hub else (bottom, 0.0)
+        if holes is None:
+            continue
+        for hole, wide in zip(
+            hole_boundaries(holes, name), counterbore_boundaries(holes), strict=True
+        ):
+            mouth = wide or hole
+            hub = _require_clear(mouth, f"part.{table}", features, tolerance)
+            foot, top = (low, high) if hub else (bottom, 0.0)
             if hub and spec.set_screw is not None:
-                _require_beside(hole, spec.set_screw)
-            features.append(Feature(hole, *reach))
+                _require_beside(mouth, spec.set_screw)
+            if holes.counterbore is None:
+                features.append(Feature(hole, foot, top))
+                continue
+            seat = _seat(holes.counterbore, foot, top, known=spec.thickness is not None)
+            features.append(Feature(mouth, seat, top, COUNTERBORE))
+            under.append(Feature(hole, foot, seat))
     if spec.mark is not None:
         mark = mark_boundary(spec.mark)
         upper = [each for each in features if each.layer != LOWER_HUB]
         if hub := _require_clear(mark, "part.mark", upper, tolerance):
             raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
         features.append(Feature(mark, -spec.mark.depth, 0.0, "mark"))
+    features += under
 
     def stated(z: float) -> float:
         """The height `z` as far as the scene gives it."""
@@ -176,6 +196,19 @@ def _require_beside(hole: ExactBoundary, screw: SetScrew) -> None:
     if away <= hole.round_radius + 0.5 * screw.diameter:
         message = f"the hole of the set screw meets the {hole.name}"
         raise GeometryError(message, key="part.set_screw.angle")
+
+
+def _seat(counterbore: Counterbore, foot: float, top: float, *, known: bool) -> float:
+    """Height of the floor of a counterbore in material from `foot` to `top` [mm]; GeometryError
+    unless there is some below it, if the heights are `known`.
+    """
+    if known and counterbore.depth >= top - foot:
+        raise GeometryError(
+            f"must be less than {top - foot:.6g} mm, the height of the material there",
+            key="part.bolt_circle.counterbore.depth",
+            value=f"{counterbore.depth:g}",
+        )
+    return top - counterbore.depth
 
 
 def _require_clear(

@@ -7,12 +7,17 @@ through; a blind one would be cut through otherwise.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
-from camgeo.part.part import Boundary, Part
+from camgeo.contour.simple import winding_number
+from camgeo.part.part import Boundary, Layer, Part
 
 Kind = Literal["through", "sunk", "raised"]
 """An edge goes through the disc, is sunk into it from a face, or stands on a face of it."""
+
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of contours between which it is asked which holes lie in others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +47,7 @@ def edges_of(part: Part) -> tuple[Edge, ...]:
 def _edge(part: Part, boundary: Boundary) -> Edge:
     """Sunk is what lies within the heights of the disc, from the face that it is open to."""
     disc = part.disc
-    if all(boundary in layer.boundaries for layer in disc):
+    if all(boundary in layer.boundaries or _is_open(boundary, layer) for layer in disc):
         return Edge(boundary)
     bottom, top = disc[0].z0, disc[-1].z1
     own = [layer for layer in part.layers if boundary in layer.boundaries]
@@ -52,3 +57,14 @@ def _edge(part: Part, boundary: Boundary) -> Edge:
         return Edge(boundary, "raised", below, bottom - z0 if below else z1 - top)
     below = boundary in disc[0].boundaries
     return Edge(boundary, "sunk", below, z1 - bottom if below else top - z0)
+
+
+def _is_open(boundary: Boundary, layer: Layer) -> bool:
+    """Whether a hole goes on through a layer within a wider one, as below a counterbore."""
+    if not boundary.hole:
+        return False
+    start = complex(boundary.beside(COARSE).contour.vertices[0])
+    return any(
+        each.hole and winding_number(each.beside(COARSE).contour, start)
+        for each in layer.boundaries
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from typing import Final
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import DShaft, Holes, Keyway, Mark
 from camgeo.units import TURN
+
+COUNTERBORE: Final = "counterbore"
+"""Name of counterbores, and of the layer that begins on their floors."""
 
 
 def bore_boundary(
@@ -70,6 +74,17 @@ def hole_boundaries(holes: Holes, name: str) -> tuple[ExactBoundary, ...]:
     """Round holes as boundaries, `name` with a number each."""
     return tuple(
         ExactBoundary(f"{name} {number}", hole=True, exact=Contour.circle(0.5 * holes.hole, middle))
+        for number, middle in enumerate(holes.middles, start=1)
+    )
+
+
+def counterbore_boundaries(holes: Holes) -> tuple[ExactBoundary | None, ...]:
+    """The counterbores of the holes, in their order, with a number each; None without any."""
+    if holes.counterbore is None:
+        return (None,) * holes.count
+    radius = 0.5 * holes.counterbore.diameter
+    return tuple(
+        ExactBoundary(f"{COUNTERBORE} {number}", hole=True, exact=Contour.circle(radius, middle))
         for number, middle in enumerate(holes.middles, start=1)
     )
 

@@ -165,6 +165,28 @@ Count = Annotated[int, partial(whole, least=1, most=MOST_HOLES)]
 
 
 @dataclass(frozen=True, slots=True)
+class Counterbore:
+    """The wider upper end of a bolt hole, for the head of a screw.
+
+    Attributes
+    ----------
+    diameter : of the counterbore [mm].
+    depth : below the face on which the hole opens, that of the disc or of a hub [mm].
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    diameter: Length
+    depth: Length
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.bolt_circle.counterbore.")
+
+
+@dataclass(frozen=True, slots=True)
 class Holes:
     """Equal round holes through the part, evenly spaced on a circle about the cam axis.
 
@@ -175,20 +197,26 @@ class Holes:
     hole : diameter of each [mm].
     angle : direction of the first from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to
         2 pi.
+    counterbore : of each at its upper end; None for none.
 
     Raises
     ------
     GeometryError
-        With the key in `part.holes`, if a value is invalid.
+        With the key in `part.holes`, if a value is invalid, or of the counterbore, if that is no
+        wider than the hole.
     """
 
     count: Count
     circle: Length
     hole: Length
     angle: Angle = 0.0
+    counterbore: Counterbore | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.holes.")
+        if self.counterbore is not None:
+            key = "part.bolt_circle.counterbore.diameter"
+            number(key, self.counterbore.diameter, above=self.hole, unit="mm")
 
     @property
     def middles(self) -> tuple[complex, ...]:
@@ -282,6 +310,8 @@ def part_of(table: Mapping[str, Any]) -> PartSpec:
         if name not in given:
             continue
         own = {**given[name]}
+        if "counterbore" in own:
+            own["counterbore"] = Counterbore(**own["counterbore"])
         if "count" in own:
             own["count"] = int(own["count"])
         if own.pop("standard", None):

@@ -53,6 +53,10 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     if bore is not None and hub is not None and not hub > bore:
         yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
     yield from _set_screw_fits(values)
+    place = ("part", "bolt_circle", "counterbore")
+    wide, hole = values.get(*place, "diameter"), values.get("part", "bolt_circle", "hole")
+    if wide is not None and hole is not None and not wide > hole:
+        yield (*place, "diameter"), f"must be more than the hole, {hole:g}"
     length, width = (values.get("part", "mark", key) for key in ("length", "width"))
     if length is not None and width is not None and not length > width:
         yield ("part", "mark", "length"), f"must be more than the width, {width:g}"

@@ -271,7 +271,7 @@ def _lowest(drawn: list[Mark], z0: float, z1: float) -> float:
 
 
 def of_holes(shape: Shape, unit: LengthUnit) -> list[Mark]:
-    """Round holes off the cam axis: one of each kind, with their number, and their pitch circle."""
+    """Round holes off the cam axis: one of each kind, with their number, and each pitch circle."""
     kinds: dict[tuple[float, float], list[tuple[complex, float]]] = {}
     for edge in shape.edges:
         if edge.circle is None or abs(edge.circle[0]) <= 1e-9 * shape.size:
@@ -279,11 +279,14 @@ def of_holes(shape: Shape, unit: LengthUnit) -> list[Mark]:
         centre, radius = edge.circle
         kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append((centre, radius))
     marks: list[Mark] = []
-    for found in kinds.values():
-        centre, radius = found[0]
+    circles: set[float] = set()
+    for number, ((_, circle), found) in enumerate(kinds.items()):
+        # Holes of another size at the same places are dimensioned at the next of them.
+        centre, radius = found[number % len(found) if circle in circles else 0]
         count = f" ({len(found)}x)" if len(found) > 1 else ""
         marks.append(Diameter(centre, radius, phase(centre), count, EXACT[unit]))
-        if len(found) > 1:
+        if len(found) > 1 and circle not in circles:
+            circles.add(circle)
             aside = phase(centre * cmath.exp(0.3j))
             marks.append(Diameter(0j, abs(centre), aside, decimals=EXACT[unit]))
     return marks

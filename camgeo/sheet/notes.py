@@ -66,7 +66,9 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
 def _features(
     part: PartSpec | None, words: Words, length: Length, spec: DrawingSpec
 ) -> Iterator[str]:
-    """What views and dimensions leave open: a timing mark, and the hole of a set screw."""
+    """What views and dimensions leave open: a timing mark, counterbores, and the hole of a
+    set screw.
+    """
     if part is None:
         return
 
@@ -84,6 +86,13 @@ def _features(
             radius=length(mark.radius),
             depth=length(mark.depth),
             angle=degrees(mark.angle),
+        )
+    if part.bolt_circle is not None and part.bolt_circle.counterbore is not None:
+        wide = part.bolt_circle.counterbore
+        yield words.counterbore.format(
+            diameter=length(wide.diameter),
+            depth=length(wide.depth),
+            hole=length(part.bolt_circle.hole),
         )
     if part.set_screw is not None and part.hub is not None:
         screw = part.set_screw

@@ -118,6 +118,18 @@ class Bench:
         """Whether the wall reaches the lower face of the disc, perhaps beside a hub on it."""
         return wall.z0 <= self.part.disc[0].z0
 
+    def mouth(self, wall: Wall) -> float:
+        """Z from which a round hole is drilled [mm]: of the face on which it opens, above a
+        counterbore if it has one.
+        """
+        middle = bore_of(wall).exact.centres[0]
+        over = (
+            each.z1
+            for each in self.holes
+            if each.z0 == wall.z1 and bore_of(each).exact.centres[0] == middle
+        )
+        return max(over, default=wall.z1)
+
     def bottom(self, wall: Wall) -> float:
         """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
         holding = self.milling.holding

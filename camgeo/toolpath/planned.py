@@ -92,7 +92,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
     for wall in (each for each in bench.holes if each.boundary.name in walls):
         boundary = bore_of(wall)
         if bench.pierces(wall):
-            size = boundary.round_radius, wall.z1
+            size = boundary.round_radius, bench.mouth(wall)
             through.setdefault(size, {})[boundary.name] = complex(boundary.exact.centres[0])
             continue
         width = 2.0 * float(np.max(boundary.exact.radii))

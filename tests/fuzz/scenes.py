@@ -195,6 +195,13 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
         found = {"count": rng.randint(1, 7), "circle": size(0.5, 1.9), "hole": size(0.02, 0.2)}
         return {**found, "angle": rng.choice((0, 17.5, -360))}
 
+    def bolts() -> dict[str, Any]:
+        found = holes()
+        if rng.random() < 0.5:
+            wide = float(f"{found['hole'] * rng.uniform(0.9, 2.5):.4g}")
+            found["counterbore"] = {"diameter": wide, "depth": rng.choice((0.5, 4, 9.99, 11))}
+        return found
+
     makers: dict[str, Callable[[], dict[str, Any]]] = {
         "keyway": lambda: rng.choice(
             ({"standard": "DIN 6885-1"}, {"width": size(0.05, 0.3), "depth": size(0.02, 0.2)})
@@ -206,7 +213,7 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
             "side": rng.choice(("upper", "lower", "both")),
         },
         "mark": lambda: {"radius": size(0.3, 0.9), "width": size(0.01, 0.1), "depth": 1},
-        "bolt_circle": holes,
+        "bolt_circle": bolts,
         "lightening_holes": holes,
     }
     chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Final
 
 from hypothesis import strategies as st
@@ -16,7 +17,7 @@ from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
 from camgeo.part.build import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import SIDES, DShaft, Holes, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import SIDES, Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.contour.cams import dwell, move
 
 ROLLER: Final = 8.0
@@ -62,6 +63,15 @@ def _holes() -> st.SearchStrategy[Holes]:
 
 
 @st.composite
+def _bolts(draw: st.DrawFn) -> Holes:
+    holes = draw(_holes())
+    if not draw(st.booleans()):
+        return holes
+    wide = holes.hole * draw(_share(1.05, 2.5))
+    return replace(holes, counterbore=Counterbore(wide, draw(_share(0.2, 8.0))))
+
+
+@st.composite
 def specs(draw: st.DrawFn) -> PartSpec:
     """Specifications of parts, most of them possible."""
     bore = draw(st.none() | _share(5.0, 40.0))
@@ -71,7 +81,7 @@ def specs(draw: st.DrawFn) -> PartSpec:
     flat = None
     if bore is not None and keyway is None and draw(st.booleans()):
         flat = DShaft(draw(_share(0.51, 0.99)) * bore, draw(_angles))
-    bolts, light = (draw(st.none() | _holes()) for _ in range(2))
+    bolts, light = draw(st.none() | _bolts()), draw(st.none() | _holes())
     hub = None
     if draw(st.booleans()):
         diameter = (bore or 10.0) + draw(_share(1.0, 30.0))

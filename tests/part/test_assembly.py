@@ -16,8 +16,9 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.features import flattened, mark_outline
+from camgeo.part.mass import solid
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import DShaft, Holes, Hub, Keyway, Mark, PartSpec, SetScrew
+from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec, SetScrew
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -243,3 +244,52 @@ def _area(boundary: Boundary) -> shapely.Polygon:
     contour: Contour = boundary.arcs(1e-3, "fast").contour
     points = contour.points(1e-3)
     return shapely.Polygon(np.column_stack((points.real, points.imag)))
+
+
+BOLTS = Holes(3, 46.0, 4.0, counterbore=Counterbore(6.0, 4.0))
+
+
+def test_counterbores_are_a_layer_of_their_own() -> None:
+    part = made(Contact.INNER, replace(DISC, bore=12.0, bolt_circle=BOLTS))
+    assert [(layer.name, layer.z0, layer.z1) for layer in part.layers] == [
+        ("disc", -10.0, -4.0), ("counterbore", -4.0, 0.0),
+    ]  # fmt: skip
+    assert ("counterbore 2", -4.0, 0.0) in _walls(part)
+    assert ("bolt hole 2", -10.0, -4.0) in _walls(part)
+    assert part.levels[1].name == "floor of the counterbore"
+    plain = made(Contact.INNER, replace(DISC, bore=12.0, bolt_circle=Holes(3, 46.0, 4.0)))
+    less = solid(plain).volume - solid(part).volume
+    assert less == pytest.approx(3.0 * math.pi * (3.0**2 - 2.0**2) * 4.0, rel=1e-9)
+
+
+def test_counterbores_in_a_hub_begin_on_its_face() -> None:
+    spec = replace(DISC, bore=12.0, hub=Hub(28.0, 6.0, "both"))
+    bolts = Holes(3, 20.5, 2.0, counterbore=Counterbore(4.0, 21.0))
+    part = made(Contact.INNER, replace(spec, bolt_circle=bolts))
+    assert ("counterbore 1", -15.0, 6.0) in _walls(part)
+    assert ("bolt hole 1", -16.0, -15.0) in _walls(part)
+
+
+@pytest.mark.parametrize(
+    ("counterbore", "others", "key"),
+    [
+        (Counterbore(6.0, 10.0), {}, "part.bolt_circle.counterbore.depth"),
+        (Counterbore(12.0, 4.0), {}, "part.bolt_circle"),  # into the bore
+        (Counterbore(32.0, 4.0), {"bore": None}, "part.bolt_circle"),  # into the flank
+        (Counterbore(6.0, 4.0), {"mark": Mark(23.0, 1.0, 0.5)}, "part.mark"),  # in the hole
+        (Counterbore(6.0, 4.0), {"mark": Mark(25.5, 0.5, 0.5)}, "part.mark"),  # on its floor
+    ],
+)
+def test_counterbores_without_room_are_refused(
+    counterbore: Counterbore, others: dict[str, object], key: str
+) -> None:
+    spec = replace(DISC, bore=36.0, bolt_circle=replace(BOLTS, counterbore=counterbore))
+    with pytest.raises(GeometryError) as caught:
+        made(Contact.INNER, replace(spec, **others))  # type: ignore[arg-type]  # of several types
+    assert caught.value.key == key
+
+
+def test_a_counterbore_is_wider_than_its_hole() -> None:
+    with pytest.raises(GeometryError, match="above 4") as caught:
+        Holes(3, 46.0, 4.0, counterbore=Counterbore(4.0, 1.0))
+    assert caught.value.key == "part.bolt_circle.counterbore.diameter"

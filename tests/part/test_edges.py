@@ -65,3 +65,15 @@ def test_a_depth_is_written_without_an_exponent() -> None:
     assert layer_name(edge, 1.0) == "BLIND_0.00001"
     assert layer_name(Edge(edge.boundary, "sunk", by=12345.0), 1.0) == "BLIND_12345"
     assert layer_name(Edge(edge.boundary, "sunk", by=0.1 + 0.2), 1.0) == "BLIND_0.3"
+
+
+def test_a_hole_below_a_counterbore_is_cut_through() -> None:
+    rim, hole, wide = (
+        circle("rim", 40.0),
+        *(circle(name, radius, 20j, hole=True) for name, radius in (("hole", 3.0), ("wide", 5.0))),
+    )
+    beside = circle("beside", 3.0, -20j, hole=True)
+    part = Part((Layer(-9.0, -4.0, (rim, hole, beside)), Layer(-4.0, 0.0, (rim, wide))))
+    assert {each.boundary.name: layer_name(each, 1.0) for each in edges_of(part)} == {
+        "rim": "CUT", "hole": "CUT", "beside": "BLIND_BELOW_5", "wide": "BLIND_4",
+    }  # fmt: skip

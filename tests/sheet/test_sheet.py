@@ -190,6 +190,20 @@ def test_what_no_layer_has_is_a_note() -> None:
     assert "Hole %%c4 for a set screw, radial through the hub at 45°, its middle 6 from" in texts
 
 
+def test_counterbores_are_dimensioned_and_noted() -> None:
+    bolts = """bolt_circle = { count = 4, circle = 52, hole = 4, angle = 60,
+counterbore = { diameter = 7.5, depth = 4.25 } }
+hub ="""
+    scene = parse_scene(HUBBED.replace("hub =", bolts.replace("\n", " ", 1)))
+    sheet = sheet_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
+    assert overlaps(text_boxes(sheet)) == []
+    found = [(round(m.measure, 9), m.suffix) for m in measured(sheet)]
+    assert {(4.0, " (4x)"), (7.5, " (4x)")} <= set(found)
+    assert found.count((52.0, "")) == 1  # one pitch circle of both
+    texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
+    assert "Counterbores %%c7.5, 4.25 deep from the upper end of the holes %%c4." in texts
+
+
 def test_the_example_of_the_page_is_a_table() -> None:
     page = (FIXTURES.parent / "docs" / "drawing.md").read_text("utf-8")
     table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]

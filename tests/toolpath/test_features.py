@@ -12,7 +12,7 @@ import camgeo
 from camgeo.cam.contact import Contact
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError, SceneError
-from camgeo.part.spec import DShaft, Holes, Hub, Mark, PartSpec
+from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Mark, PartSpec
 from camgeo.product.milled import MilledDisc
 from camgeo.toolpath.cut import AreaCut, LineCut, PointCut
 from camgeo.toolpath.judged import left_out
@@ -325,3 +325,39 @@ def test_the_scene_names_the_wrong_key() -> None:
     with pytest.raises(SceneError, match=r"part\.hub\.side") as caught:
         _ = _milled(text).sequence
     assert "from there: state [second_side]" in str(caught.value)
+
+
+@pytest.mark.parametrize("made", [True, False])
+def test_counterbores_are_plunged_and_holes_drilled_from_their_face(made: bool) -> None:
+    """Where no tool makes counterbores, a drill does not begin on their floors all the same."""
+    bolts = Holes(3, 52.0, 4.0, counterbore=Counterbore(6.0, 2.0))
+    flat = (tool(6.0, 4, plunges=True),) if made else ()
+    spec = replace(HUBBED, mark=None, bolt_circle=bolts)
+    found = sequence(Contact.INNER, *TOOLS, *flat, stock=ROUND, spec=spec)
+    cuts = named(found)
+    drilled = cuts["drill bolt hole 1, bolt hole 2, bolt hole 3"]
+    assert drilled.top == -6.0
+    names = [f"engrave counterbore {number}" for number in (1, 2, 3)]
+    if made:
+        assert [cuts[name].bottom for name in names] == [-8.0] * 3
+        assert left_out(part(Contact.INNER, spec), found.cuts) == ()
+    else:
+        assert not cuts.keys() & set(names)
+        told = {each.name: each.sentence for each in found.findings}
+        assert "no flat end mill of 6 mm" in told["counterbore 1-left-out"]
+
+
+def test_the_simulation_leaves_counterbores() -> None:
+    flat = """[[tool]]
+number = 4
+diameter = 6
+spindle_speed = 3000
+feed = 100
+plunge_feed = 50
+plunges = true
+stepdown = 2
+[output]"""
+    wide = "hole = 4, counterbore = { diameter = 6, depth = 2 } }"
+    milled = _milled(SCENE.replace("hole = 4 }", wide).replace("[output]", flat))
+    assert _wrong(milled) == []
+    assert left_out(milled.part, milled.cuts) == ()
