@@ -29,6 +29,12 @@ FAR = 0.8
 """Fraction of the expected increase to skip where the distance found is more than twice the aim."""
 
 
+STUCK_AFTER, STUCK = 4.0, 0.9
+"""A distance that so many times as many parts, beyond `FINE`, do not reduce below this fraction is
+not due to their length, because every stretch of a piece gets its share of the parts: the cam
+angles of a step, or the points of a cusp, cannot be told apart."""
+
+
 Make = Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]]
 """[(number of the piece, count), ...] -> the result for each and its largest distance [mm] found,
 by any rule that depends only on the count."""
@@ -60,6 +66,7 @@ def least_counts(
         If no count comes within `aim` [mm].
     """
     counts = [ladder(float(value)) for value in expected]
+    marks = [(count, math.inf) for count in counts]
     done: dict[int, Made] = {}
     while len(done) < len(counts):
         wanted = []
@@ -79,7 +86,11 @@ def least_counts(
             if not distance <= 2.0 * aim:
                 share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
                 counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
-            if counts[piece] > most:
+            since, before = marks[piece]
+            stuck = count >= STUCK_AFTER * max(since, FINE) and distance > STUCK * before
+            if distance <= STUCK * before:
+                marks[piece] = count, distance
+            if stuck or counts[piece] > most:
                 raise ToleranceError(
                     "the pieces of the contour cannot follow the curve", tolerance, distance
                 )

@@ -5,6 +5,7 @@ The smooth pieces of one curve are a group, so that they share the cost of a cal
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -61,6 +62,11 @@ def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]
 
 ROUNDS = 6
 """Most fits; the second is within the tolerance wherever double precision allows."""
+
+HELPS = 0.9
+"""Fraction of a deviation of more than twice the tolerance below which that of the next round must
+fall, which aims at less than half; else what is off is no matter of the aim, but a step of the
+curve within the cam angles that can be told apart."""
 
 EASE = 0.95
 """Factor beyond the excess by which the aim is lowered for the next round."""
@@ -130,9 +136,14 @@ def proved(
     Raises what `prove` raised last, ToleranceError if the deviation stays too large, and whatever
     `fit` raises.
     """
-    reached, failed = 0.0, None
-    for _ in range(ROUNDS):
-        made = fit(aim)
+    reached, before, failed = 0.0, math.inf, None
+    for number in range(ROUNDS):
+        try:
+            made = fit(aim)
+        except ToleranceError:
+            if number:  # of a lower aim: what matters is what the proof said of the one before
+                break
+            raise
         try:
             reached, failed = prove(made), None
         except GeometryError as error:  # too coarse to follow the curve
@@ -141,6 +152,9 @@ def proved(
             continue
         if reached <= tolerance:
             return made, reached
+        if reached > HELPS * before and before > 2.0 * tolerance:
+            break
+        before = reached
         aim *= EASE * tolerance / reached
     if failed is not None:
         raise failed

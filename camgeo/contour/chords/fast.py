@@ -42,6 +42,9 @@ STEPS = 12
 CLOSE = 1.01
 """The search ends this close to the requested number of chords."""
 
+MOST_CELLS = 1 << 20
+"""Cells of a piece that are not refined further, for any count: chords share them evenly."""
+
 FLOOR = 0.005
 """Smallest density of chords, as a fraction of the piece's mean: every stretch gets chords."""
 
@@ -72,7 +75,7 @@ class ChordDensity:
 
     def joints(self, count: int) -> FloatArray:
         """(count + 1,) cam angles [rad] of the ends of `count` parts, both outer ones included."""
-        if count > len(self._bends.speed) // 2:
+        if len(self._bends.speed) // 2 < min(count, MOST_CELLS // 2):
             if self._finer is None:
                 self._finer = ChordDensity(self._piece, self._bends.refined())
             return self._finer.joints(count)
