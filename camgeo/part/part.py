@@ -254,6 +254,18 @@ class Part:
                 key = f"part.{layer.name}_depth"
                 raise GeometryError(f"a solid needs {key}", key=key)
 
+    def require_steps(self, tolerance: float) -> None:
+        """Raise GeometryError, with its key if it is the thickness, for a height within `tolerance`
+        [mm], whose faces no file of that tolerance tells apart; and like `require_heights`.
+        """
+        self.require_heights()
+        for layer in self.layers:
+            height = layer.z1 - layer.z0
+            if not height > tolerance:
+                key = "part.thickness" if self.thickness <= tolerance else "part"
+                what = f"a solid within {tolerance:g} mm has no layer of {height:g} mm"
+                raise GeometryError(f"{what}: its faces would be one", key=key)
+
     def turned_over(self) -> Part:
         """The same part upside down, its lower face at height 0: the boundaries are the same in X
         and Y, heights are reflected.

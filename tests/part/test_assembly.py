@@ -85,6 +85,18 @@ def test_a_drawing_needs_no_heights() -> None:
     assert caught.value.key == "part.groove_depth"
 
 
+def test_a_solid_has_no_layer_within_its_tolerance() -> None:
+    part = made(Contact.INNER, PartSpec(bore=20.0, thickness=10.0, hub=Hub(40.0, 0.015, "upper")))
+    part.require_steps(0.01)
+    with pytest.raises(GeometryError, match=r"0\.02 mm has no layer of 0\.015 mm") as caught:
+        part.require_steps(0.02)
+    assert caught.value.key == "part"
+    thin = made(Contact.INNER, PartSpec(bore=20.0, thickness=1e-4))
+    with pytest.raises(GeometryError) as caught:
+        thin.require_steps(0.01)
+    assert caught.value.key == "part.thickness"
+
+
 @given(
     st.floats(10.0, 60.0), st.floats(0.5, 4.0), st.floats(1.01, 4.0), st.floats(-6.2, 6.2)
 )  # fmt: skip

@@ -54,9 +54,10 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
     `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
-    the key of the height that the scene does not give, and FileError if the body would have more
-    facets than `camgeo.reading` allows.
+    the key of a height that the scene does not give or that is within the tolerance, and FileError
+    if the body would have more facets than `camgeo.reading` allows.
     """
+    part.require_steps(tolerance)
     levels = part.levels
     rings = {each.name: _ring(each, tolerance, rounding) for each in part.boundaries}
     _limit(sum(2 * len(rings[wall.boundary.name]) for wall in part.walls), "at least ")

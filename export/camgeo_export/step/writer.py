@@ -36,11 +36,11 @@ class StepWriter:
     def write(self, product: Product, tolerance: float) -> Written:
         """The solid, in the unit of the product, within `tolerance` [mm].
 
-        Raises GeometryError with the key of a height that the scene does not give, and FileError
-        if the file would be larger than `camgeo.reading` allows.
+        Raises GeometryError with the key of a height that the scene does not give or that is within
+        the tolerance, and FileError if the file would be larger than `camgeo.reading` allows.
         """
         part = product.drawn.part
-        part.require_heights()
+        part.require_steps(tolerance)
         rings = {each.name: ring_of(each, product, tolerance) for each in part.boundaries}
         _limit(sum(len(rings[wall.boundary.name].strands) for wall in part.walls))
         file = Entities()
