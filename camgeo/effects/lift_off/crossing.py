@@ -27,6 +27,7 @@ from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import leverage_of
 from camgeo.effects.wording import degrees, missed
+from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
@@ -48,6 +49,9 @@ MOST_HALVINGS: Final = 6
 
 ROUNDING: Final = 1e-12
 """An estimated error below this share is rounding, whatever the tolerance."""
+
+MOST_AT_ONCE: Final = 64
+"""Cells that are evaluated at a time at most."""
 
 PROBES: Final = 65
 """Points of a cell at which the end of the flight is searched for."""
@@ -111,6 +115,26 @@ class Impact:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Cell:
+    """A cell [low, high] of cam angles [rad], and at n angles in it what moves the free follower.
+
+    Attributes
+    ----------
+    angles : (n,) [rad].
+    lever : (n,) leverage of the normal of the side that takes over.
+    push : (n,) acceleration of the deviation, per s^2.
+    pace : (n,) speed of the cam [rad/s].
+    """
+
+    low: float
+    high: float
+    angles: FloatArray
+    lever: FloatArray
+    push: FloatArray
+    pace: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Clearance:
     """The clearance of a roller between the two flanks, or of a follower between two discs.
 
@@ -168,21 +192,16 @@ class Clearance:
         course = self.subject.drive.time_course
         assert course is not None  # there is inertia, which needs a speed
         velocity = way = 0.0
-        for low, high in _cells(change.leaving, self.contact.edges, 0.5**halvings):
-            angles = 0.5 * (low + high) + 0.5 * (high - low) * x
-            phi = np.mod(angles, TURN)
-            rates = course.rates(phi)
-            # n of the side that takes over points towards it; in a groove it is the other gap.
-            lever = -leverage_of(self.subject, phi, "right", -change.sense)
-            needed = at_rates(self.contact.required(phi, "right"), rates)
-            push = -needed / self.inertia.to_follower(phi, "right")
 
-            def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
-                return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
+        def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
+            return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
 
-            rate = integral(push / rates[0], velocity, (low, high))
-            path = integral(rate(angles) / rates[0], way, (low, high))
-            gap = Polynomial(fit @ (lever * path(angles)), (low, high))
+        cells = _cells(change.leaving, self.contact.edges, 0.5**halvings)
+        for cell in self._sampled(change, course, cells, x):
+            low, high = ends = cell.low, cell.high
+            rate = integral(cell.push / cell.pace, velocity, ends)
+            path = integral(rate(cell.angles) / cell.pace, way, ends)
+            gap = Polynomial(fit @ (cell.lever * path(cell.angles)), ends)
             end = _first(gap, low, high, self.backlash)
             if end is not None:
                 angle, crossed = end
@@ -191,6 +210,32 @@ class Clearance:
                 return angle, speed if crossed else speed * self._share(change, angle), crossed
             velocity, way = float(rate(high)), float(path(high))
         return None
+
+    def _sampled(
+        self,
+        change: Change,
+        course: TimeCourse,
+        cells: Iterator[tuple[float, float]],
+        x: FloatArray,
+    ) -> Iterator[_Cell]:
+        """The cells with these ends [rad], sampled at the places `x` (n,) of each, from -1 to 1.
+
+        Many are evaluated at a time, the more the longer the flight.
+        """
+        size = 1
+        while block := list(itertools.islice(cells, size)):
+            lows, highs = np.array(block).T[:, :, None]
+            angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * x
+            phi = np.mod(angles, TURN).ravel()
+            rates = course.rates(phi)
+            # n of the side that takes over points towards it; in a groove it is the other gap.
+            lever = -leverage_of(self.subject, phi, "right", -change.sense)
+            needed = at_rates(self.contact.required(phi, "right"), rates)
+            push = -needed / self.inertia.to_follower(phi, "right")
+            found = (each.reshape(angles.shape) for each in (lever, push, rates[0]))
+            for ends, *values in zip(block, angles, *found, strict=True):
+                yield _Cell(*ends, *values)
+            size = min(2 * size, MOST_AT_ONCE)
 
     def _share(self, change: Change, angle: float) -> float:
         """Motion along the normal of the side left, relative to the next side; 1 in a groove."""
