@@ -1,4 +1,4 @@
-"""The cost of accuracy over the tolerance: pieces with their limits, bytes, seconds, effects.
+"""The cost of accuracy over the tolerance: pieces with limits, bytes, seconds, ripple, effects.
 
 All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
 differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
@@ -56,6 +56,8 @@ def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
     drawn = [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
     if computing or any(row.round_seconds is not None for row in survey.contours):
         drawn.append(("seconds", _seconds(survey, computing=computing)))
+    if any(row.ripple for row in survey.contours):
+        drawn.append(("ripple [% of the demanded peak]", _ripples(survey)))
     count = len(drawn)
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + EFFECTS_GAP) * effects
@@ -156,6 +158,17 @@ def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
     return lines
 
 
+def _ripples(survey: Survey) -> list[Line]:
+    """Largest error of the acceleration in a replay, in per cent of its demanded peak."""
+    lines = []
+    for form in FORMS:
+        for effort in EFFORTS:
+            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
+            label = f"ripple, {form}, {effort}"
+            lines += _points(rows, _ripple_percent, label, _style(form, effort))
+    return lines
+
+
 def _effects(survey: Survey) -> list[Line]:
     """Computing times of the numerical effects, over their own tolerances."""
     lines = []
@@ -197,3 +210,7 @@ def _program_size(row: ContourRow) -> float | None:
 
 def _fit_seconds(row: ContourRow) -> float | None:
     return None if row.count is None else row.count.fit_seconds
+
+
+def _ripple_percent(row: ContourRow) -> float | None:
+    return None if row.ripple is None else 100.0 * row.ripple

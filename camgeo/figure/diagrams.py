@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from camgeo.figure.layout import Size, limits
-from camgeo.figure.marks import Line, Mark, Rule, over
+from camgeo.figure.marks import Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure
-from camgeo.figure.style import CURVE, LIMIT_STYLE, ZERO, diagram, diagram_angles
+from camgeo.figure.style import CURVE, LIMIT, LIMIT_STYLE, ZERO, diagram, diagram_angles
 from camgeo.product.product import Product
 from camgeo.units import MM_PER
 
@@ -16,11 +18,18 @@ SIZE = (7.0, 3.6)
 FINDING = "transmission-angle"
 """Name of the finding that carries the limit of that angle, in degrees."""
 
+RATIO: Final = {"radius-ratio-inner": 1.0, "radius-ratio-outer": -1.0}
+"""Findings that carry the largest r_R/r_K of a flank, with the sign of the curvature that counts:
+the inner flank is too sharp where the pitch curve is convex."""
+
+RATIO_STYLE: Final = Style(LIMIT, 1.0, (1.2, 1.6))
+
 
 def curvature(product: Product, size: Size = SIZE) -> Figure:
     """Curvature of the pitch curve with the limits of +-1/d, d the flanks' distance.
 
-    Beyond these a flank has a cusp.
+    Beyond these a flank has a cusp. Nearer to zero is the limit of r_R/r_K that the scene sets, on
+    the side of each flank in use.
     """
     disc, follower, joints = product.cam.disc, product.cam.follower, product.cam.drive.joints
     phi = diagram_angles(joints)
@@ -34,7 +43,15 @@ def curvature(product: Product, size: Size = SIZE) -> Figure:
     for cusp in cusps:
         label = f"cusp of a flank, ±1/{name}" if cusp > 0.0 else ""
         marks.append(Rule("y", cusp, LIMIT_STYLE, label))
-    shown = Axis(limits([kappa], [*cusps, 0.0]), f"curvature κ [1/{product.unit}]")
+    ratios = {
+        RATIO[item.name] * item.limit * scale / follower.roller_radius: item.limit
+        for item in product.findings
+        if item.name in RATIO and item.limit is not None and follower.roller_radius > 0.0
+    }
+    for number, (at, limit) in enumerate(ratios.items()):
+        label = "" if number else f"limit r$_R$/r$_K$ = {limit:g}"
+        marks.append(Rule("y", at, RATIO_STYLE, label))
+    shown = Axis(limits([kappa], [*cusps, *ratios, 0.0]), f"curvature κ [1/{product.unit}]")
     title = f"{product.name}: curvature of the {what}"
     return diagram(size, title, shown, [*marks, ZERO], joints)
 

@@ -13,9 +13,11 @@ from camgeo.figure.marks import Line, Mark, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import (
     BOTTOM,
+    LEFT,
     LIMIT_STYLE,
     LINE,
     MARGINS,
+    RIGHT,
     TOP,
     ZERO,
     cam_angles,
@@ -36,6 +38,12 @@ WIDTH: Final = 7.0
 PANEL: Final = 1.7
 """Height of a panel [inch]."""
 
+ROWS: Final = 7
+"""Most panels one above the other, as many as a screen shows; more stand in further columns."""
+
+NARROW, BETWEEN = 4.2, 1.0
+"""Width of a panel of several columns, and the gap between two, with room for numbers [inch]."""
+
 GAP: Final = 0.2
 """Gap between two panels [inch], with room for the power of ten of the lower one."""
 
@@ -45,8 +53,8 @@ NAME_PLACE: Final = 0.6
 PLAIN: Final = (-3, 5)
 """Powers of ten between which numbers are written in full; longer ones would overlap the title."""
 
-ABREAST: Final = 3
-"""Largest number of curve names in a row."""
+ABREAST: Final = (3, 2)
+"""Largest number of curve names in a row, of one column of panels and of several."""
 
 HEADROOM: Final = 0.17
 """Space above the curves for each row of names, as a fraction of their range."""
@@ -61,15 +69,22 @@ CURVES: Final = (
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The columns of all effects, adjacent ones of equal unit in one panel.
+    """The columns of all effects, adjacent ones of equal unit in one panel, read downwards.
 
     The curves jump where the effects do: both sides of the joints of the motion and of the breaks
     of the effects are drawn.
     """
     groups = panels(product.columns())
     count = max(1, len(groups))
-    size = size or (WIDTH, TOP + count * PANEL + (count - 1) * GAP + BOTTOM)
-    frames = grid(size, MARGINS, count, gaps=(GAP / PANEL, 0.0))
+    columns = -(-count // ROWS)
+    rows = -(-count // columns)
+    if size is None:
+        across = LEFT + RIGHT + columns * NARROW + (columns - 1) * BETWEEN
+        width = WIDTH if columns == 1 else across
+        size = width, TOP + rows * PANEL + (rows - 1) * GAP + BOTTOM
+    panel = (size[0] - LEFT - RIGHT - (columns - 1) * BETWEEN) / columns
+    found = grid(size, MARGINS, rows, columns, (GAP / PANEL, BETWEEN / panel))
+    frames = [found[row * columns + column] for column in range(columns) for row in range(rows)]
     title = f"{product.name}: effects"
     if not groups:
         words = "no effect in the scene has values over the cam angle"
@@ -77,11 +92,16 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         text = Text(words, (0.5, 0.5), 9.0, across="center")
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
     places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
-    first, *others = (
-        _panel(product, frame, group, places, last=group is groups[-1])
-        for frame, group in zip(frames, groups, strict=True)
+    abreast = ABREAST[min(columns, 2) - 1]
+    ends = {*range(rows - 1, count, rows), count - 1}
+    made = tuple(
+        _panel(product, frame, group, places, last=number in ends, abreast=abreast)
+        for number, (frame, group) in enumerate(zip(frames, groups, strict=False))
     )
-    return Figure(size, (replace(first, title=title), *others))
+    if columns == 1:
+        return Figure(size, (replace(made[0], title=title), *made[1:]))
+    at = 0.5, 1.0 - 0.1 / size[1]
+    return Figure(size, made, (Text(title, at, 11.0, "figure", across="center", up="top"),))
 
 
 def panels(columns: Sequence[Column]) -> list[list[Column]]:
@@ -96,7 +116,13 @@ def panels(columns: Sequence[Column]) -> list[list[Column]]:
 
 
 def _panel(
-    product: Product, frame: Frame, group: Sequence[Column], places: FloatArray, *, last: bool
+    product: Product,
+    frame: Frame,
+    group: Sequence[Column],
+    places: FloatArray,
+    *,
+    last: bool,
+    abreast: int,
 ) -> Panel:
     shown, scale = shown_unit(group[0].unit, product.unit)
     marks: list[Mark] = [ZERO]
@@ -111,7 +137,7 @@ def _panel(
         marks.append(Rule("y", limit * scale, LIMIT_STYLE, label))
     found = entries(marks)
     low, high = limits([0.0, *drawn], [limit * scale for limit in named])
-    rows = -(-len(found) // ABREAST)  # of names, in a strip above the curves
+    rows = -(-len(found) // abreast)  # of names, in a strip above the curves
     return Panel(
         frame,
         turn_axis(numbered=last),
@@ -122,7 +148,7 @@ def _panel(
             label_place=NAME_PLACE,  # aligned over all panels, whatever the width of the numbers
         ),
         (*marks, *joint_marks(product.cam.drive.joints)),
-        legend=Legend(found, "upper right", None, min(len(found), ABREAST), 7.5, pad=0.3),
+        legend=Legend(found, "upper right", None, min(len(found), abreast), 7.5, pad=0.3),
     )
 
 

@@ -19,7 +19,7 @@ from camgeo.figure.layout import grid
 from camgeo.figure.marks import Band, Circle, Field, Fill, Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.figure.style import AUXILIARY, LIMIT, LIMIT_STYLE, MARGINS
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray
 
 SIZE: Final = (7.4, 7.0)
 ROWS: Final = 401
@@ -35,6 +35,9 @@ TOO_BENT: Final = Fill("#f0b8b4", "#f0b8b4")
 REGION: Final = Fill("#c9dcee", "#c9dcee", 0.0)
 FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)
 
+MARGIN: Final = 0.04
+"""Room around a base circle, as a fraction of its radius."""
+
 DEEPER: Final = 1.45
 """Depth of the picture below the follower, as a multiple of that of the deepest place in it."""
 
@@ -49,8 +52,8 @@ def figure(name: str, sides: Sides) -> Figure:
     """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
     shown = window(sides)
     marks: list[Mark] = []
-    for number, (task, sizing) in enumerate(sides):
-        marks += _regions(task, sizing, shown, named=number == 0)
+    for task, sizing in sides:
+        marks += _regions(task, sizing, shown)
     task, own = sides[0]
     marks += _follower(task)
     marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
@@ -69,7 +72,7 @@ def framed(name: str, marks: Sequence[Mark], shown: Window) -> Figure:
         Axis((float(y[0]), float(y[1])), "y [mm]"),
         tuple(marks),
         f"{name}: where the cam axis may lie",
-        legend=Legend(entries(marks)),
+        legend=Legend(tuple(dict.fromkeys(entries(marks)))),  # both sides have the same regions
         equal=True,
     )
     return Figure(SIZE, (panel,))
@@ -93,8 +96,13 @@ def window(sides: Sides) -> Window:
             shown.append(task.held)
         across += [task.seen[0] * each.real for each in shown]
         below = 0 if task.seen[1] > 0 else 1
-        depths[below] = -DEEPER * min(each.imag for each in shown)
+        depths[below] = max(depths[below], -DEEPER * min(each.imag for each in shown))
         room = 1.4 * task.follower.roller_radius
+        if sizing.answer is not None:  # with its base circle
+            x, y = task.seen[0] * sizing.answer.place.real, task.seen[1] * sizing.answer.place.imag
+            radius = (1.0 + MARGIN) * sizing.answer.base_radius
+            across += [x - radius, x + radius]
+            depths = [max(depths[0], radius - y), max(depths[1], radius + y)]
     low, high = (max(depth, room) for depth in depths)
     return square(np.array(across), low, high, room)
 
@@ -111,27 +119,37 @@ def square(across: FloatArray, low: float, high: float, room: float) -> Window:
     )
 
 
-def _regions(task: Task, sizing: Sizing, shown: Window, *, named: bool) -> list[Mark]:
+def _regions(task: Task, sizing: Sizing, shown: Window) -> list[Mark]:
     across, up = task.seen
     columns, heights = np.sort(across * shown[0]), np.sort(up * shown[1])
     depths = np.linspace(min(heights[0], 0.0), 0.0, ROWS)
     angle = f"μ ≥ {np.degrees(sizing.angle):g}°"
     low, high = row_limits(task, np.tan(sizing.angle), depths)
-    exact = band(task, depths, low, high, columns, REGION, f"{angle}, exact" if named else "")
+    exact = band(task, depths, low, high, columns, REGION, f"{angle}, exact")
     marks: list[Mark] = [exact]
     if sizing.construction is not None:
         low, high = flocke_limits(sizing.construction, depths)
-        label = f"{angle} by Flocke" if named else ""
-        marks.append(band(task, depths, low, high, columns, FLOCKE, label))
+        marks.append(band(task, depths, low, high, columns, FLOCKE, f"{angle} by Flocke"))
     x = np.linspace(columns[0], columns[1], CELLS)
     y = np.linspace(depths[0], 0.0, CELLS)
     ratios = ratio_map(task, x, y, MOST * sizing.ratio)
-    if not np.all(np.isnan(exact.low)) and np.any(ratios > sizing.ratio):
+    if _reaches(exact, seen(task, x, y), ratios > sizing.ratio):
         over_x, over_y = seen(task, x, y)
         levels = sizing.ratio, MOST * sizing.ratio
-        label = f"there r$_R$/r$_K$ > {sizing.ratio:g}" if named else ""
+        label = f"there r$_R$/r$_K$ > {sizing.ratio:g}"
         marks.append(Field(over_x, over_y, ratios, levels, TOO_BENT, exact, label, layer=2.0))
     return marks
+
+
+def _reaches(region: Band, cells: tuple[FloatArray, FloatArray], marked: BoolArray) -> bool:
+    """Whether a `marked` one of the cells (rows, columns) of the picture lies in the `region`."""
+    x, y = cells
+    order = np.argsort(region.places)
+    left, right = (
+        np.interp(y, region.places[order], end[order]) for end in (region.low, region.high)
+    )
+    ends = np.sort(np.stack((left, right)), axis=0)[..., np.newaxis]
+    return bool(np.any(marked & (x >= ends[0]) & (x <= ends[1])))
 
 
 def band(
@@ -143,15 +161,19 @@ def band(
     style: Fill,
     label: str,
 ) -> Band:
-    """The places between `low` and `high` (n,) of each row (n,) [mm], where there are any."""
+    """The places between `low` and `high` (n,) of each row (n,) [mm], where there are any.
+
+    Without its name if there are none between the ends (2,) of the `columns`.
+    """
     met = low <= high
     margin = float(np.ptp(columns))  # beyond the picture on both sides
     low = np.clip(low, columns[0] - margin, columns[1] + margin)
     high = np.clip(high, columns[0] - margin, columns[1] + margin)
     left, y = seen(task, low, rows)
     right, _ = seen(task, high, rows)
+    inside = met & (low <= columns[1]) & (high >= columns[0])
     left, right = (np.where(met, each, np.nan) for each in (left, right))
-    return Band("y", y, left, right, style, label)
+    return Band("y", y, left, right, style, label if np.any(inside) else "")
 
 
 def _follower(task: Task) -> list[Mark]:

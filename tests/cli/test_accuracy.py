@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from camgeo.accuracy.rows import FORMS, ContourRow, SolidRow, TableRow
 from camgeo.accuracy.survey import Survey
 from camgeo.cli.main import COMMANDS, main, parser
 from camgeo.figure.accuracy import figure
+from camgeo.figure.marks import Line
 from camgeo_export.plots.render import render
 from tests.accuracy.rows import file, missing, row
 
@@ -203,6 +205,22 @@ def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
     # That one figure gives the same bytes in all kinds, `tests.figure.test_motion` has.
     if suffix == ".svg":
         assert render(figure(made_up(), title="made up"), suffix) == first
+
+
+def test_the_ripple_is_drawn_where_it_was_asked_for() -> None:
+    """In per cent, for the contours that were replayed: no spline is."""
+    survey = made_up()
+    panel = figure(survey, title="made up").panels[-1]
+    assert panel.y.label.startswith("ripple [%")
+    drawn = {mark.label: mark.points for mark in panel.marks if isinstance(mark, Line)}
+    assert list(drawn) == ["ripple, polyline, fewest", "ripple, arcs, fewest"]
+    for points in drawn.values():
+        assert points.tolist() == [[1e-2, 22.1], [1e-3, 10.5]]
+    without = replace(
+        survey, contours=tuple(replace(each, ripple=None) for each in survey.contours)
+    )
+    labels = [each.y.label for each in figure(without, title="made up").panels]
+    assert not any("ripple" in label for label in labels)
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:

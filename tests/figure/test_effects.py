@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -86,6 +87,26 @@ def test_the_figure_grows_with_its_panels() -> None:
     # all panels are as high as they should, whatever their number: the margins are fixed
     assert len(heights) == 1
     assert heights.pop() == pytest.approx(effects.PANEL, rel=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 14, 15, 22])
+def test_many_panels_stand_in_columns_and_none_on_another(count: int) -> None:
+    """The page is never higher than its seven rows, and each column ends with the cam angle."""
+    columns = tuple(replace(WAVE, unit=f"N{number % 2}") for number in range(count))
+    figure = effects.figure(StubProduct(columns=lambda: columns))
+    highest = effects.figure(StubProduct(columns=lambda: columns[:7])).size[1]
+    assert figure.size[1] <= highest
+    frames = [panel.frame for panel in figure.panels]
+    assert len(frames) == count
+    lefts = sorted({frame[0] for frame in frames})
+    assert len(lefts) == -(-count // effects.ROWS)
+    for left in lefts:
+        own = [panel for panel in figure.panels if panel.frame[0] == left]
+        assert [panel.x.numbered for panel in own] == [False] * (len(own) - 1) + [True]
+        assert all(a.frame[1] > b.frame[3] for a, b in itertools.pairwise(own))
+    assert all(
+        frame[2] < left for frame in frames for left in lefts if left > frame[0]
+    ), "columns overlap"  # fmt: skip
 
 
 def test_a_limit_is_dashed_in_its_colour() -> None:

@@ -12,7 +12,7 @@ import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task, task_of
-from camgeo.figure.marks import Line
+from camgeo.figure.marks import Circle, Field, Line
 from camgeo.figure.model import Panel
 from camgeo.figure.size import figure, seen, window
 from camgeo_export.plots.render import render
@@ -59,7 +59,30 @@ def test_everything_is_marked_inside_the_picture(name: str) -> None:
     texts = [entry.label for entry in panel.legend.entries]
     assert any("Flocke" in text and "μ" in text for text in texts)
     assert any("exact" in text and "μ" in text for text in texts)
-    assert any("r$_K$" in text for text in texts)
+    assert any("r$_K$" in text for text in texts) == (name == "schnitt")
+    assert any(isinstance(mark, Field) for mark in panel.marks) == (name == "schnitt")
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
+def test_base_circles_are_whole_and_each_name_has_its_region(name: str) -> None:
+    """What is named is in the picture: a level of the ratio where the region has such places."""
+    task, sizing = sized(name)
+    sides = [(each, size(each, sizing.angle, sizing.ratio)) for each in task.sides]
+    (panel,) = figure("cam", sides).panels
+    circles = [mark for mark in panel.marks if isinstance(mark, Circle) and mark.style.dashes]
+    assert len(circles) == len(sides)
+    (left, right), (low, high) = panel.x.limits, panel.y.limits
+    for circle in circles:
+        x, y = circle.centre
+        assert left < x - circle.radius
+        assert x + circle.radius < right
+        assert low < y - circle.radius
+        assert y + circle.radius < high
+    assert panel.legend is not None
+    labels = [entry.label for entry in panel.legend.entries]
+    assert len(set(labels)) == len(labels)
+    bent = [mark for mark in panel.marks if isinstance(mark, Field)]
+    assert any("r$_K$" in label for label in labels) == bool(bent)
 
 
 def test_the_window_is_square() -> None:
