@@ -1,21 +1,27 @@
-"""The mechanism as a diagram: disc, follower and linkage at cam angle 0 and at the far position."""
+"""The mechanism as a diagram: disc, follower and linkage at cam angle 0 and at the far position.
+
+The lengths that the scene states are numbered in the first view and listed with their keys below.
+"""
 
 from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from camgeo.errors import CamgeoError
 from camgeo.figure import disc
 from camgeo.figure.layout import Size, grid
-from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
+from camgeo.figure.marks import Area, Box, Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.model import Axis, Figure, Panel
-from camgeo.mechanism.sketch import Guide, MechanismSketch
+from camgeo.figure.style import AUXILIARY
+from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
 from camgeo.product.product import Product
+from camgeo.units import MM_PER, LengthUnit
 
 SAGITTA = 1e-4
 """Chords of the picture, relative to the base radius: far below a printed line."""
@@ -32,7 +38,34 @@ JOINT = 0.012
 """Radius of a joint, as a fraction of the square root of the picture's area."""
 
 HATCHES = 5
-"""Number of strokes that mark a fixed body."""
+"""Number of strokes that mark a fixed body, at least."""
+
+STROKE = 1.6
+"""Distance of those strokes along a guide, in joints."""
+
+PAST = 4.0
+"""How far a guide reaches beyond what moves in it, in joints."""
+
+MEASURE = Style(AUXILIARY, 0.9, (6.0, 2.0))
+"""A length that no body shows."""
+
+NUMBER = 7.0
+"""Size of the numbers of lengths [points]."""
+
+APART = 0.22
+"""Least distance [inch] of these numbers."""
+
+SHARES = (0.5, 0.35, 0.65, 0.25, 0.75, 0.42, 0.58)
+"""Where on a length its number may stand, the best place first."""
+
+SHORT = 0.5
+"""A length shorter than this [inch] has its number beyond its end."""
+
+BEYOND = 0.14
+"""How far beyond [inch]."""
+
+LISTED, PER_ROW = 0.22, 3
+"""Height of a row of the list of lengths [inch], and how many stand in a row."""
 
 ROOM = 0.07
 """Room around what is drawn, as a fraction of its size."""
@@ -58,26 +91,33 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     ]
     low, high = _window(product.cam.follower.base_radius, parts, [sketch for _, sketch in sketches])
     across, up = (high - low).real, (high - low).imag
+    dimensions = sketches[0][1].dimensions
+    foot = EDGE + LISTED * -(-len(dimensions) // PER_ROW)
     if size is None:
         pane = 0.5 * (WIDTH - 3.0 * EDGE)
-        size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE
+        size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE + foot
     joint = JOINT * math.sqrt(across * up)
     sagitta = SAGITTA * product.cam.follower.base_radius
     panels = []
-    frames = grid(size, (EDGE, EDGE, HEAD, EDGE), 1, 2, (0.0, 0.02))
-    for frame, (phi, sketch) in zip(frames, sketches, strict=True):
+    frames = grid(size, (EDGE, EDGE, HEAD, EDGE + foot), 1, 2, (0.0, 0.02))
+    for number, (frame, (phi, sketch)) in enumerate(zip(frames, sketches, strict=True)):
         turn = cmath.exp(1j * product.cam.rotation * phi)
         marks: list[Mark] = []
         for part in parts[:1]:
             marks += disc.whole(part, turn, sagitta)[0]
         for part in parts[1:]:
             marks += disc.behind(part, turn, sagitta)
+        measures: list[Mark] = []
+        if number == 0:
+            left, bottom, right, top = frame
+            scale = min((right - left) * size[0] / across, (top - bottom) * size[1] / up)
+            measures = _measures(dimensions, sketch, scale)
         panels.append(
             Panel(
                 frame,
                 Axis((low.real, high.real)),
                 Axis((low.imag, high.imag)),
-                (*marks, *_bodies(sketch, joint), *_axis(joint)),
+                (*marks, *_bodies(sketch, joint), *_axis(joint), *measures),
                 f"cam angle {math.degrees(phi):.4g}°",
                 equal=True,
                 bare=True,
@@ -85,7 +125,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         )
     at = 0.5, 1.0 - 0.1 / size[1]
     title = Text(product.name, at, 11.0, "figure", across="center", up="top")
-    return Figure(size, tuple(panels), (title,))
+    return Figure(size, tuple(panels), (title, *_listed(dimensions, product.unit, size)))
 
 
 def _window(
@@ -125,6 +165,53 @@ def _bodies(sketch: MechanismSketch, joint: float) -> list[Mark]:
     return marks
 
 
+def _measures(dimensions: Sequence[Dimension], sketch: MechanismSketch, scale: float) -> list[Mark]:
+    """Each length with its number, at `scale` inches per mm; a dashed line where no link is."""
+    links = {frozenset(link) for link in sketch.links}
+    marks: list[Mark] = []
+    taken: list[complex] = []
+    for number, each in enumerate(dimensions, start=1):
+        way = each.end - each.start
+        if frozenset((each.start, each.end)) not in links:
+            marks.append(Line(plane([each.start, each.end]), MEASURE, layer=4.5))
+        long = abs(way) * scale
+        if long < SHORT:
+            shares = tuple((long + step * BEYOND) / long for step in (1.0, 2.5, 4.0))
+        else:
+            shares = SHARES
+        places = [each.start + share * way for share in shares]
+
+        def room(place: complex) -> float:
+            return min((abs(place - other) for other in taken), default=math.inf) * scale
+
+        at = next((place for place in places if room(place) >= APART), max(places, key=room))
+        taken.append(at)
+        marks.append(
+            Text(
+                str(number), (at.real, at.imag), NUMBER,
+                across="center", up="center", box=Box(0.2, ring=True), layer=7.0,
+            )
+        )  # fmt: skip
+    return marks
+
+
+def _listed(dimensions: Sequence[Dimension], unit: LengthUnit, size: Size) -> list[Text]:
+    """The lengths by their numbers: key of the scene and value, in rows from left to right."""
+    rows = -(-len(dimensions) // PER_ROW)
+    texts = []
+    for number, each in enumerate(dimensions):
+        row, column = divmod(number, PER_ROW)
+        values = [f"{value / MM_PER[unit] + 0.0:.6g}" for value in each.value]
+        value = f"[{', '.join(values)}]" if each.vector else values[0]
+        at = (
+            (EDGE + column * (size[0] - 2.0 * EDGE) / PER_ROW) / size[0],
+            (EDGE + (rows - 0.5 - row) * LISTED) / size[1],
+        )
+        text = f"{number + 1}  {each.key} = {value} {unit}".replace("-", "−")
+        texts.append(Text(text, at, 8.5, "figure", up="center"))
+    return texts
+
+
 def _circle(centre: complex, radius: float, layer: float = 6.0) -> Mark:
     return Circle((centre.real, centre.imag), radius, BODY, layer)
 
@@ -139,11 +226,15 @@ def _guide(guide: Guide, joint: float) -> list[Mark]:
         marks.append(Area((plane(block),), BODY, layer=5.0, closed=False))
     else:
         across *= 0.5
+    # The whole way of a slider, so that the guide is the same wherever the slider is.
+    way = [((at - guide.middle) * guide.direction.conjugate()).real for at in guide.travel]
+    first, last = (min([0.0, *way]) - PAST * joint, max([0.0, *way]) + PAST * joint)
+    count = max(HATCHES, round((last - first) / (STROKE * joint)))
     for side in (1.15, -1.15):
         foot = guide.middle + side * across
-        marks.append(_stroke(foot - 4.0 * along, foot + 4.0 * along))
-        for k in range(HATCHES):
-            start = foot + (k - 2) * 1.6 * along
+        marks.append(_stroke(foot + first * guide.direction, foot + last * guide.direction))
+        for k in range(count):
+            start = foot + (first + (k + 0.5) * (last - first) / count) * guide.direction
             outward = math.copysign(1.0, side) * 1j * guide.direction * joint
             marks.append(_stroke(start, start + outward - 0.8 * along))
     return marks

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.mechanism.follower import Follower, RelativeJet, bend_of_path
-from camgeo.mechanism.sketch import Guide, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
 
@@ -144,6 +144,11 @@ class WithRoller(Follower):
         " no normal there; the rocker lies on the line of centres and l_3 (1 - sigma psi') = l_1"
     )
     ahead = 0
+
+    def roller_size(self, centre: complex, way: complex) -> tuple[Dimension, ...]:
+        """The radius of the roller at `centre` [mm], shown along `way`; none of a knife edge."""
+        radius = self.roller_radius
+        return (Dimension("roller_radius", centre, centre + radius * way),) if radius else ()
 
     @property
     def has_edge(self) -> bool:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.triangle import (
     ROUNDING,
     SLACK,
@@ -155,7 +155,12 @@ class FourBar(RockerCrank):
     def sketch(self, place: complex, _: complex, position: float) -> MechanismSketch:
         """See `Linkage.sketch`."""
         joined, far = drawn(place, self.joints(np.array([position]))), place + self.shaft
-        return joined + MechanismSketch(links=((far, joined.joints[1]),), shafts=(far,))
+        pin = joined.joints[1]
+        return joined + MechanismSketch(
+            links=((far, pin),),
+            shafts=(far,),
+            dimensions=(Dimension("lever", far, pin), Dimension("shaft", place, far, vector=True)),
+        )
 
     @property
     def coupler_tilt(self) -> float:

@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
 from camgeo.mechanism.families import Rocking
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
@@ -254,10 +254,20 @@ class OscillatingFlat(Rocking, FlatFollower):
     def sketch(self, lift: float, _: float, ends: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
         foot, _along = self._face(lift)
+        start, along = self._face(0.0)
+        nearest = start - along * (start * along.conjugate()).real
+        sizes = [
+            Dimension("pivot", 0j, self.pivot, vector=True),
+            Dimension("base_radius", 0j, nearest),
+        ]
+        if self.face_offset != 0.0:
+            below = self.face_offset < 0.0
+            sizes.append(Dimension("face_offset", self.pivot, foot, negative=below))
         return MechanismSketch(
             links=((self.pivot, foot),),
             shafts=(self.pivot,),
             faces=(self._face_line(lift, ends),),
+            dimensions=tuple(sizes),
         )
 
     def held(

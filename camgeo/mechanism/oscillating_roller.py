@@ -13,7 +13,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.families import Rocking, WithRoller
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray, phase
@@ -186,7 +186,12 @@ class OscillatingRoller(Rocking, WithRoller):
 
     def sketch(self, lift: float, _: float, __: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        return MechanismSketch(shafts=(self.pivot,)) + self.return_sketch(0j, lift, 0.0)
+        sizes = (
+            Dimension("pivot", 0j, self.pivot, vector=True),
+            Dimension("base_radius", 0j, self.traced_point(0.0)),
+        )
+        held = MechanismSketch(shafts=(self.pivot,), dimensions=sizes)
+        return held + self.return_sketch(0j, lift, 0.0)
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["pivot"], complex, None]:
         """See `Follower.held`."""
@@ -195,7 +200,15 @@ class OscillatingRoller(Rocking, WithRoller):
     def return_sketch(self, _: complex, lift: float, __: float) -> MechanismSketch:
         """See `Follower.return_sketch`: both arms are on the pivot."""
         here = self.traced_point(lift)
-        return MechanismSketch(links=((self.pivot, here),), rollers=((here, self.roller_radius),))
+        arm = here - self.pivot
+        return MechanismSketch(
+            links=((self.pivot, here),),
+            rollers=((here, self.roller_radius),),
+            dimensions=(
+                Dimension("arm", self.pivot, here),
+                *self.roller_size(here, arm / abs(arm)),
+            ),
+        )
 
 
 def excess_of(pivot: complex, arm: float) -> float:

@@ -22,6 +22,7 @@ from camgeo.mechanism.triangle import (
     ROUNDING,
     SLACK,
     chained,
+    crank_and_coupler,
     in_line,
     level,
     passed_at_rest,
@@ -151,7 +152,7 @@ class SliderDrivenCrank:
         pin, tip, shaft = (
             place + turn * (complex(each) - complex(pins[0])) for each in (pins[1], tips[1], 0j)
         )
-        return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))
+        return crank_and_coupler(shaft, tip, pin)
 
     @property
     def coupler_tilt(self) -> float:

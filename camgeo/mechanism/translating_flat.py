@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
 from camgeo.mechanism.families import Guided
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.values import Angle, Length, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -129,7 +129,8 @@ class TranslatingFlat(Guided, FlatFollower):
     def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
         return self.rod(lift, farthest) + MechanismSketch(
-            faces=(face_line(*self._face(lift), ends),)
+            faces=(face_line(*self._face(lift), ends),),
+            dimensions=(Dimension("base_radius", 0j, self.base_radius * self.outward),),
         )
 
     def held(

@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.families import Guided, WithRoller, bracket
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import FloatArray
@@ -123,7 +123,15 @@ class TranslatingRoller(Guided, WithRoller):
 
     def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
         """See `Follower.sketch`."""
-        roller = MechanismSketch(rollers=((self.traced_point(lift), self.roller_radius),))
+        here = self.traced_point(lift)
+        sizes = [Dimension("base_radius", 0j, self.traced_point(0.0))]
+        if self.offset != 0.0:
+            aside = -1j * self.outward * self.offset
+            sizes.append(Dimension("offset", 0j, aside, negative=self.offset < 0.0))
+        roller = MechanismSketch(
+            rollers=((here, self.roller_radius),),
+            dimensions=(*sizes, *self.roller_size(here, -1j * self.outward)),
+        )
         return self.rod(lift, farthest) + roller
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
@@ -139,5 +147,10 @@ class TranslatingRoller(Guided, WithRoller):
     def return_sketch(self, first: complex, lift: float, reach: float) -> MechanismSketch:
         """See `Follower.return_sketch`: joined by a bracket."""
         here = self.traced_point(lift)
-        roller = here, self.roller_radius
-        return MechanismSketch(links=(bracket(first, here, reach),), rollers=(roller,))
+        along = self.outward * ((here - first) * self.outward.conjugate()).real
+        sizes = [Dimension("spacing", first, first + along)]
+        return MechanismSketch(
+            links=(bracket(first, here, reach),),
+            rollers=((here, self.roller_radius),),
+            dimensions=(*sizes, *self.roller_size(here, -1j * self.outward)),
+        )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -276,7 +276,17 @@ def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
 def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch:
     """Crank and coupler of a linkage on the rocker's `shaft` [mm]; `joints` are seen from there."""
     pin, tip = (shaft + complex(joint[0]) for joint in joints)
-    return MechanismSketch(links=((shaft, tip), (tip, pin)), joints=(tip, pin), shafts=(shaft,))
+    return crank_and_coupler(shaft, tip, pin)
+
+
+def crank_and_coupler(shaft: complex, tip: complex, pin: complex) -> MechanismSketch:
+    """Crank and coupler at these places [mm]."""
+    return MechanismSketch(
+        links=((shaft, tip), (tip, pin)),
+        joints=(tip, pin),
+        shafts=(shaft,),
+        dimensions=(Dimension("crank", shaft, tip), Dimension("coupler", tip, pin)),
+    )
 
 
 def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -97,17 +97,25 @@ class PicturedCam(Pickled):
         lift = float(motion.jet(np.array([phi]))[0, 0])
         lifts = lift_range(motion)
         farthest = max(lifts, key=lambda each: follower.reach * each)
-        found = follower.sketch(lift, farthest, ends)
+        found = follower.sketch(lift, farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
             reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
-            found += self.returning.return_sketch(follower.traced_point(lift), lift, reach)
+            first = follower.traced_point(lift)
+            found += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
         if cam.yoke_breadth > 0.0:
             found += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:
             return found
+        place, outward = follower.linked_at(farthest)
         position = float(cam.drive.plan.jet(np.array([phi]))[0, 0])
-        return found + linkage.sketch(*follower.linked_at(farthest), position)
+        linked = linkage.sketch(place, outward, position)
+        ends_of_way = [linkage.sketch(place, outward, at) for at in lift_range(cam.drive.plan)]
+        guides = tuple(
+            replace(guide, travel=tuple(each.guides[number].middle for each in ends_of_way))
+            for number, guide in enumerate(linked.guides)
+        )
+        return found + replace(linked, guides=guides).of_table("linkage")
 
     @property
     def cut_off(self) -> tuple[CutOff, ...]:

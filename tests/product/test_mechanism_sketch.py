@@ -6,6 +6,7 @@ import cmath
 import math
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from camgeo.design import Design
 from camgeo.mechanism.sketch import MechanismSketch
 from camgeo.scene.load import load_scene
-from camgeo.units import TURN
+from camgeo.units import MM_PER, TURN
 
 SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -44,6 +45,38 @@ def test_links_keep_their_lengths_and_shafts_their_places(design: Design) -> Non
             way = (guide.middle - first.middle) * first.direction.conjugate()
             assert guide.direction == first.direction
             assert abs(way.imag) <= ROUNDING * size
+
+
+def test_a_guide_stays_and_holds_its_slider_all_the_way(design: Design) -> None:
+    start = design.disc.pictured.mechanism_sketch(0.0)
+    size = max(abs(point) for point in start.points)
+    for phi in ANGLES:
+        sketch = design.disc.pictured.mechanism_sketch(float(phi))
+        for guide, first in zip(sketch.guides, start.guides, strict=True):
+            assert guide.travel == first.travel
+            assert len(guide.travel) == 2 * guide.block
+            ways = [((at - guide.middle) / guide.direction).real for at in guide.travel] or [0.0]
+            assert min(ways) <= ROUNDING * size
+            assert max(ways) >= -ROUNDING * size
+
+
+def test_dimensions_are_the_scenes_own_wherever_the_cam_is(design: Design) -> None:
+    """Each is measured between its ends, and is what the scene has at its key."""
+    unit = MM_PER[design.scene.unit]
+    for phi in (0.0, *map(float, ANGLES[:2])):
+        sketch = design.disc.pictured.mechanism_sketch(phi)
+        assert sketch.dimensions
+        size = max(abs(point) for point in sketch.points)
+        for each in sketch.dimensions:
+            tables, key = each.key.rpartition(".")[::2]
+            table: Any = design.scene.values
+            for name in tables.split("."):
+                table = table[name]
+            # What a return roller does not state is as of the main one.
+            stated = table.get(key, design.scene.values["follower"].get(key))
+            stated = stated if isinstance(stated, list | tuple) else [stated]
+            expected = [float(value) * unit for value in stated]
+            assert list(each.value) == pytest.approx(expected, abs=10.0 * ROUNDING * size), each.key
 
 
 def test_rollers_lie_on_the_pitch_curves_of_the_turned_discs(design: Design) -> None:
