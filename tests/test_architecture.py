@@ -38,6 +38,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("contour",),
     ("inspection",),
     ("part",),
+    ("printing",),
     ("effects",),
     ("toolpath",),
     ("formats",),

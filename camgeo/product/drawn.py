@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from camgeo.lazy import Ledger, lazy
+from camgeo.lazy import Ledger, built, lazy
 from camgeo.part.spec import PartSpec
 from camgeo.pickled import Pickled
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from camgeo.check.judge import Judgement
     from camgeo.contour.contour import Contour, Effort, Fit
     from camgeo.part.part import Part
+    from camgeo.printing.spec import PrintSpec
+    from camgeo.product.printed import PrintedDisc
 
 TOPOLOGY_TOLERANCE = 0.01
 """Accuracy [mm] of the contours that show that a bore fits; their deviation is accounted for."""
@@ -30,6 +32,7 @@ class DrawnDisc(Pickled):
     effort : how hard fits try.
     judgement : whether such a disc exists.
     ledger : records what was computed.
+    printing : what the scene states on printing; None for nothing.
     """
 
     cam: Cam
@@ -37,6 +40,7 @@ class DrawnDisc(Pickled):
     effort: Effort
     judgement: Judgement
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    printing: PrintSpec | None = None
 
     @property
     def base_radius(self) -> float:
@@ -51,11 +55,25 @@ class DrawnDisc(Pickled):
     @lazy
     def part(self) -> Part:
         """The part; GeometryError if it is inconsistent, UndercutError if none exists."""
+        return self._built(self.spec or PartSpec())
+
+    def _part_by(self, spec: PartSpec) -> Part:
+        """The part by another specification; raises like `part`."""
+        return self.part if spec == (self.spec or PartSpec()) else self._built(spec)
+
+    def _built(self, spec: PartSpec) -> Part:
         from camgeo.part.build import build_part
 
         self.judgement.require_outline(self.cam)
-        spec, paths = self.spec or PartSpec(), self.cam.disc.flank_paths
+        paths = self.cam.disc.flank_paths
         return build_part(self.cam.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
+
+    @built
+    def printed(self) -> PrintedDisc:
+        """The disc as bodies for printing show it."""
+        from camgeo.product.printed import PrintedDisc
+
+        return PrintedDisc(self._part_by, self.spec or PartSpec(), self.printing, self.ledger)
 
     def pitch_contour(self, tolerance: float) -> Fit:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""

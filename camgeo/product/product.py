@@ -126,7 +126,9 @@ class Product(Pickled):
         from camgeo.product.drawn import DrawnDisc
 
         scene = self.scene
-        return DrawnDisc(self.cam, scene.part, scene.output.fit, self.judgement, self.ledger)
+        return DrawnDisc(
+            self.cam, scene.part, scene.output.fit, self.judgement, self.ledger, scene.printing
+        )
 
     @built
     def milled(self) -> MilledDisc:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve
+    from camgeo.printing.spec import PrintSpec
     from camgeo.toolpath.milling import MillingSpec
 
 Built = TypeVar("Built")
@@ -251,11 +252,19 @@ class Builder:
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
             "limits": self._engine(("limits",), lambda: Limits(**self._top("limits"))),
             "part": self._engine(("part",), self._part),
+            "printing": self._engine(("print",), self._printing),
             "drawing": self._engine(("drawing",), lambda: drawing_of(self._top("drawing"))),
         }
 
     def _part(self) -> PartSpec | None:
         return part_of(self._top("part")) if self.values.has("part") else None
+
+    def _printing(self) -> PrintSpec | None:
+        if self.values.get("print") is None:
+            return None
+        from camgeo.printing.spec import print_of  # few scenes print
+
+        return print_of(self._top("print"))
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""

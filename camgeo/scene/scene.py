@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from camgeo.motion.plan import MotionPlan
     from camgeo.motion.time_course import SpeedCurve
     from camgeo.part.spec import PartSpec
+    from camgeo.printing.spec import PrintSpec
     from camgeo.scene.valid_values import ValidValues
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.units import LengthUnit, LiftUnit
@@ -63,6 +64,7 @@ class Scene:
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
+    printing : how bodies are compensated for printing; None if the scene has no `[print]`.
     milling : tools, blank, holding and operations; None if the scene says nothing on milling.
     """
 
@@ -89,6 +91,7 @@ class Scene:
     effects: Mapping[str, Mapping[str, Any]]
     output: OutputSpec
     milling: MillingSpec | None
+    printing: PrintSpec | None
 
     def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
         """A scene from its tables, nested as in TOML; a float is the number that Python prints.

@@ -15,7 +15,6 @@ x-default-key : the key whose value is then used.
 x-default-mm : the value then used [mm].
 x-file : the text is the name of a file in the scene's folder, with data.
 x-hints : what to suggest for values that are not allowed, by value.
-x-later : values or keys that the format names but this version does not have.
 x-path : the text is the path of a file in the scene's folder, unless it is one of x-values.
 x-siblings : names of the other definitions in a choice.
 x-unit : unit of a number.

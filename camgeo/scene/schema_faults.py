@@ -91,9 +91,6 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
     choices: list[Any] = node.get("enum") or node.get("x-values") or []
     values = [str(item) for item in choices]
     if isinstance(value, str):
-        if value in node.get("x-later", []):
-            choice = ", ".join(f'"{item}"' for item in values)
-            return scene.fault(path, f"is not available in this version; available: {choice}")
         close = node.get("x-hints", {}).get(value) or meant(value, values, '"')
         if close:
             hint = close
@@ -112,8 +109,6 @@ def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fa
     place = (*path, name)
     if "x-unknown" in node:
         return scene.fault(place, node["x-unknown"]), "", False
-    if name in node.get("x-later", []):
-        return scene.fault(place, "is not available in this version"), "", False
     siblings = [definition(sibling) for sibling in node.get("x-siblings", [])]
     for sibling in siblings:
         if name in sibling["properties"]:

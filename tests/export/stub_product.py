@@ -31,8 +31,10 @@ from camgeo.motion.laws import make_law
 from camgeo.outline.moments import Moments, SecondMoments
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
+from camgeo.part.spec import PartSpec
 from camgeo.product.drawn import DrawnDisc
 from camgeo.product.milled import MilledDisc
+from camgeo.product.printed import PrintedDisc
 from camgeo.product.product import Product
 from camgeo.product.value_table import Table, TabulatedCam
 from camgeo.scene.document import document
@@ -202,6 +204,10 @@ class StubProduct(Product):
     @property
     def drawn(self) -> DrawnDisc:
         return cast("DrawnDisc", self)
+
+    @property
+    def printed(self) -> PrintedDisc:
+        return PrintedDisc(lambda _: self.part, PartSpec(), None)
 
     @property
     def milled(self) -> MilledDisc:

@@ -182,6 +182,8 @@ def made_up(rng: Random) -> dict[str, Any]:
         values["cam"]["speed"] = rng.choice((1, 60.0, 300.0, 1e4))
     if rng.random() < 0.5:
         values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3), **features(rng, radius)}
+        if rng.random() < 0.2:
+            values["print"] = printing(rng)
     return values
 
 
@@ -218,6 +220,19 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
     }
     chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
     return {name: makers[name]() for name in chosen}
+
+
+def printing(rng: Random) -> dict[str, Any]:
+    """Compensations of usual size, at times of one that no part has room for."""
+    size = rng.choice((0.05, 0.2, 0.2, 1.0, 30.0))
+    foot = {"inset": size, "height": rng.choice((0.2, 0.6, 9.9)), "steps": rng.randint(1, 4)}
+    makers: dict[str, Any] = {
+        "bore_clearance": size,
+        "key_clearance": size,
+        "elephant_foot": foot,
+        "shrinkage": {"xy": rng.choice((0, 0.7, -10, 20)), "z": rng.choice((0.3, 20))},
+    }
+    return {name: makers[name] for name in rng.sample(sorted(makers), rng.randint(0, 3))}
 
 
 def _guided(rng: Random, radius: float) -> dict[str, Any]:

@@ -44,11 +44,6 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("speed = 60", "zzz = 60")], "cam.zzz = 60: is not a known key; known here: rotation"),
     (PLATE, [('"ccw"\n', '"ccw"\nname = "x"\n')], r"belongs to the top of the file; .*\[cam\]"),
     (PLATE, [("base_radius = 50\n", "")], "line 8: follower.base_radius: is missing: r_G"),
-    (
-        PLATE,
-        [("thickness", "print_clearance = 0.2\nthickness")],
-        "part.print_clearance = 0.2: is not available in this version",
-    ),
     (PLATE, [("[limits]", "[effects.sprung]")], "effects.sprung: .*did you mean spring"),
     # values
     (

@@ -20,7 +20,7 @@ def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> floa
     they form one closed, outward oriented body with upright walls between flat faces.
     """
     try:
-        wanted = product.drawn.part.levels
+        wanted = product.drawn.printed.target.levels
     except GeometryError as error:
         raise FileError(f"no body to compare this with: {error.message}") from None
     if not np.isfinite(vertices).all():

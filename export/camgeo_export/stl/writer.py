@@ -27,13 +27,19 @@ class StlWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm], including the rounding to STL's single floats."""
-        solid = body(product.drawn.part, tolerance, _single)
+        solid = body(product.drawn.printed.target, tolerance, _single)
         corners = solid.vertices[solid.triangles]
         facets = np.zeros(len(corners), dtype=FACET)
         facets["corners"] = corners
         facets["normal"] = _normals(corners)
         data = _header(product) + np.uint32(len(facets)).tobytes() + facets.tobytes()
-        return Written(data, {"triangles": len(facets), "volume_mm3": solid.volume})
+        facts = {
+            "triangles": len(facets),
+            "volume_mm3": solid.volume,
+            **product.drawn.printed.facts,
+        }
+        file = f"{product.name}{self.format.suffix}"
+        return Written(data, facts, product.drawn.printed.findings(file))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].

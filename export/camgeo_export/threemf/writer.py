@@ -11,6 +11,7 @@ import numpy as np
 
 from camgeo.formats.plain import THREEMF
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.product.printed import SWITCH_OFF
 from camgeo.product.product import Product, title_of
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
@@ -47,7 +48,7 @@ class ThreeMfWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm]."""
-        solid = body(product.drawn.part, tolerance, _exact)
+        solid = body(product.drawn.printed.target, tolerance, _exact)
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
             _store(package, CONTENT_TYPES_PATH, _xml(_content_types()))
@@ -56,8 +57,10 @@ class ThreeMfWriter:
         facts: dict[str, int | float | str] = {
             "triangles": len(solid.triangles),
             "volume_mm3": solid.volume,
+            **product.drawn.printed.facts,
         }
-        return Written(stream.getvalue(), facts)
+        file = f"{product.name}{self.format.suffix}"
+        return Written(stream.getvalue(), facts, product.drawn.printed.findings(file))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].
@@ -122,6 +125,10 @@ def _frame(product: Product, tolerance: float) -> ET.Element:
         "camgeo:scene": product.scene_hash,
         "camgeo:tolerance": f"{tolerance!r} mm",
     }
+    if product.drawn.printed.text:
+        metadata["Description"] = (
+            f"Compensated for printing: {product.drawn.printed.text}; {SWITCH_OFF}"
+        )
     for name, value in metadata.items():
         ET.SubElement(root, "metadata", {"name": name}).text = value
     resources = ET.SubElement(root, "resources")

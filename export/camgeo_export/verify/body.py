@@ -16,7 +16,7 @@ from camgeo.part.boundaries import numbers_of
 from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
 from camgeo.reading import COORDINATE
-from camgeo.verifying.verification import Check, failed, near
+from camgeo.verifying.verification import Check, failed, near, reported
 from camgeo.wording import counted
 from camgeo_export.matching import AnyContour
 from camgeo_export.verify.mesh import (
@@ -46,17 +46,30 @@ def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -
 def body_checks(
     product: Product, vertices: FloatArray, triangles: IntArray, tolerance: float
 ) -> list[Check]:
+    """All checks of a body for printing against the part as it is printed; see `checks_of_body`."""
+    printed, extent = product.drawn.printed, product.drawn.base_radius
+    checks = [reported("compensation", printed.text, note="by [print]")] if printed.text else []
+    try:
+        part = printed.target
+        part.require_heights()
+    except GeometryError as error:
+        message = f"there is none to compare it with: {error.message}"
+        return [*checks, failed("body", message)]
+    return checks + checks_of_body(part, extent, vertices, triangles, tolerance)
+
+
+def checks_of_body(
+    part: Part, extent: float, vertices: FloatArray, triangles: IntArray, tolerance: float
+) -> list[Check]:
     """All checks of a body.
 
     Parameters
     ----------
+    part : that it should be, with known heights.
+    extent : size of the part [mm], for limits.
     vertices, triangles : (n, 3) [mm] and (m, 3), as in the file.
     tolerance : [mm].
     """
-    try:
-        product.drawn.part.require_heights()
-    except GeometryError as error:
-        return [failed("body", f"there is none to compare it with: {error.message}")]
     if not len(triangles) or not np.abs(vertices).max(initial=0.0) <= COORDINATE:  # or NaN
         message = f"there are none, or a coordinate is not finite, or beyond {COORDINATE:g} mm"
         return [failed("facets", message)]
@@ -74,11 +87,12 @@ def body_checks(
         return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
 
     found = volume(vertices, triangles)
-    return checks + level_checks(product, ranges, contours, found, tolerance)
+    return checks + level_checks(part, extent, ranges, contours, found, tolerance)
 
 
 def level_checks(
-    product: Product,
+    part: Part,
+    extent: float,
     ranges: FloatArray,
     contours: Callable[[int], Sequence[AnyContour]],
     volume: float,
@@ -89,19 +103,20 @@ def level_checks(
 
     Parameters
     ----------
+    part : that the body should be.
+    extent : size of the part [mm], for limits.
     ranges : (k, 2) least and greatest height [mm] of the flat faces at each level, ascending.
     contours : gives those that bound the flat faces at a level; raises CamgeoError or KeyError.
     volume : [mm^3].
     tolerance : [mm].
     extra : further contributions to the deviation [mm].
     """
-    part = product.drawn.part
     wanted = part.levels
     if len(ranges) != len(wanted):
         note = f"flat faces at {counted(len(ranges), 'height')}, not at {len(wanted)}: "
         note += ", ".join(level.name for level in wanted)
         return [failed("height", note)]
-    shapes = shapes_of(part.boundaries, product.drawn.base_radius, tolerance)
+    shapes = shapes_of(part.boundaries, extent, tolerance)
     by_name = {shape.name: shape for shape in shapes}
     done: dict[tuple[str, bytes], None] = {}
     checks = []

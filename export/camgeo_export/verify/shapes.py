@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from camgeo.outline.moments import area as area_of_path
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
+from camgeo.printing.scaled import ScaledBoundary
 
 LOOSE = 1e-3
 """Tolerance of an outline's coarse polygon, as a fraction of its extent; it gives sizes, and
@@ -59,6 +60,9 @@ def shapes_of(boundaries: tuple[Boundary, ...], extent: float, tolerance: float)
 
 
 def _shape(boundary: Boundary, loose: float, tolerance: float) -> Shape:
+    if isinstance(boundary, ScaledBoundary):
+        return _scaled(boundary, loose, tolerance)
+
     def polygon(within: float) -> Contour:
         return boundary.polyline(within, "fast").contour
 
@@ -72,6 +76,18 @@ def _shape(boundary: Boundary, loose: float, tolerance: float) -> Shape:
         corners = corners_of_contour(contour)
         area = abs(contour.area) if exact else None
     return Shape(boundary.name, boundary.deviation, polygon, corners, length, area)
+
+
+def _scaled(boundary: ScaledBoundary, loose: float, tolerance: float) -> Shape:
+    own, by = _shape(boundary.unscaled, loose / boundary.factor, tolerance), boundary.factor
+    return replace(
+        own,
+        deviation=boundary.deviation,
+        polygon=lambda within: boundary.polyline(within, "fast").contour,
+        corners=own.corners * by,
+        length=own.length * by,
+        area=None if own.area is None else own.area * by**2,
+    )
 
 
 def corners_of_path(path: Path, tolerance: float) -> ComplexArray:

@@ -76,10 +76,8 @@ class StepVerifier:
         ranges = ranges - (ranges[0, 0] if len(ranges) and not reading.ours else 0.0)
         found = volume_of(bounds)
         off = gap(solid)
-        return (
-            *checks,
-            *level_checks(product, ranges, contours.__getitem__, found, tolerance, off),
-        )
+        extent, own = product.drawn.base_radius, contours.__getitem__
+        return (*checks, *level_checks(part, extent, ranges, own, found, tolerance, off))
 
 
 VERIFIER = StepVerifier()

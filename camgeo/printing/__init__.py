@@ -1,0 +1,1 @@
+"""Parts as they are printed: what a printer does to them, undone beforehand."""
