@@ -70,6 +70,14 @@ class Outline:
         radii = np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
         return float(chords + 0.5 * np.sum(radii**2 * (self.sweeps - np.sin(self.sweeps))))
 
+    @property
+    def centroid(self) -> complex:
+        """Of what it encloses [mm], as of fine chords."""
+        start = self.dense(2_000)
+        end = np.roll(start, -1)
+        cross = (start.conj() * end).imag
+        return complex(np.sum((start + end) * cross) / (3.0 * np.sum(cross)))
+
     def dense(self, count: int) -> ComplexArray:
         """At least `count` points, the same number on each piece, its start included."""
         each = max(2, -(-count // len(self.starts)))

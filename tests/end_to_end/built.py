@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import trimesh
@@ -16,36 +16,32 @@ from ezdxf.filemanagement import readfile
 
 from camgeo.design import Design
 from camgeo.formats import gcode
-from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import PartSpec
 from camgeo.toolpath.spec import GcodeSpec
-from tests.end_to_end.exact import TURN, Flank, Kept, bore_area, bore_length, half_width
+from tests.end_to_end.exact import Flank, Kept, half_width
+from tests.end_to_end.features import DENSE, Exact, Span, spans
 from tests.end_to_end.trimmed import kept_of, pitch_of
-from tests.measuring import DensePath
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
-DENSE = 60_000
-"""Points of an exact boundary."""
+
+class _Area(Protocol):
+    """What has an area, of either sign, and a centroid."""
+
+    @property
+    def area(self) -> float: ...
+
+    @property
+    def centroid(self) -> complex: ...
+
+
+Item = TypeVar("Item", bound=_Area)
+
+Other = TypeVar("Other", bound=_Area)
 
 CHORDS = 5e-6
 """Its chords [mm] lie h^2 kappa/8 off: h < 6e-3 on curves of at most 360 mm, kappa < 1 there. Near
 a cusp kappa grows as h falls, so that h^2 kappa falls too."""
-
-
-@dataclass(frozen=True)
-class Exact:
-    """One exact boundary of the part."""
-
-    name: str
-    points: ComplexArray
-    area: float
-    length: float
-    corners: ComplexArray
-
-    @cached_property
-    def path(self) -> DensePath:
-        return DensePath(self.points)
 
 
 class Built:
@@ -129,60 +125,55 @@ class Built:
         return Flank(self.design, 0.0, pitch_of(self.design))
 
     @cached_property
-    def through(self) -> list[Exact]:
-        """Boundaries through the whole thickness."""
-        boundaries = []
-        if self.design.cam.contact == "inner":
-            boundaries.append(self._flank("inner"))
-        else:
-            assert self.spec.rim is not None
-            radius = self.spec.rim / 2.0
-            circle = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-            area, length = math.pi * radius**2, TURN * radius
-            boundaries.append(Exact("rim", circle, area, length, np.zeros(0, complex)))
-        if self.design.cam.contact == "outer":
-            boundaries.append(self._flank("outer"))
-        elif self.spec.bore is not None:
-            area, length = bore_area(self.spec), bore_length(self.spec)
-            points, none = bore_points(self.spec), np.zeros(0, complex)
-            boundaries.append(Exact("bore", points, area, length, none))
-        return boundaries
+    def spans(self) -> list[Span]:
+        """All boundaries of the part with their heights."""
+        flanks = {name: self._flank(name) for name in self._kept}
+        return spans(self.spec, flanks, self.design.cam.contact)
 
-    @cached_property
-    def groove(self) -> list[Exact]:
-        """Boundaries of the groove."""
-        if self.design.cam.contact != "groove":
-            return []
-        return [self._flank("inner"), self._flank("outer")]
+    @property
+    def boundaries(self) -> list[Exact]:
+        return [span.exact for span in self.spans]
+
+    @property
+    def heights(self) -> list[float]:
+        """Of all flat faces above the lowest one [mm]."""
+        return sorted({z for span in self.spans for z in (span.low, span.high)})
+
+    @property
+    def height(self) -> float:
+        """From the lowest face to the highest [mm]."""
+        return self.heights[-1]
+
+    def section(self, height: float) -> list[Exact]:
+        """The boundaries at a height between flat faces [mm]."""
+        return [span.exact for span in self.spans if span.low < height < span.high]
 
     def _flank(self, name: str) -> Exact:
         flank = self.flank(name)
         return Exact(name, flank.dense(DENSE), flank.area, flank.length, flank.corners)
 
-    @cached_property
+    @property
     def volume(self) -> float:
         """Exact volume [mm^3]."""
-        body = self.through[0].area - sum(hole.area for hole in self.through[1:])
-        depth = self.spec.groove_depth or 0.0
-        sunk = self.groove[1].area - self.groove[0].area if self.groove else 0.0
-        return body * self.thickness - sunk * depth
+        return sum(span.volume for span in self.spans)
 
-    @cached_property
+    @property
     def length(self) -> float:
         """Length of all boundaries [mm]."""
-        return sum(boundary.length for boundary in self.through + self.groove)
+        return sum(boundary.length for boundary in self.boundaries)
 
 
-def bore_points(spec: PartSpec) -> ComplexArray:
-    """Dense points of the bore, in the direction of growing angle; corners of the slot exact."""
-    assert spec.bore is not None
-    radius = spec.bore / 2.0
-    if spec.keyway is None:
-        circle: ComplexArray = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-        return circle
-    half, bottom = spec.keyway.width / 2.0, radius + spec.keyway.depth
-    opening = math.asin(half / radius)
-    arc = radius * np.exp(1j * np.linspace(opening, TURN - opening, DENSE))
-    slot = np.array([bottom - 1j * half, bottom + 1j * half])
-    turned: ComplexArray = np.concatenate((arc, slot)) * np.exp(1j * spec.keyway.angle)
-    return turned
+def paired(found: Sequence[Item], wanted: Sequence[Other]) -> list[tuple[Item, Other]]:
+    """Each of `wanted` with what is nearest to it in area and centroid among `found`, each of
+    which must be taken once; the largest first.
+    """
+    assert len(found) == len(wanted)
+    left, pairs = list(found), []
+    for one in sorted(wanted, key=lambda each: -abs(each.area)):
+        size = abs(one.area)
+        off = [
+            abs(abs(each.area) - size) / math.sqrt(size) + abs(each.centroid - one.centroid)
+            for each in left
+        ]
+        pairs.append((left.pop(int(np.argmin(off))), one))
+    return pairs

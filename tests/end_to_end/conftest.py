@@ -24,6 +24,10 @@ camgeo in all. The long form measures all files, and the scene that the quick te
 measured in all formats.
 """
 
+HUBS: Final = {"d_shaft", "hub_and_holes"}
+"""Scenes that are not measured by `test_gcode`, which knows the walls of a disc alone: their
+programs clear areas and change tools. As those of other jobs they are simulated when verified."""
+
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what another module measures of a scene."""
@@ -34,6 +38,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         first = MEASURED.get(item.path.stem) if item.path.parent == Path(__file__).parent else None
         path = call.params.get("built") if call and first is not None else None
         wanted = path is None or path.stem == BUILT or path in some(SCENES, of=2, first=first or 0)
+        if path is not None and item.path.stem == "test_gcode":
+            wanted &= path.stem not in HUBS
         (kept if wanted else left).append(item)
     if left:
         config.hook.pytest_deselected(items=left)

@@ -15,7 +15,6 @@ import numpy as np
 
 from camgeo.design import Design
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.spec import Keyway, PartSpec
 
 NODES = 200
 """Gauss points a smooth piece: the laws are analytic inside a piece, so sums agree to rounding."""
@@ -140,31 +139,3 @@ def half_width(design: Design) -> float:
     """Distance of the flanks from the pitch curve [mm]: half of roller and play together."""
     diameter = 2.0 * design.cam.follower.roller_radius
     return (diameter + design.scene.side_clearance) / 2.0
-
-
-def bore_area(spec: PartSpec) -> float:
-    """Area [mm^2] of the bore with its keyway: the circle and the slot beyond it."""
-    if spec.bore is None:
-        return 0.0
-    radius = spec.bore / 2.0
-    return math.pi * radius**2 + (_slot(radius, spec.keyway) if spec.keyway else 0.0)
-
-
-def _slot(radius: float, keyway: Keyway) -> float:
-    """The slot up to its bottom, less the part of the circle between its sides."""
-    half = keyway.width / 2.0
-    reach = math.sqrt(radius**2 - half**2)
-    under_arc = half * reach + radius**2 * math.asin(half / radius)
-    return keyway.width * (radius + keyway.depth) - under_arc
-
-
-def bore_length(spec: PartSpec) -> float:
-    """Length [mm] of the bore's outline, keyway included."""
-    if spec.bore is None:
-        return 0.0
-    radius = spec.bore / 2.0
-    if spec.keyway is None:
-        return TURN * radius
-    half, depth = spec.keyway.width / 2.0, spec.keyway.depth
-    sides = 2.0 * (radius + depth - math.sqrt(radius**2 - half**2))
-    return radius * (TURN - 2.0 * math.asin(half / radius)) + sides + spec.keyway.width

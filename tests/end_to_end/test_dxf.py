@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 
-from tests.end_to_end.built import CHORDS, DENSE, Built, Exact
+from tests.end_to_end.built import CHORDS, Built, paired
 from tests.end_to_end.exact import half_width
+from tests.end_to_end.features import DENSE, Exact
 from tests.measuring import DensePath, Outline
 
 UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
@@ -45,22 +46,20 @@ def _turns(outline: Outline) -> np.ndarray:
     return np.asarray(np.angle(np.exp(1j * (first - np.roll(last, 1)))))
 
 
-def _layers(built: Built) -> tuple[str, ...]:
-    """Layers of the part: of what is cut through, and of the flanks of a groove."""
-    part = built.design.scene.part
-    if not built.groove:
-        return ("CUT",)
-    assert part is not None
-    assert part.groove_depth is not None
-    return ("CUT", f"BLIND_{part.groove_depth / UNITS[built.design.scene.unit][2]:.6g}")
+def _layers(built: Built) -> dict[str, list[Exact]]:
+    """The layers of the part, of what is cut through, sunk or raised, with what is on each."""
+    scale = UNITS[built.design.scene.unit][2]
+    found: dict[str, list[Exact]] = {}
+    for span in built.spans:
+        found.setdefault(span.layer.format(span.away / scale), []).append(span.exact)
+    return found
 
 
 def _part(built: Built) -> list[tuple[Outline, Exact]]:
     """The polylines of the part with their exact outlines, layer by layer."""
     found = []
-    for layer, exact in zip(_layers(built), (built.through, built.groove), strict=False):
-        wanted = sorted(exact, key=lambda each: -each.area)
-        found += list(zip(_outlines(built, layer), wanted, strict=True))
+    for layer, wanted in _layers(built).items():
+        found += paired(_outlines(built, layer), wanted)
     return found
 
 
@@ -140,7 +139,7 @@ def test_pitch_curve_and_base_circle(built: Built) -> None:
 def test_a_moved_vertex_would_show(built: Built) -> None:
     """The measure itself: a vertex moved by ten tolerances is found."""
     outline = _outlines(built, "CUT")[0]
-    exact = max(built.through + built.groove, key=lambda exact: exact.area)
+    exact = max(built.boundaries, key=lambda exact: exact.area)
     starts = outline.starts.copy()
     starts[1] += 10.0 * built.tolerance * starts[1] / abs(starts[1])
     moved = Outline.through(starts, outline.sweeps)

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from tests.end_to_end.built import CHORDS, DENSE, Built
+from tests.end_to_end.built import CHORDS, Built
 from tests.end_to_end.exact import TURN, half_width
+from tests.end_to_end.features import DENSE
 from tests.measuring import DensePath
 from tests.reference import hard_case
 

@@ -10,8 +10,9 @@ import shapely
 
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.tool import Tool
-from tests.end_to_end.built import CHORDS, DENSE, Built
+from tests.end_to_end.built import CHORDS, Built
 from tests.end_to_end.exact import TURN, Flank
+from tests.end_to_end.features import DENSE
 from tests.end_to_end.program import Move, Program, outline, run
 from tests.measuring import DensePath, polygon
 
@@ -197,7 +198,7 @@ def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
 def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     """Leads and plunges included: all of the path keeps the tool's radius from the material."""
     tool = _tool(built).radius
-    boundaries = {exact.name: exact for exact in built.through + built.groove}
+    boundaries = {exact.name: exact for exact in built.boundaries}
     against = {
         "bore": [("bore", True)],
         "outline": [("inner", False)] if built.design.cam.contact == "inner" else [("outer", True)],

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import zipfile
+from itertools import pairwise
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 import trimesh
 
-from tests.end_to_end.built import CHORDS, Built, Exact
+from tests.end_to_end.built import CHORDS, Built, paired
+from tests.end_to_end.features import Exact
 from tests.measuring import DensePath, Outline
 
 POINTS = 20_000
@@ -36,10 +38,8 @@ def _section(mesh: trimesh.Trimesh, height: float) -> list[Outline]:
 
 
 def _worst(found: list[Outline], wanted: list[Exact]) -> float:
-    wanted = sorted(wanted, key=lambda exact: -exact.area)
-    assert len(found) == len(wanted)
     worst = 0.0
-    for outline, exact in zip(found, wanted, strict=True):
+    for outline, exact in paired(found, wanted):
         there = DensePath(outline.starts).distances(exact.points[:: len(exact.points) // POINTS])
         back = exact.path.distances(outline.dense(POINTS))
         worst = max(worst, float(np.max(there)), float(np.max(back)))
@@ -52,26 +52,20 @@ def test_body_is_closed_and_has_its_volume(built: Built, suffix: str) -> None:
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.body_count == 1
-    slack = built.tolerance * built.length * built.thickness
+    slack = built.tolerance * built.length * built.height
     assert mesh.volume == pytest.approx(built.volume, abs=slack)
-    assert mesh.bounds[:, 2] == pytest.approx([0.0, built.thickness], abs=built.tolerance)
+    assert mesh.bounds[:, 2] == pytest.approx([0.0, built.height], abs=built.tolerance)
 
 
-def _heights(built: Built) -> tuple[float, ...]:
-    """Heights at which a body is cut: through its thickness, and through its groove."""
-    depth = built.spec.groove_depth or 0.0
-    through = 0.5 * (built.thickness - depth)
-    return (through, built.thickness - 0.5 * depth) if built.groove else (through,)
+def _heights(built: Built) -> list[float]:
+    """Heights at which a body is cut: between flat faces."""
+    return [0.5 * (low + high) for low, high in pairwise(built.heights)]
 
 
 def test_sections_lie_on_the_curves(built: Built) -> None:
     """For the STL; the 3MF has the same, as the next test shows."""
     mesh = built.meshes[".stl"]
-    wanted = (built.through, built.through + built.groove)
-    worst = max(
-        _worst(_section(mesh, height), exact)
-        for height, exact in zip(_heights(built), wanted, strict=False)
-    )
+    worst = max(_worst(_section(mesh, height), built.section(height)) for height in _heights(built))
     assert worst <= built.tolerance + CHORDS
     for suffix in SUFFIXES:
         assert built.deviation(suffix) >= worst - CHORDS - _rounding(mesh)
@@ -86,7 +80,7 @@ def _apart(found: list[Outline], wanted: list[Outline]) -> float:
     """The largest distance of a corner of one from the other [mm]."""
     return max(
         float(np.max(one.distances(other.starts)))
-        for pair in zip(found, wanted, strict=True)
+        for pair in paired(found, wanted)
         for one, other in (pair, pair[::-1])
     )
 
@@ -107,10 +101,10 @@ def test_each_corner_is_an_edge(built: Built, suffix: str) -> None:
     """From face to face there are vertices at the corner, to the rounding of single precision."""
     vertices = np.asarray(built.meshes[suffix].vertices)
     points = vertices[:, 0] + 1j * vertices[:, 1]
-    for exact in built.through:
-        for corner in exact.corners:
+    for span in built.spans:
+        for corner in span.exact.corners:
             near = vertices[np.abs(points - corner) <= SINGLE * abs(corner)]
-            assert sorted(near[:, 2]) == pytest.approx([0.0, built.thickness], abs=built.tolerance)
+            assert sorted(near[:, 2]) == pytest.approx([span.low, span.high], abs=built.tolerance)
 
 
 def test_3mf_says_millimetres(built: Built) -> None:

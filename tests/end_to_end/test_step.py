@@ -17,7 +17,7 @@ from camgeo_export.part21.solid import Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.shell import bounds_of, is_flat, volume_of
-from tests.end_to_end.built import SCENES, Built, Exact
+from tests.end_to_end.built import SCENES, Built
 
 READ: dict[str, Solid] = {}
 
@@ -38,10 +38,12 @@ def _facts(built: Built) -> dict[str, Any]:
 
 
 def test_each_piece_of_the_drawing_is_a_wall(built: Built, solid: Solid) -> None:
-    """And the flat faces are two, with a groove three and what it leaves."""
+    """And the flat faces are one at each height, but for what a groove leaves."""
     walls = [face for face in solid.faces if not is_flat(face)]
     assert len(solid.faces) == _facts(built)["faces"]
-    assert len(solid.faces) - len(walls) == (4 if built.groove else 2)
+    # What a groove leaves inside has an upper face of its own.
+    grooved = built.design.cam.contact == "groove"
+    assert len(solid.faces) - len(walls) == len(built.heights) + grooved
     if built.design.disc.options[DXF].entity == "arcs":
         drawn: Any = built.drawing.modelspace().query('LWPOLYLINE[layer!="PITCH_CURVE"]')
         assert len(walls) == sum(len(polyline) for polyline in drawn)
@@ -52,29 +54,26 @@ def test_each_piece_of_the_drawing_is_a_wall(built: Built, solid: Solid) -> None
 def test_its_volume_is_that_of_its_arcs(built: Built, solid: Solid) -> None:
     found = volume_of(bounds_of(solid))
     assert found == pytest.approx(_facts(built)["volume_mm3"], rel=1e-12)
-    assert found == pytest.approx(
-        built.volume, abs=built.tolerance * built.length * built.thickness
-    )
+    assert found == pytest.approx(built.volume, abs=built.tolerance * built.length * built.height)
     assert solid.unit == MM_PER[built.design.scene.unit]
 
 
 def test_areas_and_centroids_are_those_of_the_cam(built: Built, solid: Solid) -> None:
     """Of all loops of all flat faces."""
     for bound in bounds_of(solid):
-        exact = min(built.through + built.groove, key=lambda each: abs(each.area - abs(bound.area)))
-        slack = built.tolerance * exact.length
-        assert abs(bound.area) == pytest.approx(exact.area, abs=slack)
         assert isinstance(bound.contour, Contour)
         moments = bound.contour.moments
-        off = abs(moments.first / moments.area - _centroid(exact))
+        centroid = moments.first / moments.area
+        exact = min(
+            built.boundaries,
+            key=lambda each: (
+                abs(each.area - abs(bound.area)) / each.length + abs(each.centroid - centroid)
+            ),
+        )
+        slack = built.tolerance * exact.length
+        assert abs(bound.area) == pytest.approx(exact.area, abs=slack)
+        off = abs(centroid - exact.centroid)
         assert off <= slack * float(np.max(np.abs(exact.points))) / exact.area
-
-
-def _centroid(exact: Exact) -> complex:
-    """Of the dense polygon."""
-    start, end = exact.points, np.roll(exact.points, -1)
-    cross = (start.conj() * end).imag
-    return complex(np.sum((start + end) * cross) / (3.0 * np.sum(cross)))
 
 
 def test_all_features_of_a_part_are_faces_of_one_solid() -> None:

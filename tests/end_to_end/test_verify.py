@@ -190,7 +190,7 @@ def test_what_is_built_passes(
         assert record["deviation_mm"] == pytest.approx(certain, rel=0.02, abs=1e-9)
         assert record["scene"]["sha256"] == built.design.disc.scene_hash
     volumes = [c for c in records[built.file(".stl").name]["checks"] if c["name"] == "volume"]
-    slack = built.tolerance * built.length * built.thickness
+    slack = built.tolerance * built.length * built.height
     assert volumes[0]["expected"] == pytest.approx(built.volume, abs=slack)
 
 

@@ -34,7 +34,7 @@ from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
 from tests.contour.paths import area, cut_off_lobe, swallow_tail
-from tests.end_to_end.exact import bore_area, bore_length
+from tests.end_to_end.features import bore
 
 ROLLER = 8.0
 
@@ -57,9 +57,9 @@ def _part(contact: Contact, spec: PartSpec) -> Part:
 def test_bore_with_keyway(diameter: float, share: float, depth: float, angle: float) -> None:
     keyway = Keyway(share * diameter, depth, angle)
     contour = bore_outline(diameter, keyway)
-    spec = PartSpec(bore=diameter, keyway=keyway)
-    assert contour.area == pytest.approx(bore_area(spec), rel=1e-12)
-    assert contour.length == pytest.approx(bore_length(spec), rel=1e-12)
+    exact = bore(PartSpec(bore=diameter, keyway=keyway))
+    assert contour.area == pytest.approx(exact.area, rel=1e-12)
+    assert contour.length == pytest.approx(exact.length, rel=1e-12)
     assert winding_number(contour, 0j) == 1
     along = contour.vertices * np.exp(-1j * angle)
     radius, half = diameter / 2.0, keyway.width / 2.0
