@@ -209,6 +209,8 @@ def _newton(
         points = 0.5 * (at_x.points + at_y.points)
         # a_x t_x dx - a_y t_y dy = gap
         sine = (np.conj(at_x.tangents) * at_y.tangents).imag
+        if not np.any(inside):  # no place moves any more
+            break
         with np.errstate(divide="ignore", invalid="ignore"):
             dx = (np.conj(at_y.tangents) * gap).imag / (-sine * at_x.pace)
             dy = (np.conj(at_x.tangents) * gap).imag / (-sine * at_y.pace)
