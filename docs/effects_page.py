@@ -32,7 +32,6 @@ from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.lift_off.form_closed import LISTED
-from camgeo.effects.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import QUIET, measured
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
@@ -41,6 +40,7 @@ from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.oscillator.spectrum import Shock, shock
+from camgeo.part.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.scene.load import load_scene
 
 if TYPE_CHECKING:  # pages are made without pictures too

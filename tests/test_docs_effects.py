@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.effects.materials import MATERIALS
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.motion.laws import FAMILIES
+from camgeo.part.materials import MATERIALS
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]

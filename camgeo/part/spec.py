@@ -9,9 +9,10 @@ from functools import partial
 from typing import Annotated, Any, Final, Self
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.values import Angle, Length
+from camgeo.mechanism.values import Angle, AnySize, Length
 from camgeo.numeric.checked import check_fields, number, one_of, whole
 from camgeo.part.keyways import din_6885_1
+from camgeo.part.materials import density_of
 from camgeo.units import TURN
 
 UPPER: Final = "upper"
@@ -245,6 +246,7 @@ class PartSpec:
     d_shaft : flat side of the bore, in place of a keyway.
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
     set_screw : in the hub, between its face and that of the disc.
+    density : of the whole part [t/mm^3]; its shape does not depend on it.
 
     Raises
     ------
@@ -265,6 +267,7 @@ class PartSpec:
     bolt_circle: Holes | None = None
     lightening_holes: Holes | None = None
     set_screw: SetScrew | None = None
+    density: AnySize | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
@@ -295,8 +298,10 @@ class PartSpec:
 
 
 def part_of(table: Mapping[str, Any]) -> PartSpec:
-    """The specification of a converted table `[part]`, in mm and rad; raises GeometryError."""
+    """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError."""
     given = dict(table)
+    given["density"] = density_of(table)
+    given.pop("material", None)
     features: Mapping[str, Callable[..., Any]] = {
         "keyway": Keyway,
         "d_shaft": DShaft,

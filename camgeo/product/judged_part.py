@@ -32,9 +32,6 @@ SMALLEST_WALL: Final = "smallest-wall"
 SET_SCREW: Final = "set-screw"
 """Name of the finding on a hole that no file has."""
 
-BALANCE: Final = "balance"
-"""The effect whose table states the density."""
-
 
 @dataclass(frozen=True, slots=True)
 class Slice:
@@ -213,9 +210,4 @@ def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
 
 def _density(scene: Scene) -> float | None:
     """Of the part [t/mm^3], where the scene states it."""
-    if BALANCE not in scene.effects:
-        return None
-    from camgeo.effects.registry import find_effect  # few scenes name an effect
-
-    density: float = find_effect(BALANCE).parse(scene.effects[BALANCE]).density
-    return density
+    return None if scene.part is None else scene.part.density

@@ -44,6 +44,9 @@ Built = TypeVar("Built")
 
 VERSION_KEY: Final = "camgeo"
 
+WEIGHING: Final = "balance"
+"""The effect whose table may state the density of the part."""
+
 Attributes = Mapping[str, Any]
 """Of a `camgeo.scene.scene.Scene`, by their names."""
 
@@ -82,7 +85,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     if faults or plan is None or (follower is None and values.has("follower")):
         last = len(document.lines) + SCENE.size
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
-    rest = builder.rest(speed_curve)
+    rest = builder.rest(speed_curve, effects)
     if inside.faults:
         raise SceneError(inside.faults, source.file)
     return {
@@ -232,7 +235,7 @@ class Builder:
 
         return effect_tables(self.inside, faulted)
 
-    def rest(self, speed_curve: SpeedCurve | None) -> dict[str, Any]:
+    def rest(self, speed_curve: SpeedCurve | None, effects: Attributes) -> dict[str, Any]:
         """The other attributes of a scene, all of whose values are valid; None, with a fault, for
         what has numbers too large or too small to be computed with.
         """
@@ -251,13 +254,20 @@ class Builder:
             "contact": self.values.contact or Contact.INNER,
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
             "limits": self._engine(("limits",), lambda: Limits(**self._top("limits"))),
-            "part": self._engine(("part",), self._part),
+            "part": self._engine(("part",), partial(self._part, effects)),
             "printing": self._engine(("print",), self._printing),
             "drawing": self._engine(("drawing",), lambda: drawing_of(self._top("drawing"))),
         }
 
-    def _part(self) -> PartSpec | None:
-        return part_of(self._top("part")) if self.values.has("part") else None
+    def _part(self, effects: Attributes) -> PartSpec | None:
+        if not self.values.has("part"):
+            return None
+        found = part_of(self._top("part"))
+        if WEIGHING not in effects:
+            return found
+        from camgeo.scene.effects import weighed  # few scenes name an effect
+
+        return weighed(found, effects[WEIGHING], self.inside)
 
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import find_effect
 from camgeo.effects.rules import Machine, Table
 from camgeo.errors import GeometryError
+from camgeo.part.materials import USUAL, density_of, find_material
+from camgeo.part.spec import PartSpec
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.valid_values import ValidValues
+
+KG_M3: Final = 1e12
+"""From t/mm^3 to kg/m^3."""
+
+ROUNDING: Final = 1e-12
+"""Share by which two densities may differ and be the same in other units."""
 
 
 def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
@@ -51,6 +61,21 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
             if all(lacks(*key.split(".")) for key in keys):
                 who = "" if each.name == effect.name else f"needs {each.name}, which "
                 inside.fault(place, f"{who}needs {_spelled(keys)}")
+
+
+def weighed(part: PartSpec, table: Mapping[str, Any], inside: Inside) -> PartSpec:
+    """The part with its density, which the `table` of the effect `balance` may state in its place.
+
+    That both state it is a fault unless they agree.
+    """
+    stated = density_of(table)
+    if part.density is None:
+        return replace(part, density=stated or find_material(USUAL).density)
+    if stated is not None and not math.isclose(stated, part.density, rel_tol=ROUNDING):
+        key = "density" if "density" in table else "material"
+        message = f"contradicts [part], where the density is {KG_M3 * part.density:g} kg/m^3"
+        inside.fault((EFFECTS, "balance", key), message)
+    return part
 
 
 def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:

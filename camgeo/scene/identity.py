@@ -28,8 +28,13 @@ from camgeo.scene.tree import Tree, without
 FORM: Final = "camgeo scene 1"
 """Version of the hashed form; another one would give other hashes of the same values."""
 
-REPORTED_ONLY: Final = (("effects",), ("output", "accuracy"))
-"""Tables that affect only what is computed and reported, not drawings, programs or bodies.
+REPORTED_ONLY: Final = (
+    ("effects",),
+    ("output", "accuracy"),
+    ("part", "material"),
+    ("part", "density"),
+)
+"""Tables and keys that affect only what is computed and reported, not drawings, programs or bodies.
 
 An effect adds its columns to a value table; so that a scene's other files stay the same to the last
 byte with and without it, the hash in them does not depend on it either.

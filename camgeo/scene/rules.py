@@ -273,10 +273,13 @@ def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
 
 def a_mass_is_known(values: ValidValues) -> Iterator[Broken]:
     """Where the mass is limited, thickness and density are stated."""
-    density = "[effects.balance], which has the density"
-    for key, name in (("part", "thickness"), "[part] thickness"), ((EFFECTS, "balance"), density):
-        if values.has("limits", "mass") and values.lacks(*key) and values.valid(key[0]):
-            yield ("limits", "mass"), f"needs {name}"
+    if not values.has("limits", "mass") or not values.valid("part"):
+        return
+    if values.lacks("part", "thickness"):
+        yield ("limits", "mass"), "needs [part] thickness"
+    dense = (("part", "density"), ("part", "material"), (EFFECTS, "balance"))
+    if values.valid(EFFECTS) and all(values.lacks(*key) for key in dense):
+        yield ("limits", "mass"), "needs [part] material or density"
 
 
 def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:

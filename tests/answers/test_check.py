@@ -383,7 +383,7 @@ def test_a_limit_of_the_mass_needs_thickness_and_density() -> None:
     assert [each.key for each in error.value.faults] == ["limits.mass", "limits.mass"]
     shown = str(error.value)
     assert "needs [part] thickness" in shown
-    assert "needs [effects.balance]" in shown
+    assert "needs [part] material or density" in shown
 
 
 def test_a_bore_that_does_not_fit_is_found_without_milling() -> None:
@@ -400,3 +400,51 @@ def test_findings_of_a_design_compute_no_part() -> None:
     design = camgeo.loads(f"{DISC}limits = {{ diameter = 10 }}\n{SOLID}")
     assert {each.severity for each in design.findings} <= {"ok", "warning"}
     assert "discs" not in design.__dict__
+
+
+@pytest.mark.parametrize("keys", ["density = 7850", 'material = "steel"'])
+def test_the_part_has_its_density_without_an_effect(keys: str) -> None:
+    """One density, wherever it is stated; files do not depend on it, and so neither their hash."""
+    plain = f"{DISC}[part]\nthickness = 12\nbore = 20\n"
+    scenes = [
+        camgeo.loads(text)
+        for text in (DISC + SOLID, f"{plain}{keys}\n", f"{plain}{keys}\n[effects.balance]\n")
+    ]
+    by_effect, *others = (next(iter(check(each).parts.values())).body for each in scenes)
+    assert by_effect is not None
+    for each in others:
+        assert each is not None
+        assert each.mass == pytest.approx(by_effect.mass, rel=1e-15)
+    assert scenes[2].effect("balance").mass == pytest.approx(1e-3 * (by_effect.mass or 0.0))
+    assert len({each.scene.made for each in (*scenes, camgeo.loads(plain))}) == 1
+    assert len({each.scene.identity for each in (*scenes, camgeo.loads(plain))}) == 4
+
+
+def test_density_of_the_effect_is_that_of_the_part() -> None:
+    text = f"{DISC}part = {{ thickness = 12, density = 1410 }}\neffects.balance = {{ %s }}\n"
+    design = camgeo.loads(text % "")
+    (part,) = check(design).parts.values()
+    assert part.body is not None
+    assert part.body.mass == pytest.approx(1e3 * design.effect("balance").mass, rel=1e-9)
+    same = camgeo.loads(text % 'material = "pom"')
+    assert same.effect("balance").mass == pytest.approx(design.effect("balance").mass, rel=1e-12)
+    for stated in ("density = 1411", 'material = "steel"'):
+        with pytest.raises(SceneError) as error:
+            camgeo.loads(text % stated)
+        (fault,) = error.value.faults
+        assert fault.key == f"effects.balance.{stated.split()[0]}"
+        assert "contradicts [part], where the density is 1410 kg/m^3" in fault.message
+    with pytest.raises(SceneError, match="there is no material wood"):
+        camgeo.loads(f'{DISC}part = {{ material = "wood" }}\n')
+
+
+def test_each_disc_of_a_conjugate_pair_has_its_mass() -> None:
+    """The effect `balance` is for a single disc; the density of the part needs no effect."""
+    found = check(Design(load_scene(FIXTURES / "scenes" / "conjugate_lever.toml")))
+    text = {"part.density": 2700.0}
+    weighed = check(Design(found.scene.with_values(text)))
+    for part in weighed.parts.values():
+        assert part.body is not None
+        assert part.body.mass == pytest.approx(2.7e-6 * part.body.solid.volume, rel=1e-12)
+        assert "mass" in [each.name for each in part.findings]
+    assert len(weighed.parts) == 2

@@ -28,11 +28,11 @@ from camgeo.effects.contact_pressure.line_contact import (
 from camgeo.effects.contact_pressure.result import ContactPressure, compute
 from camgeo.effects.contact_pressure.table import PressureRequirements, parse
 from camgeo.effects.effect import Request, Results
-from camgeo.effects.materials import Material, find_material
 from camgeo.effects.touching import INNER, OUTER
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral
+from camgeo.part.materials import Material, find_material
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
 from tests.reference import FOLDER

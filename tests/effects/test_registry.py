@@ -150,7 +150,7 @@ def test_each_is_declared_alone(name: str) -> None:
     own = {package, f"{package}.table"}
     found = {module for module in imported()[name] if module.startswith("camgeo.effects.")}
     assert package in found
-    assert found <= own | {"camgeo.effects.materials", "camgeo.effects.results"}
+    assert found <= own | {"camgeo.effects.results"}
 
 
 def test_there_is_no_such_effect(register: Register) -> None:

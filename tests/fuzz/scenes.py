@@ -204,7 +204,7 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
             found["counterbore"] = {"diameter": wide, "depth": rng.choice((0.5, 4, 9.99, 11))}
         return found
 
-    makers: dict[str, Callable[[], dict[str, Any]]] = {
+    makers: dict[str, Callable[[], Any]] = {
         "keyway": lambda: rng.choice(
             ({"standard": "DIN 6885-1"}, {"width": size(0.05, 0.3), "depth": size(0.02, 0.2)})
         ),
@@ -217,6 +217,8 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
         "mark": lambda: {"radius": size(0.3, 0.9), "width": size(0.01, 0.1), "depth": 1},
         "bolt_circle": bolts,
         "lightening_holes": holes,
+        "material": lambda: rng.choice(("steel", "pom")),
+        "density": lambda: rng.choice((1, 7850, 1e6)),
     }
     chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
     return {name: makers[name]() for name in chosen}

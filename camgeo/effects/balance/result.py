@@ -24,6 +24,7 @@ from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import phase
 from camgeo.part.mass import disc_moments
 from camgeo.part.part import Part
+from camgeo.part.spec import PartSpec
 from camgeo.units import RPM
 
 TAKEN: Final = 0.1
@@ -72,6 +73,7 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
+    data = _with_density(data, subject.part_spec)
     per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
     moments = disc_moments(part, data.density, request.tolerance * TAKEN)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
@@ -113,6 +115,13 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         counterweight=counterweight,
         holes=holes,
     )
+
+
+def _with_density(data: BalanceRequirements, spec: PartSpec | None) -> BalanceRequirements:
+    """The density of the part, where that is stated; both agree if both are."""
+    if spec is None or spec.density is None:
+        return data
+    return replace(data, density=spec.density)
 
 
 def _part(request: Request[BalanceRequirements]) -> Part:

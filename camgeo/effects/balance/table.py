@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from camgeo.effects.effect import data_of
 from camgeo.errors import GeometryError
+from camgeo.part.materials import USUAL, density_of
 
 LARGEST_HOLE: Final = 0.25
 """Largest diameter of a balancing hole as a share of its distance from the axis, by default."""
@@ -49,8 +50,5 @@ def parse(table: Mapping[str, Any]) -> BalanceRequirements:
     values = dict(table)
     if "hole_radius" in table:
         values.setdefault("hole_diameter", LARGEST_HOLE * table["hole_radius"])
-    if "density" not in table:
-        from camgeo.effects.materials import find_material  # a density needs no table
-
-        values["density"] = find_material(table.get("material", "steel"), "material").density
+    values["density"] = density_of({"material": USUAL, **table})
     return data_of(BalanceRequirements, values)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from camgeo.effects.materials import Material, find_material
 from camgeo.errors import GeometryError
+from camgeo.part.materials import Material, find_material
 
 MATERIAL: Final = "steel-hardened"
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.errors import GeometryError, meant
 
@@ -155,6 +155,9 @@ _ROWS: Final = (
 MATERIALS: Final[Mapping[str, Material]] = MappingProxyType({row.name: row for row in _ROWS})
 """All materials, by name."""
 
+USUAL: Final = "steel"
+"""Material of a part to be balanced for which none is stated."""
+
 
 def find_material(name: str, key: str = "") -> Material:
     """The material `name`.
@@ -178,3 +181,13 @@ def find_material(name: str, key: str = "") -> Material:
         key=key,
         value=name,
     )
+
+
+def density_of(table: Mapping[str, Any]) -> float | None:
+    """The density [t/mm^3] that a table states under `density`, or by its `material`; None if it
+    states neither. Raises like `find_material`, with key "material".
+    """
+    stated: float | None = table.get("density")
+    if stated is None and "material" in table:
+        return find_material(table["material"], "material").density
+    return stated

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from camgeo.effects.materials import MATERIALS, find_material
 from camgeo.errors import GeometryError
+from camgeo.part.materials import MATERIALS, find_material
 from camgeo.scene.schema import schema
 
 HARDNESS = {"steel": 180, "steel-tempered": 300, "cast-iron": 200, "cast-iron-ductile": 220}
