@@ -82,7 +82,7 @@ class Shrinkage:
 
 @dataclass(frozen=True, slots=True)
 class PrintSpec:
-    """`[print]`: how bodies are compensated.
+    """`[print]`: how bodies are compensated, and with what they are printed.
 
     Attributes
     ----------
@@ -91,6 +91,7 @@ class PrintSpec:
         of a bore for a D-shaft, lie half of it farther from the cam axis. None for not at all.
     elephant_foot : of the lowest layers; None for none.
     shrinkage : that the part in the file makes up for; None for none.
+    nozzle : width of the lines that the nozzle lays down [mm]; None if it is not stated.
 
     Raises
     ------
@@ -102,6 +103,7 @@ class PrintSpec:
     key_clearance: Length | None = None
     elephant_foot: Foot | None = None
     shrinkage: Shrinkage | None = None
+    nozzle: Length | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "print.")

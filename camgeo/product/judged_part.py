@@ -86,8 +86,8 @@ class PartFound:
     diameter : of the circle about the cam axis that it sweeps [mm]; None if there is no such part.
     layers : from the lowest upward; empty if there is no such part.
     body : None if the scene does not state all heights.
-    findings : diameter, mass and smallest wall, with their limits, and what no file has; or why
-        there is no such part.
+    findings : diameter, mass and smallest wall, with their limits, what no file has, and what a
+        printer does not make; or why there is no such part.
     """
 
     diameter: float | None
@@ -128,7 +128,7 @@ def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ..
     limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
-    return (diameter, *_mass(body, limits.mass), *walls)
+    return (diameter, *_mass(body, limits.mass), *walls, *_printed(disc))
 
 
 def poor_in(disc: Product) -> tuple[Finding, ...]:
@@ -148,6 +148,8 @@ def poor_in(disc: Product) -> tuple[Finding, ...]:
         found += _mass(_body(disc, part), limits.mass)
     if not surely_thick(part, limits.wall):
         found += _smallest_wall(part, limits.wall)
+    if disc.scene.printing is not None and disc.scene.printing.nozzle is not None:
+        found += _printed(disc)
     return tuple(each for each in found if each.severity != "ok")
 
 
@@ -206,6 +208,26 @@ def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
         f" above the face of the disc in the direction {angle:g} deg, is in no file and in no mass:"
         " it is drilled by the drawing",
     )
+
+
+def _printed(disc: Product) -> Iterator[Finding]:
+    """Whether the part can be compensated as the scene asks, and what the nozzle cannot make."""
+    spec = disc.scene.printing
+    if spec is None:
+        return
+    from camgeo.product.printed import COMPENSATED
+
+    printed = disc.drawn.printed
+    try:
+        fitted = printed.fitted
+        printed.target  # noqa: B018  # it is asked whether there is one
+    except (GeometryError, ToleranceError) as error:
+        yield Finding(COMPENSATED, "broken", str(error))
+        return
+    if spec.nozzle is not None:
+        from camgeo.printing.nozzle import findings_of
+
+        yield from findings_of(fitted, spec.nozzle)
 
 
 def _density(scene: Scene) -> float | None:

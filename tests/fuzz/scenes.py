@@ -232,6 +232,7 @@ def printing(rng: Random) -> dict[str, Any]:
         "bore_clearance": size,
         "key_clearance": size,
         "elephant_foot": foot,
+        "nozzle": size,
         "shrinkage": {"xy": rng.choice((0, 0.7, -10, 20)), "z": rng.choice((0.3, 20))},
     }
     return {name: makers[name] for name in rng.sample(sorted(makers), rng.randint(0, 3))}
