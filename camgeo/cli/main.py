@@ -53,6 +53,7 @@ COMMANDS = (
     "lint",
     "table",
     "plot",
+    "watch",
     "setup",
     "replay",
     "probe",

@@ -155,9 +155,14 @@ class Check(Answer):
         """2 if there is no such mechanism or part or no program of it can be planned, 1 if a limit
         is broken, there is no such disc, or a program must not be run.
         """
+        return exit_code(self.everything)
+
+    @property
+    def everything(self) -> tuple[Finding, ...]:
+        """All findings: on the cam, on effects, parts and programs."""
         milling = () if self.machining is None else self.machining.findings
         parts = (each.findings for each in self.parts.values())
-        return exit_code(chain(self.findings, *self.effects.values(), *parts, milling))
+        return tuple(chain(self.findings, *self.effects.values(), *parts, milling))
 
 
 def check(design: Design) -> Check:

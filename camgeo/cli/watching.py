@@ -1,0 +1,91 @@
+"""Files that are looked at again and again: the ones of a scene, and what has become of them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final
+
+from camgeo.errors import SceneError
+from camgeo.reading import SCENE
+from camgeo.scene.load import read_file
+
+LONGEST: Final = 1024
+"""Characters of a text that may be the name of a file; longer ones are none."""
+
+Stamp = tuple[int, int, int] | None
+"""What tells one state of a file from another: its number, time of change and size; None if there
+is no such file. A file that is replaced by another, as editors do on saving, has another number."""
+
+Stamps = dict[Path, Stamp]
+
+
+class SceneFiles:
+    """The scene file and the files in its folder that its texts name.
+
+    A scene that is broken for a moment, or a file that is missing, must be seen to be mended, so
+    any text of the scene counts as a name, and while the scene cannot be read its last names do.
+    """
+
+    def __init__(self, scene: str) -> None:
+        self.scene = Path(scene)
+        self._read: Stamp = None
+        self._named: tuple[Path, ...] = ()
+
+    def stamps(self) -> Stamps:
+        """The present state of all files."""
+        own = stamp(self.scene)
+        if own != self._read:
+            self._read = own
+            with suppress(SceneError, ValueError):  # read again when it changes again
+                text = read_file(self.scene, SCENE.size).decode()
+                folder = self.scene.resolve().parent
+                self._named = tuple(sorted({folder / each for each in _texts(tomllib.loads(text))}))
+        return {self.scene: own} | {path: stamp(path) for path in self._named}
+
+
+def stamp(path: Path) -> Stamp:
+    """The present state of one file."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def watch(
+    files: Callable[[], Stamps], act: Callable[[], None], wait: Callable[[], None], runs: int = 0
+) -> None:
+    """Call `act` at once, and again after each change of `files`; `wait` passes between two looks.
+
+    A change counts once two looks see the same: a file that is being written is left alone. What
+    changes while `act` runs is seen afterwards. It ends after `runs` calls, never if that is 0.
+    """
+    done = 0
+    while True:
+        seen = files()
+        act()
+        done += 1
+        if done == runs:
+            return
+        while (now := files()) == seen:
+            wait()
+        while now != (now := _after(wait, files)):
+            pass
+
+
+def _after(wait: Callable[[], None], files: Callable[[], Stamps]) -> Stamps:
+    wait()
+    return files()
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """All texts in a TOML value that may be names of files."""
+    if isinstance(value, str):
+        if 0 < len(value) <= LONGEST and value.isprintable():
+            yield value
+    elif isinstance(value, dict | list):
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _texts(each)
