@@ -68,6 +68,9 @@ LAZY_LIBRARIES = {"mpmath", "scipy"}
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
 """What only writers import."""
 
+LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib"}
+"""The format library that a module may import inside a function only: matplotlib brings a font."""
+
 EFFECT_FRAME = {
     "",
     "effect",
@@ -144,14 +147,15 @@ def stage_of(module: str) -> int | None:
     return next((row for row, names in enumerate(STAGES) if name in names), None)
 
 
-def fault_of_library(imported: Import) -> str:
-    """Fault of importing something foreign, empty if there is none."""
+def fault_of_library(module: str, imported: Import) -> str:
+    """Fault of one module of camgeo importing something foreign, empty if there is none."""
     library = imported.target.split(".")[0]
     if library == WRITERS:
         return "imports the writers"
-    if library in FORMAT_LIBRARIES:
+    own = LIBRARY_OF.get(module) == library
+    if library in FORMAT_LIBRARIES and not own:
         return f"imports the format library {library}"
-    if library in LAZY_LIBRARIES:
+    if library in LAZY_LIBRARIES or own:
         return "" if imported.lazy else f"imports {library} outside a function"
     if library in ENGINE_LIBRARIES or library in sys.stdlib_module_names:
         return ""
@@ -194,7 +198,7 @@ def find_violations(root: Path) -> list[str]:
                 edges.add(imported.target)
                 fault = fault_of_module(module, imported)
             else:
-                fault = fault_of_library(imported)
+                fault = fault_of_library(module, imported)
             if fault:
                 found.append(f"{module}, line {imported.line}: {fault}")
     try:
@@ -375,6 +379,20 @@ def test_a_check_with_machining_time_imports_no_writer(tmp_path: Path) -> None:
     assert loaded & (UNASKED - {"scipy", "shapely"}) == set()
 
 
+def test_a_check_of_an_engraved_disc_imports_a_font_and_nothing_that_plots(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    text = (ROOT / "fixtures/scenes/querhub.toml").read_text("utf-8")
+    text = text[: text.index("[[tool]]")]
+    engraving = "[[part.engraving]]\nheight = 3\ndepth = 0.2\nradius = 20\n"
+    scene.write_text(f"{text}\n{engraving}", "utf-8")
+    code, loaded = run(ROOT, tmp_path / "report.json", "check", str(scene))
+    assert code in {0, 1}
+    assert loaded & UNASKED == {"matplotlib"}
+    assert "matplotlib.ft2font" in loaded
+    # What looks for fonts on the machine, and writes what it finds into the user's folder.
+    assert "matplotlib.font_manager" not in loaded
+
+
 def test_a_build_imports_no_library_of_verification(tmp_path: Path) -> None:
     scene, out = "fixtures/scenes/setzhub.toml", str(tmp_path / "out")
     words = ("build", scene, "-o", out, "--only", "dxf,gcode,stl,3mf,csv,asc")
@@ -457,6 +475,9 @@ def test_a_correct_tree_has_no_violation(tmp_path: Path) -> None:
         ("cli/read.py", "import lxml.etree", "the format library lxml"),
         ("cli/read.py", "import networkx", "the format library networkx"),
         ("cli/read.py", "import pandas", "imports pandas, which is no library of the engine"),
+        ("part/glyphs.py", "import matplotlib", "imports matplotlib outside a function"),
+        ("part/glyphs.py", "def f():\n    import ezdxf", "the format library ezdxf"),
+        ("part/other.py", "def f():\n    import matplotlib", "the format library matplotlib"),
         ("motion/root.py", "from scipy.optimize import brentq", "scipy outside a function"),
         ("motion/root.py", "if 1:\n    import scipy", "line 2: imports scipy outside a function"),
         ("motion/root.py", "class A:\n    import scipy", "scipy outside a function"),

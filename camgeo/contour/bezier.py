@@ -67,7 +67,7 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
             ]
             rows = [*([rows[0]] * level), *rows]
         points[:, upper] = rows[-1]
-    return _elevated(points)
+    return elevated(points)
 
 
 def _between(
@@ -82,7 +82,7 @@ def _between(
     return before + share * (after - before)
 
 
-def _elevated(points: ComplexArray) -> ComplexArray:
+def elevated(points: ComplexArray) -> ComplexArray:
     """Pieces of degree 1 or 2 as cubics; the curve stays the same."""
     while points.shape[1] < CUBIC + 1:
         degree = points.shape[1]

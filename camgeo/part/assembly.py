@@ -14,6 +14,7 @@ from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary, largest_radius
+from camgeo.part.engraving import ENGRAVING, Engraving
 from camgeo.part.features import (
     COUNTERBORE,
     bore_boundary,
@@ -88,7 +89,9 @@ def assembled(
     GeometryError
         With the key of the scene, if a feature has no room.
     """
-    sunk = spec.mark.depth if spec.mark is not None else 0.0
+    sunk = max(
+        (each.depth for each in (spec.mark, *spec.engraving) if each is not None), default=0.0
+    )
     if spec.bolt_circle is not None and spec.bolt_circle.counterbore is not None:
         sunk = max(sunk, spec.bolt_circle.counterbore.depth)
     depth = spec.groove_depth or 0.0
@@ -136,6 +139,8 @@ def assembled(
         if hub := _require_clear(mark, "part.mark", upper, tolerance):
             raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
         features.append(Feature(mark, -spec.mark.depth, 0.0, "mark"))
+    if spec.engraving:
+        features += _engraved(spec.engraving, features, tolerance)
     features += under
 
     def stated(z: float) -> float:
@@ -159,6 +164,23 @@ def _hubs(hub: Hub, bottom: float) -> Iterable[Feature]:
     if hub.side in (LOWER, BOTH):
         lower = ExactBoundary(LOWER_HUB, hole=False, exact=circle)
         yield Feature(lower, bottom - hub.height, bottom, LOWER_HUB)
+
+
+def _engraved(
+    texts: Sequence[Engraving], features: Sequence[Feature], tolerance: float
+) -> Iterable[Feature]:
+    """The letters of texts, clear of each other and of all `features`."""
+    from camgeo.part.engraved import require_room  # few parts are engraved
+    from camgeo.part.lettering import lettered
+
+    letters = lettered(texts)
+    beside = (each.boundary for each in features if each.layer not in HUBS)
+    hubs = (each.boundary for each in features if each.layer == UPPER_HUB)
+    require_room(letters, beside, hubs, tolerance)
+    for number, (text, each) in enumerate(zip(texts, letters, strict=True), start=1):
+        for letter in each:
+            for boundary in letter.boundaries:
+                yield Feature(boundary, -text.depth, 0.0, f"{ENGRAVING} {number}")
 
 
 def _rooms_of(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...]:

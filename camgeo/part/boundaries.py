@@ -117,8 +117,8 @@ class CurveBoundary(Pickled):
         if isinstance(contour, SplineContour):
             from camgeo.contour.cubics.deviation import spline_deviation  # few files have splines
 
-            return _once(self.known, contour, lambda: spline_deviation(self.path, contour))
-        return _once(self.known, contour, lambda: deviation(self.path, contour))
+            return once(self.known, contour, lambda: spline_deviation(self.path, contour))
+        return once(self.known, contour, lambda: deviation(self.path, contour))
 
     def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
@@ -144,7 +144,7 @@ class CurveBoundary(Pickled):
         return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
 
 
-def _once(
+def once(
     known: dict[Any, Any], contour: Contour | SplineContour, find: Callable[[], float]
 ) -> float:
     """The deviation of `contour`, found now or known for the same numbers from another start."""
@@ -258,7 +258,7 @@ class ExactBoundary(Pickled):
             from camgeo.contour.cubics.deviation import bound_by_arcs  # few files have splines
 
             return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
-        return _once(self.known, contour, lambda: distance_between(self.exact, contour))
+        return once(self.known, contour, lambda: distance_between(self.exact, contour))
 
 
 def largest_radius(contour: Contour) -> float:

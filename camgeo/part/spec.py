@@ -10,7 +10,8 @@ from typing import Annotated, Any, Final, Self
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, AnySize, Length
-from camgeo.numeric.checked import check_fields, number, one_of, whole
+from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, whole
+from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
 from camgeo.part.keyways import din_6885_1
 from camgeo.part.materials import density_of
 from camgeo.units import TURN
@@ -247,13 +248,14 @@ class PartSpec:
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
     set_screw : in the hub, between its face and that of the disc.
     density : of the whole part [t/mm^3]; its shape does not depend on it.
+    engraving : texts in the upper face of the disc, less deep than the disc is thick.
 
     Raises
     ------
     GeometryError
-        With the key, if a value is invalid, groove or mark are as deep as the disc, a keyway or
-        flat has no bore, the flat does not cut the bore, the hub is no larger than the bore, or the
-        set screw has no bore or does not fit into the hub.
+        With the key, if a value is invalid, groove, mark or text are as deep as the disc, a keyway
+        or flat has no bore, the flat does not cut the bore, the hub is no larger than the bore, or
+        the set screw has no bore or does not fit into the hub.
     """
 
     thickness: Length | None = None
@@ -268,6 +270,7 @@ class PartSpec:
     lightening_holes: Holes | None = None
     set_screw: SetScrew | None = None
     density: AnySize | None = None
+    engraving: tuple[Engraving, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
@@ -275,6 +278,7 @@ class PartSpec:
             number("part.groove_depth", self.groove_depth, below=self.thickness, unit="mm")
         if self.mark is not None and self.thickness is not None:
             number("part.mark.depth", self.mark.depth, below=self.thickness, unit="mm")
+        self._check_engraving()
         if self.hub is not None and self.bore is not None:
             number("part.hub.diameter", self.hub.diameter, above=self.bore, unit="mm")
         if self.set_screw is not None:
@@ -296,10 +300,23 @@ class PartSpec:
             across, half = self.d_shaft.across, 0.5 * self.bore
             number(f"{key}.across", across, above=half, below=self.bore, unit="mm")
 
+    def _check_engraving(self) -> None:
+        key = f"part.{ENGRAVING}"
+        given = instance(key, self.engraving, tuple, "a tuple of texts")
+        if len(instances(key, given, (Engraving,), "texts")) > MOST_TEXTS:
+            raise GeometryError(f"at most {MOST_TEXTS} texts are engraved", key, f"{len(given)}")
+        for place, text in enumerate(given, start=1):
+            if self.thickness is not None:
+                number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
-def part_of(table: Mapping[str, Any]) -> PartSpec:
-    """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError."""
+
+def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
+    """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError.
+
+    `name` is engraved where a text is not given.
+    """
     given = dict(table)
+    given[ENGRAVING] = engravings_of(given.get(ENGRAVING, ()), name)
     given["density"] = density_of(table)
     given.pop("material", None)
     features: Mapping[str, Callable[..., Any]] = {

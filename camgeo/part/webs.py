@@ -14,7 +14,8 @@ from camgeo.contour.nearness import distances, least_distance
 from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.part import Boundary, Part
+from camgeo.part.engraving import text_of
+from camgeo.part.part import Boundary, Layer, Part
 
 TOLERANCES: Final = (1e-2, 1e-4, 1e-6)
 """Of the contours of flanks [mm], each tried if the one before leaves a comparison open."""
@@ -66,7 +67,7 @@ def thinnest(part: Part, limit: float | None = None) -> Web | None:
     known: set[tuple[str, str]] = set()
     found: Web | None = None
     for layer in part.layers:
-        for pair in combinations(layer.boundaries, 2):
+        for pair in combinations(_walled(layer), 2):
             one, hole = pair if pair[1].hole else pair[::-1]
             names = one.name, hole.name
             if names in known or not hole.hole:
@@ -87,9 +88,14 @@ def surely_thick(part: Part, limit: float | None = None) -> bool:
     return all(
         _least(*(pair if pair[1].hole else pair[::-1]), limit) >= (1.0 if limit is None else limit)
         for layer in part.layers
-        for pair in combinations(layer.boundaries, 2)
+        for pair in combinations(_walled(layer), 2)
         if pair[0].hole or pair[1].hole
     )
+
+
+def _walled(layer: Layer) -> list[Boundary]:
+    """Its boundaries but for those of letters: what is left beside their strokes bears nothing."""
+    return [each for each in layer.boundaries if not text_of(each.name)]
 
 
 def _size(web: Web, limit: float | None) -> tuple[float, float]:

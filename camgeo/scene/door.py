@@ -262,7 +262,7 @@ class Builder:
     def _part(self, effects: Attributes) -> PartSpec | None:
         if not self.values.has("part"):
             return None
-        found = part_of(self._top("part"))
+        found = part_of(self._top("part"), self.values.get("name"))
         if WEIGHING not in effects:
             return found
         from camgeo.scene.effects import weighed  # few scenes name an effect

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from camgeo.errors import GeometryError
+from camgeo.part.engraving import ENGRAVING, STRAIGHT
 from camgeo.part.keyways import din_6885_1
 from camgeo.scene.valid_values import Broken, ValidValues
 
@@ -30,9 +31,12 @@ def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
 
 
 def part_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """Groove and mark within the thickness, keyway within the bore, bore within the hub."""
+    """Groove, mark and texts within the thickness, keyway within the bore, bore within the hub."""
     thickness = values.get("part", "thickness")
-    for place in (("part", "groove_depth"), ("part", "mark", "depth")):
+    texts = values.get("part", ENGRAVING) or ()
+    yield from _texts_have_a_place(values, len(texts))
+    depths = [("part", ENGRAVING, number, "depth") for number in range(len(texts))]
+    for place in (("part", "groove_depth"), ("part", "mark", "depth"), *depths):
         depth = values.get(*place)
         if depth is not None and thickness is not None and not depth < thickness:
             yield place, f"must be less than the thickness, {thickness:g}"
@@ -60,6 +64,22 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     length, width = (values.get("part", "mark", key) for key in ("length", "width"))
     if length is not None and width is not None and not length > width:
         yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
+
+
+def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
+    """A text along a circle beyond the cam axis; a straight one with one direction at most."""
+    for number in range(count):
+        place = ("part", ENGRAVING, number)
+        along = values.get(*place, "along")
+        radius, height = (values.get(*place, key) for key in ("radius", "height"))
+        if along != STRAIGHT:
+            if values.has(*place, "turn"):
+                yield (*place, "turn"), f'belongs to along = "{STRAIGHT}"'
+            if radius is not None and height is not None and not radius > 0.5 * height:
+                message = f"must be more than half the height of the letters, {0.5 * height:g}"
+                yield (*place, "radius"), message
+        elif values.has(*place, "turn") and values.has(*place, "tops"):
+            yield (*place, "turn"), "contradicts tops, which says the same"
 
 
 def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Part
 from camgeo.toolpath.bench import BORE
 from camgeo.toolpath.course import course_of, level
@@ -120,14 +121,20 @@ def setup_of(
 
 
 def left_out(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
-    """Names of the holes and marks that no cut makes, and of a bore if no round cutter makes it."""
+    """Names of the holes, marks and letters that no cut makes, and of a bore if no round cutter
+    makes it.
+    """
     made = _produced(cuts)
     return tuple(
         each.name
         for each in part.boundaries
-        if isinstance(each, ExactBoundary) and each.hole and each.name not in made
-        if each.name != BORE or not each.is_round
+        if (isinstance(each, ExactBoundary) and each.hole) or text_of(each.name)
+        if each.name not in made and (each.name != BORE or not _is_round(each))
     )
+
+
+def _is_round(boundary: Boundary) -> bool:
+    return isinstance(boundary, ExactBoundary) and boundary.is_round
 
 
 def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:

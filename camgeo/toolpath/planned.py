@@ -14,6 +14,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Wall
 from camgeo.toolpath.bench import BORE, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.toolpath.cut import AreaCut, Cut
@@ -55,6 +56,7 @@ def planned_steps(bench: Bench) -> Iterator[Step]:
     if BORE in walls:
         yield from _bore(bench, walls[BORE])
     yield from _holes(bench, walls)
+    yield from _texts(walls)
     if {"inner flank", "outer flank"} <= walls.keys():
         yield from _groove(bench, walls["inner flank"], walls["outer flank"])
     if "rim" in walls:
@@ -113,6 +115,14 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             continue
         text = f"left out, no drill of {2.0 * radius:g} mm reaches through"
         yield told("holes-left-out", f"{names}: {text}")
+
+
+def _texts(walls: Collection[str]) -> Iterator[Step]:
+    """Texts are left out: their letters have corners that no round cutter makes."""
+    names = sorted(set(map(text_of, walls)) - {""})
+    if names:
+        text = "left out, to be engraved otherwise, along the outlines of a drawing"
+        yield told("engraving-left-out", f"{', '.join(names)}: {text}")
 
 
 def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:

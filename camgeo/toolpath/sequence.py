@@ -7,6 +7,7 @@ from typing import Final
 
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Part
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import Cut
@@ -66,7 +67,8 @@ def sequence_of(
             name for name in left_out(part, cuts) if name not in milling.done
         ]  # fmt: skip
         if left:
-            sentence = f"no operation makes {', '.join(left)}"
+            named = dict.fromkeys(text_of(name) or name for name in left)
+            sentence = f"no operation makes {', '.join(named)}"
             findings.append(Finding("left-out", "warning", sentence))
     else:
         steps = list(planned_steps(bench))

@@ -204,6 +204,18 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
             found["counterbore"] = {"diameter": wide, "depth": rng.choice((0.5, 4, 9.99, 11))}
         return found
 
+    def text() -> dict[str, Any]:
+        found: dict[str, Any] = {"height": size(0.02, 0.2), "depth": rng.choice((0.1, 1))}
+        found |= {"radius": size(0.3, 0.9), "angle": rng.choice((0, 90, -123.4))}
+        if rng.random() < 0.8:
+            found["text"] = rng.choice(("0", "Nr. 7", "Ø8 für Nocke", "façade", "ab\u51f8", "%_@"))
+        way = rng.choice(("tops", "straight", "turned", ""))
+        if way == "tops":
+            found["tops"] = "inward"
+        elif way:
+            found |= {"along": "straight"} | ({"turn": 30} if way == "turned" else {})
+        return found
+
     makers: dict[str, Callable[[], Any]] = {
         "keyway": lambda: rng.choice(
             ({"standard": "DIN 6885-1"}, {"width": size(0.05, 0.3), "depth": size(0.02, 0.2)})
@@ -219,6 +231,7 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
         "lightening_holes": holes,
         "material": lambda: rng.choice(("steel", "pom")),
         "density": lambda: rng.choice((1, 7850, 1e6)),
+        "engraving": lambda: [text() for _ in range(rng.choice((1, 1, 2)))],
     }
     chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
     return {name: makers[name]() for name in chosen}

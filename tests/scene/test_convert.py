@@ -14,6 +14,7 @@ from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, Move
+from camgeo.part.engraving import Engraving
 from camgeo.part.spec import Hub, Keyway, Mark, PartSpec
 from camgeo.toolpath.holding import Holding
 from camgeo.toolpath.milling import MillingSpec
@@ -175,6 +176,24 @@ def test_features_of_a_part() -> None:
         hub=Hub(14 * 25.4, 0.5 * 25.4),
         mark=Mark(1.2 * 25.4, 0.1 * 25.4, 0.02 * 25.4, angle=math.radians(90.0)),
     )
+
+
+def test_texts_of_a_part() -> None:
+    """The first one has the name of the scene."""
+    texts = (
+        "[[part.engraving]]\nheight = 0.2\ndepth = 0.01\nradius = 0.75\n"
+        '[[part.engraving]]\ntext = "Ø8"\nheight = 0.1\ndepth = 0.01\nradius = 0.5\nangle = 90\n'
+        'along = "straight"\nturn = 45\n'
+    )
+    scene = loaded(PLATE, ('"mm"', '"inch"'), ("[limits]", f"{texts}[limits]"))
+    assert scene.part is not None
+    assert scene.part.engraving == (
+        Engraving("plate", 0.2 * 25.4, 0.01 * 25.4, 0.75 * 25.4),
+        Engraving(
+            "Ø8", 0.1 * 25.4, 0.01 * 25.4, 0.5 * 25.4, math.radians(90.0), "straight",
+            turn=math.radians(45.0),
+        ),
+    )  # fmt: skip
 
 
 def test_inches() -> None:

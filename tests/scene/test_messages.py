@@ -16,6 +16,13 @@ Change = tuple[str, str]
 
 TOOL = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
 
+
+def engraved(keys: str) -> Change:
+    """Adds a text with these keys, and others that are right unless they give a height."""
+    others = "" if keys.startswith("height") else "height = 4\nradius = 20\ndepth = 0.3\n"
+    return "[part]", f"[[part.engraving]]\n{others}{keys}\n[part]"
+
+
 FAULTS: list[tuple[str, list[Change], str]] = [
     # the frame of the format
     (PLATE, [("camgeo = 1\n", "")], "camgeo: is missing: Version"),
@@ -135,6 +142,30 @@ FAULTS: list[tuple[str, list[Change], str]] = [
         [("[part]", "[part.mark]\nradius = 20\nwidth = 2\nlength = 2\ndepth = 1\n[part]")],
         "part.mark.length = 2: must be more than the width, 2",
     ),
+    (
+        PLATE,
+        [engraved("height = 4\nradius = 2\ndepth = 0.3")],
+        r"part.engraving\[1\].radius = 2: must be more than half the height of the letters, 2",
+    ),
+    (
+        PLATE,
+        [engraved("height = 4\nradius = 20\ndepth = 12")],
+        r"part.engraving\[1\].depth = 12: must be less than the thickness, 12",
+    ),
+    (
+        PLATE,
+        [engraved('text = "\u51f8"')],
+        r'part.engraving\[1\].text = "\u51f8": DejaVu Sans has no "\u51f8" \(U\+51F8\)',
+    ),
+    (PLATE, [engraved('text = ""')], r"text = \"\": must be a text of 1 to 100 characters"),
+    (PLATE, [engraved("turn = 9")], r'engraving\[1\].turn = 9: belongs to along = "straight"'),
+    (
+        PLATE,
+        [engraved('along = "straight"\ntops = "inward"\nturn = 9')],
+        r"part.engraving\[1\].turn = 9: contradicts tops, which says the same",
+    ),
+    (PLATE, [engraved("heigth = 9")], "heigth = 9: is not a known key; known here: text, height"),
+    (PLATE, [engraved("height = 4\ndepth = 1")], r"part.engraving\[1\].radius: is missing"),
     (
         PLATE,
         [("[part]", "[part.mark]\nradius = 20\nwidth = 2\ndepth = 12\n[part]")],

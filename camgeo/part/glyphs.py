@@ -1,0 +1,138 @@
+"""The outlines of letters, from the font that matplotlib brings.
+
+They are those of matplotlib's text paths, without what looks for fonts on the machine: the same
+text has the same outlines everywhere. TrueType outlines consist of lines and quadratic
+Bezier curves (Apple, "TrueType Reference Manual", chapter "Digitizing Letterform Designs").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import ComplexArray, frozen
+
+FONT: Final = "DejaVu Sans"
+FILE: Final = "fonts/ttf/DejaVuSans.ttf"
+"""The font, and its file within the data of matplotlib."""
+
+CAPITAL: Final = 1493.0
+"""Height of its capital letters in its units; that of "H"."""
+
+MOVE, LINE, QUADRATIC, CLOSE = 1, 2, 3, 79
+"""Codes of paths."""
+
+FIXED: Final = 65536.0
+"""Units of a fixed-point number."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Glyph:
+    """The outlines of a letter, in heights of capital letters, its foot on the x axis.
+
+    Attributes
+    ----------
+    outlines : each (n, 3) complex, the Bezier points of quadratic curves, end to end and closed; of
+        a line the middle one lies halfway. Empty for a space.
+    advance : from its origin to that of the next letter.
+    """
+
+    outlines: tuple[ComplexArray, ...]
+    advance: float
+
+
+@cache
+def glyph(character: str) -> Glyph:
+    """The outlines of a character.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.engraving.text", if the font has no such character.
+    """
+    from matplotlib.ft2font import LoadFlags
+
+    font = _font()
+    index = _index(font, character)
+    found = font.load_glyph(index, flags=LoadFlags.NO_HINTING)
+    points, codes = font.get_path()
+    outlines = _outlines(points[:, 0] + 1j * points[:, 1], codes.tolist())
+    advance = found.linearHoriAdvance / FIXED
+    return Glyph(
+        tuple(frozen(each / CAPITAL, np.complex128) for each in outlines), advance / CAPITAL
+    )
+
+
+@cache
+def kerning(left: str, right: str) -> float:
+    """By how much the font moves the right one of two letters away from the left one, in heights of
+    capital letters.
+    """
+    from matplotlib.ft2font import Kerning
+
+    font = _font()
+    one, other = _index(font, left), _index(font, right)
+    moved: int = font.get_kerning(one, other, Kerning.UNSCALED)
+    return moved / CAPITAL
+
+
+def require_glyphs(text: str) -> None:
+    """GeometryError with key "part.engraving.text", if the font lacks a character of the text."""
+    font = _font()
+    for each in text:
+        _index(font, each)
+
+
+def _index(font: Any, character: str) -> Any:
+    index = font.get_char_index(ord(character))
+    if not index:
+        message = f'{FONT} has no "{character}" (U+{ord(character):04X}) to engrave'
+        raise GeometryError(message, "part.engraving.text", character)
+    return index
+
+
+def _font() -> Any:
+    """The font, at as many points as it has units: its outlines are in these, not rounded. It holds
+    the letter loaded last, so each caller has its own.
+    """
+    import matplotlib as mpl
+    from matplotlib.ft2font import FT2Font
+
+    font = FT2Font(str(Path(mpl.get_data_path()) / FILE))
+    font.set_size(font.units_per_EM, 72)
+    return font
+
+
+def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
+    """(n, 3) each: the closed outlines of a path; what encloses no area is left out."""
+    found: list[ComplexArray] = []
+    pieces: list[tuple[complex, complex, complex]] = []
+    at, number = 0j, 0
+    while number < len(codes):
+        code, here = codes[number], complex(points[number])
+        if code == MOVE:
+            at, pieces = here, []
+        elif code == LINE:
+            pieces.append((at, 0.5 * (at + here), here))
+            at = here
+        elif code == QUADRATIC:
+            number += 1
+            end = complex(points[number])
+            pieces.append((at, here, end))
+            at = end
+        elif code == CLOSE and pieces:
+            start = pieces[0][0]
+            if at != start:
+                pieces.append((at, 0.5 * (at + start), start))
+            moving = [each for each in pieces if each[0] != each[2]]
+            if len(moving) > 1:
+                found.append(np.array(moving))
+        number += 1
+    assert all(one[2] == two[0] for each in found for one, two in pairwise(each.tolist()))
+    return found

@@ -1,0 +1,237 @@
+"""Engraved texts: where their letters lie, what they are refused for, and what is made of them."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgeo.cam.contact import Contact
+from camgeo.errors import GeometryError
+from camgeo.outline.moments import total
+from camgeo.part.engraving import SENSES, Engraving, engravings_of, text_of
+from camgeo.part.glyphs import glyph
+from camgeo.part.lettering import Letter, lettered
+from camgeo.part.mass import solid
+from camgeo.part.part import Part
+from camgeo.part.spec import Holes, Hub, Mark, PartSpec
+from camgeo.part.webs import thinnest
+from tests.part.parts import made
+from tests.strategies import attack
+
+DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, groove_depth=4.0)
+
+TEXT = Engraving("Ø8", 4.0, 0.5, 20.0)
+
+RING = Engraving("O", 30.0, 0.5, 0.1, along="straight")
+"""A letter around the cam axis."""
+
+
+def letters(text: Engraving) -> tuple[Letter, ...]:
+    return lettered((text,))[0]
+
+
+def middle(letter: Letter) -> complex:
+    """Centroid of what is cut."""
+    cut = total(each.moments(1e-9).scaled(1.0 if each.hole else -1.0) for each in letter.boundaries)
+    return cut.first / cut.area
+
+
+def names(part: Part) -> list[str]:
+    return [each.name for each in part.boundaries]
+
+
+# -- the place -------------------------------------------------------------------------------------
+
+
+@given(st.floats(2.0, 8.0), st.floats(15.0, 60.0), st.floats(-6.2, 6.2), st.sampled_from(SENSES))
+@attack
+def test_letters_on_a_circle_stand_on_their_rays(
+    height: float, radius: float, angle: float, tops: str
+) -> None:
+    """ "T" is heavier at its top, and read before the dot, which lies at its foot."""
+    (head, dot) = letters(Engraving("T.", height, 0.5, radius, angle, tops=tops))
+    sense = 1.0 if tops == "outward" else -1.0
+    for each in (head, dot):
+        assert abs(each.place) == pytest.approx(radius)
+        ray = each.place / abs(each.place)
+        up, off = sense * ray, middle(each) - each.place
+        assert (off * up.conjugate()).real == pytest.approx(
+            {"T": 0.5, ".": -0.5}[each.character] * height, abs=0.35 * height
+        )
+        assert abs((off * up.conjugate()).imag) <= 1e-3 * height
+    assert (dot.place * head.place.conjugate()).imag * sense < 0.0
+    # What is drawn lies in the middle, about: by lengths along the circle.
+    assert abs(cmath.log(head.place / cmath.rect(radius, angle)).imag) * radius < height
+
+
+@pytest.mark.parametrize(
+    ("given_keys", "reading"),
+    [
+        ({}, -1j),
+        ({"tops": "inward"}, 1j),
+        ({"turn": 0.0}, cmath.exp(-0.7j)),
+        ({"turn": 1.0}, cmath.exp(0.3j)),
+    ],
+)
+def test_straight_text(given_keys: dict[str, Any], reading: complex) -> None:
+    """Read across the ray at 0.7 rad, or in the stated direction; its ink has its middle there."""
+    text = Engraving("IoI", 5.0, 0.5, 20.0, 0.7, along="straight", **given_keys)
+    found = letters(text)
+    ray = cmath.exp(0.7j)
+    places = np.array([each.place for each in found]) / ray
+    way = places[2] - places[0]
+    assert way / abs(way) == pytest.approx(reading)
+    assert np.mean(places[[0, 2]]) == pytest.approx(20.0)
+    spaced = 5.0 * (0.5 * glyph("I").advance * 2.0 + glyph("o").advance)
+    assert abs(way) == pytest.approx(spaced)
+    # The middles of "I" are the places themselves: it is a rectangle.
+    assert middle(found[0]) == pytest.approx(found[0].place, abs=1e-9)
+
+
+def test_letters_are_nowhere_nearer_than_in_straight_text() -> None:
+    """Where they are nearest to the axis their distances are those of straight text."""
+    for tops in SENSES:
+        one, other = letters(Engraving("HH", 6.0, 0.5, 15.0, tops=tops))
+        turned = abs(cmath.log(other.place / one.place).imag)
+        assert turned * (15.0 - 3.0) == pytest.approx(6.0 * glyph("H").advance)
+
+
+def test_islands_and_holes_take_turns() -> None:
+    ring, (eight, oe, percent) = "0", letters(Engraving("8Ø%", 5.0, 0.5, 20.0))
+    assert sorted(each.hole for each in eight.boundaries) == [False, False, True]
+    assert sorted(each.hole for each in oe.boundaries) == [False, False, True]
+    assert sorted(each.hole for each in percent.boundaries) == [False, False, True, True, True]
+    made_names = [
+        each.name for each in letters(Engraving(f" {ring}", 5.0, 0.5, 20.0))[0].boundaries
+    ]
+    assert made_names == ["engraving 1 letter 2 outline 1", "engraving 1 letter 2 outline 2"]
+    assert {text_of(each) for each in made_names} == {"engraving 1"}
+    assert text_of("outline") == ""
+
+
+def test_decomposed_characters_are_composed() -> None:
+    assert Engraving("u\u0308", 5.0, 0.5, 20.0) == Engraving("ü", 5.0, 0.5, 20.0)
+
+
+# -- the part --------------------------------------------------------------------------------------
+
+
+def test_texts_are_sunk_to_their_depths() -> None:
+    texts = (TEXT, replace(TEXT, text="0", angle=math.pi, depth=0.8))
+    part = made(Contact.INNER, replace(DISC, hub=Hub(24.0, 5.0, "both"), engraving=texts))
+    walls = {wall.boundary.name: (wall.z0, wall.z1) for wall in part.walls}
+    assert walls["engraving 1 letter 1 outline 1"] == (-0.5, 0.0)
+    assert walls["engraving 2 letter 1 outline 2"] == (-0.8, 0.0)
+    assert [layer.name for layer in part.layers] == [
+        "lower hub", "disc", "engraving 2", "engraving 1", "hub",
+    ]  # fmt: skip
+    assert part.outermost.name == "outline"
+    assert len(names(part)) == 4 + 3 + 3 + 2
+
+
+def test_what_is_cut_away_is_the_letters() -> None:
+    plain = made(Contact.INNER, DISC)
+    part = made(Contact.INNER, replace(DISC, engraving=(TEXT,)))
+    area = sum(
+        (1.0 if each.hole else -1.0) * each.polyline(1e-6).contour.area
+        for each in part.boundaries
+        if text_of(each.name)
+    )
+    assert solid(plain).volume - solid(part).volume == pytest.approx(0.5 * area, rel=1e-5)
+
+
+def test_letters_are_no_walls() -> None:
+    found, plain = (
+        thinnest(made(Contact.INNER, spec)) for spec in (replace(DISC, engraving=(TEXT,)), DISC)
+    )
+    assert found == plain
+
+
+def test_a_part_without_a_thickness_is_engraved_too() -> None:
+    part = made(Contact.GROOVE, PartSpec(rim=140.0, bore=20.0, engraving=(TEXT,)))
+    assert "engraving 1 letter 2 outline 3" in names(part)
+
+
+@pytest.mark.parametrize("contact", list(Contact))
+def test_where_there_is_room(contact: Contact) -> None:
+    """Within the inner flank, from 32 mm on, or beyond the outer one, up to 63 mm."""
+    radius = 66.5 if contact is Contact.OUTER else 25.0
+    spec = replace(DISC, engraving=(replace(TEXT, radius=radius, text="plate-12"),))
+    assert len(made(contact, spec).boundaries) > 9
+
+
+# -- refusals --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        (PartSpec(engraving=(replace(TEXT, radius=31.0, angle=1.6),)), "clear of the outline"),
+        (PartSpec(engraving=(replace(TEXT, radius=90.0),)), "no material"),
+        (PartSpec(bore=30.0, engraving=(replace(TEXT, radius=8.0),)), "no material"),
+        (PartSpec(bore=30.0, engraving=(replace(TEXT, radius=15.5),)), "clear of the bore"),
+        (PartSpec(hub=Hub(40.0, 5.0), engraving=(TEXT,)), "clear of the hub"),
+        (PartSpec(hub=Hub(50.0, 5.0), engraving=(TEXT,)), "under the hub"),
+        (
+            PartSpec(bolt_circle=Holes(1, 40.0, 1.0, -0.05), engraving=(TEXT,)),
+            r'clear of the bolt hole 1, which the "8" at X 19\.85, Y -2\.45 mm touches',
+        ),
+        (
+            PartSpec(bolt_circle=Holes(1, 2.0, 1.0), engraving=(RING,)),
+            'the "O" at .* lies around the bolt hole 1',
+        ),
+        (PartSpec(mark=Mark(20.0, 2.0, 1.0), engraving=(TEXT,)), "clear of the mark"),
+        (
+            PartSpec(engraving=(replace(TEXT, angle=2.0), TEXT, replace(TEXT, angle=0.2))),
+            r'\[3\]: the "8" at .* touches the "Ø" at X 19\.91',
+        ),
+        (PartSpec(engraving=(replace(TEXT, text="façade"),)), '"ç" touch each other'),
+        (PartSpec(engraving=(replace(TEXT, text=30 * "M"),)), "do not fit around"),
+    ],
+)  # fmt: skip
+def test_no_room(spec: PartSpec, message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        made(Contact.INNER, spec)
+    assert caught.value.key.startswith(f"part.engraving[{len(spec.engraving)}]")
+
+
+@pytest.mark.parametrize(
+    ("keys", "key", "message"),
+    [
+        ({"text": "  "}, "text", "not of spaces alone"),
+        ({"text": 101 * "a"}, "text", "1 to 100 characters"),
+        ({"text": "a\nb"}, "text", r"U\+000A"),
+        ({"text": "\u0663"}, "text", "right to left"),
+        ({"text": "\u05d0"}, "text", "right to left"),
+        ({"text": "\u51f8"}, "text", r"has no .\u51f8."),
+        ({"text": 7}, "text", "must be a text"),
+        ({"height": 0.0}, "height", "above 0"),
+        ({"radius": 2.0}, "radius", "above 2"),
+        ({"along": "spiral"}, "along", "must be one of"),
+        ({"tops": "up"}, "tops", "must be one of"),
+        ({"turn": 0.0}, "turn", "straight"),
+    ],
+)
+def test_wrong_values(keys: dict[str, Any], key: str, message: str) -> None:
+    table = {"height": 4.0, "depth": 0.5, "radius": 20.0}
+    assert engravings_of([table], "cam")[0].text == "cam"
+    with pytest.raises(GeometryError, match=message) as caught:
+        engravings_of([table, {**table, **keys}], "cam")
+    assert caught.value.key == f"part.engraving[2].{key}"
+
+
+def test_depth_and_number_of_texts() -> None:
+    with pytest.raises(GeometryError, match="below 10") as caught:
+        replace(DISC, engraving=(TEXT, replace(TEXT, depth=10.0)))
+    assert caught.value.key == "part.engraving[2].depth"
+    with pytest.raises(GeometryError, match="at most 20"):
+        replace(DISC, engraving=21 * (TEXT,))
+    with pytest.raises(GeometryError, match="texts"):
+        replace(DISC, engraving=("cam",))  # type: ignore[arg-type]  # wrong on purpose
