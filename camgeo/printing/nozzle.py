@@ -13,7 +13,7 @@ from camgeo.curve.extremes import curvature_extremes
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.outline.cusps import sure_bends
 from camgeo.outline.path import Stretch
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.edges import edges_of
 from camgeo.part.part import Boundary, Part
 from camgeo.part.webs import thinnest
@@ -141,13 +141,13 @@ def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
 
 
 def sunk(part: Part) -> list[tuple[str, Polygon]]:
-    """What is sunk into a face and bounded by lines and arcs: a name and a region each, [mm]."""
+    """What is sunk into a face but for grooves: a name and a region each, [mm]."""
     import shapely  # few scenes state a nozzle
 
-    by_height: dict[tuple[float, float], list[ExactBoundary]] = {}
+    by_height: dict[tuple[float, float], list[Boundary]] = {}
     blind = {edge.boundary.name for edge in edges_of(part) if edge.kind == "sunk"}
     for wall in part.walls:
-        if wall.boundary.name in blind and isinstance(wall.boundary, ExactBoundary):
+        if wall.boundary.name in blind and not isinstance(wall.boundary, CurveBoundary):
             by_height.setdefault((wall.z0, wall.z1), []).append(wall.boundary)
     found = []
     for boundaries in by_height.values():

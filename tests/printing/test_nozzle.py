@@ -15,6 +15,7 @@ from camgeo.cam.contact import Contact
 from camgeo.check.finding import Finding
 from camgeo.contour.contour import Contour
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.engraving import Engraving
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Holes, Mark, PartSpec
 from camgeo.printing.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
@@ -135,6 +136,17 @@ def test_strokes(boundaries: tuple[ExactBoundary, ...], width: float | None) -> 
     )
     if width is not None:
         assert STROKE not in _found(_engraved(*boundaries), 0.9 * width)
+
+
+@pytest.mark.parametrize(("height", "narrow"), [(2.9, True), (3.0, False)])
+def test_strokes_of_a_text(height: float, narrow: bool) -> None:
+    """A stem of the font is 202 of its units wide, where a capital letter is 1493 high."""
+    text = Engraving("I", height, 0.5, 20.0)
+    found = _found(made(Contact.INNER, replace(DISC, engraving=(text,))), 0.4)
+    assert (STROKE in found) == narrow
+    if narrow:
+        assert found[STROKE].value == pytest.approx(202.0 / 1493.0 * height, abs=2e-3)
+        assert "a stroke of the engraving 1 letter" in found[STROKE].sentence
 
 
 def test_the_place_of_a_stroke_lies_in_it() -> None:
