@@ -42,7 +42,8 @@ def document(capsys: Capture, *words: str) -> dict[str, Any]:
 def drawings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("drawings")
     for scene in ("plate_translating", "groove"):
-        camgeo.load(SCENES / f"{scene}.toml").write(folder, formats=["dxf"], force=True)
+        design = camgeo.load(SCENES / f"{scene}.toml")
+        design.write(folder, formats=["dxf", "cut-svg"], force=True)
     return folder
 
 
@@ -68,6 +69,15 @@ def test_a_drawing(drawings: Path, capsys: Capture) -> None:
     assert 0.0 < abs(record["lift_error"]["value"]) < 2e-3
     assert 0.01 < record["ripple"]["value"] < 0.5
     assert record["shocks"]["count"] == 0
+
+
+def test_a_drawing_for_cutting_is_the_same(drawings: Path, capsys: Capture) -> None:
+    """As SVG at true size, of the same arcs."""
+    names = ("plate_translating.dxf", "plate_translating.cut.svg")
+    found = [document(capsys, PLATE, str(drawings / name)) for name in names]
+    for key in ("lift_error", "ripple"):
+        first, second = (record[key]["value"] for record in found)
+        assert second == pytest.approx(first, rel=1e-6)
 
 
 def test_text_names_the_contour_and_the_ripple(drawings: Path, capsys: Capture) -> None:

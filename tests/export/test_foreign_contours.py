@@ -17,6 +17,7 @@ from camgeo_export.contour_csv.reader import READER as CSV
 from camgeo_export.dxf.reader import READER as DXF
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.errors import FileError
+from camgeo_export.svg.contours import READER as SVG
 from tests.export.stub_product import StubProduct
 
 Drawing = Callable[[Modelspace], object]
@@ -241,3 +242,33 @@ def test_csv_has_no_layers_and_is_text() -> None:
         read_csv("0,0\n1,0\n1,1\n", layer="CUT")
     with pytest.raises(FileError, match="is not UTF-8 text"):
         CSV.read(b"\xff\xfe0", "a.csv", layer=None, unit=None, gap=GAP)
+
+
+def svg(body: str, size: str = 'width="80mm" height="40mm" viewBox="-40 -20 80 40"') -> bytes:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'.encode()
+
+
+GROUPS = (
+    '<g id="NOTES"><circle r="19"/></g><g id="BLIND_2"><circle cx="3" r="1"/></g>'
+    '<g id="CUT"><circle r="2"/>'
+    '<path d="M-10,-5 H10 A5,5 0 0 1 10,5 H-10 A5,5 0 0 1 -10,-5 Z"/></g>'
+)
+
+
+def test_groups_of_an_svg_are_layers() -> None:
+    def areas(data: bytes, layer: str | None = None) -> list[float]:
+        found = SVG.read(data, "a.svg", layer=layer, unit=None, gap=GAP)
+        return [each.area for each in found]
+
+    expected = [STADIUM, 4.0 * math.pi, math.pi]
+    assert areas(svg(GROUPS)) == pytest.approx(expected, rel=1e-12)
+    assert areas(svg(GROUPS), "NOTES") == pytest.approx([361.0 * math.pi], rel=1e-12)
+    assert len(areas(svg(GROUPS.replace("CUT", "cut")))) == 4
+    inches = svg(GROUPS, 'width="80in" height="40in" viewBox="-40 -20 80 40"')
+    assert areas(inches) == pytest.approx([25.4**2 * each for each in expected], rel=1e-12)
+    with pytest.raises(
+        FileError, match="no contour in a group 'cut'; groups: 'BLIND_2', 'CUT', 'NOTES'"
+    ):
+        areas(svg(GROUPS), "cut")
+    with pytest.raises(FileError, match="states its size; leave out the unit inch"):
+        SVG.read(svg(GROUPS), "a.svg", layer=None, unit="inch", gap=GAP)
