@@ -81,6 +81,8 @@ def test_lifts_are_those_of_the_value_table() -> None:
     design = Design(load_scene(FOLDER / "setzhub.toml"))
     found = probe(design, step=STEP)
     values = design.tabulated.table(STEP).columns
+    for each in (table(found), lift_table(found)):
+        assert np.array_equal(each.columns["phi [deg]"], values["phi [deg]"])
     assert np.array_equal(table(found).columns["psi [deg]"], values["psi [deg]"])
     assert np.array_equal(lift_table(found).columns["psi [deg]"], values["psi [deg]"])
     for axis in "xy":

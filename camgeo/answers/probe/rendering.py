@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import numpy as np
 
 from camgeo.answers.answer import finding_lines
-from camgeo.answers.probe import ProbedFlank, Probing
-from camgeo.product.value_table import Table
+from camgeo.answers.probe import STEP, ProbedFlank, Probing
+from camgeo.numeric.arrays import FloatArray
+from camgeo.product.value_table import Table, cam_angles
 from camgeo.units import MM_PER
 from camgeo.wording import at_cam_angles, counted
 
@@ -44,7 +46,7 @@ def flank_table(answer: Probing, flank: ProbedFlank) -> Table:
     unit, places = answer.scene.unit, flank.points.places
     mm = MM_PER[unit]
     columns = {
-        "phi [deg]": np.degrees(places.phi),
+        "phi [deg]": _degrees(places.phi, answer.step),
         f"x [{unit}]": places.points.real / mm,
         f"y [{unit}]": places.points.imag / mm,
         "nx": places.normals.real,
@@ -63,8 +65,16 @@ def flank_table(answer: Probing, flank: ProbedFlank) -> Table:
 def lift_table(answer: Probing) -> Table:
     """The lift curve."""
     phi, lifts = answer.lift_curve.T
-    columns = (np.degrees(phi), _scaled(answer, lifts))
+    columns = (_degrees(phi, answer.step or STEP), _scaled(answer, lifts))
     return Table(("phi [deg]", _lift(answer)), np.column_stack(columns))
+
+
+def _degrees(phi: FloatArray, step: Decimal | None) -> FloatArray:
+    """(n,) cam angles [deg]: at a step those that it states, which radians would round twice."""
+    if step is None:
+        return np.degrees(phi)
+    stated = cam_angles(step)
+    return stated[np.searchsorted(np.radians(stated), phi)]
 
 
 def _turns(answer: Probing) -> bool:
