@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -22,6 +23,7 @@ from tests.judges import (
     grbl_planner,
     lib3mf_reader,
     librecad,
+    occ,
     prusa,
     rs274,
 )
@@ -96,9 +98,14 @@ def read(judge: Callable[[Given], float], kinds: dict[str, str], extent: Extent)
     """What a judge of files says of those of scenes; `kinds` has the unit of what it compares."""
     told = []
     for kind, unit in kinds.items():
+        apart: dict[float, list[float]] = defaultdict(list)  # by how near they must be
         with tempfile.TemporaryDirectory() as name:
-            apart = [judge(given) for given in files(Path(name), kind, extent.with_a(kind))]
-        told.append(f"{len(apart)} {kind.upper()} files within {max(apart):.1e}{unit}")
+            for given in files(Path(name), kind, extent.with_a(kind)):
+                apart[given.near].append(judge(given))
+        told += [
+            f"{len(each)} {kind.upper()} files within {max(each):.1e}{unit}"
+            for each in apart.values()
+        ]
     return ", ".join(told)
 
 
@@ -119,6 +126,8 @@ def shown(extent: Extent) -> str:
 
 SIZE, VOLUME = " mm of their size", " of their volume"
 
+WALLS = " mm along their walls"
+
 JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]] = (
     (
         "LinuxCNC, rs274",
@@ -137,8 +146,14 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
         freecad.missing,
         partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME, "step": VOLUME}),
     ),
+    ("OpenCASCADE", occ.missing, partial(read, occ.judge, {"step": VOLUME})),
     ("LibreCAD", librecad.missing, partial(read, librecad.judge, {"dxf": SIZE})),
     ("PrusaSlicer", prusa.missing, partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME})),
+    (
+        "PrusaSlicer, its perimeters",
+        prusa.missing,
+        partial(read, prusa.slice_, {"stl": WALLS, "3mf": WALLS}),
+    ),
     ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
     ("Chromium", chromium.missing, shown),
 )
@@ -157,7 +172,7 @@ def main(words: list[str]) -> int:
                 verdict = f"ran: {judge(Extent(everything))}"
             except AssertionError as error:
                 verdict, code = f"FAILED: {error}", 1
-        sys.stdout.write(f"{name:28}{verdict}\n")
+        sys.stdout.write(f"{name:29}{verdict}\n")
         sys.stdout.flush()
     return code
 

@@ -16,6 +16,7 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.formats.step import WALLS
+from camgeo.part.part import Part
 from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.step.writer import WRITER as STEP
@@ -37,6 +38,7 @@ class Given:
     volume : [mm^3]; of bodies.
     near : how far, relatively, another program's volume may be from it.
     faces : of a solid; 0 for a body of triangles.
+    part : what it is of.
     """
 
     path: Path
@@ -44,9 +46,10 @@ class Given:
     volume: float = 0.0
     near: float = 1e-4
     faces: int = 0
+    part: Part | None = None
 
 
-EXACT: Final = 1e-9
+EXACT: Final = 1e-12
 """How near a program computes the volume between planes and cylinders; between splines it
 integrates more coarsely, as near as that of triangles."""
 
@@ -76,7 +79,8 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
             if kind == "dxf":
                 yield Given(path, size=_size(written.data))
             else:
-                yield Given(path, volume=float(str(written.facts["volume_mm3"])))
+                volume = float(str(written.facts["volume_mm3"]))
+                yield Given(path, volume=volume, part=product.drawn.part)
 
 
 def _steps(folder: Path, design: Design) -> Iterator[Given]:
@@ -88,7 +92,8 @@ def _steps(folder: Path, design: Design) -> Iterator[Given]:
             path.write_bytes(written.data)
             volume, faces = (written.facts[key] for key in ("volume_mm3", "faces"))
             near = Given.near if "splines" in written.facts else EXACT
-            yield Given(path, volume=float(volume), near=near, faces=int(faces))
+            part = product.drawn.part
+            yield Given(path, volume=float(volume), near=near, faces=int(faces), part=part)
 
 
 def sheets(into: Path, names: list[str]) -> Iterator[Path]:

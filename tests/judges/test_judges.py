@@ -18,7 +18,17 @@ from camgeo.toolpath.machine import load
 from camgeo.verifying.verification import Reading
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.step import VERIFIER as STEP
-from tests.judges import bad, chromium, freecad, grbl, lib3mf_reader, librecad, prusa, rs274
+from tests.judges import (
+    bad,
+    chromium,
+    freecad,
+    grbl,
+    lib3mf_reader,
+    librecad,
+    occ,
+    prusa,
+    rs274,
+)
 from tests.judges.__main__ import JUDGES, main
 from tests.judges.files import Given, files, scenes, sheets
 from tests.judges.paths import difference
@@ -131,6 +141,7 @@ def test_a_path_that_differs_is_told() -> None:
 
 READERS = {
     "freecad": (freecad, ("dxf", "stl", "step")),
+    "opencascade": (occ, ("step",)),
     "librecad": (librecad, ("dxf",)),
     "prusa": (prusa, ("stl", "3mf")),
     "lib3mf": (lib3mf_reader, ("3mf",)),
@@ -162,6 +173,28 @@ def test_a_slicer_refuses_an_open_body(tmp_path: Path) -> None:
     given.path.write_bytes(data[:80] + count.to_bytes(4, "little") + data[84:-50])
     with pytest.raises(Refusal, match="is not one closed body"):
         prusa.judge(given)
+
+
+@slicer
+def test_perimeters_run_along_the_exact_part(tmp_path: Path) -> None:
+    (given,) = files(tmp_path, "stl", [SIX[0]])
+    assert prusa.slice_(given) <= TOLERANCE + prusa.RESOLUTION
+    design = camgeo.load(scene_of(SIX[0]))
+    larger = {"follower.base_radius": design.cam.follower.base_radius + 0.2}
+    other = camgeo.Design(design.scene.with_values(larger)).disc.drawn.part
+    with pytest.raises(Refusal, match=r"of the disc is 0\.2"):
+        prusa.slice_(replace(given, part=other))
+
+
+def test_loops_of_a_sliced_body_are_read() -> None:
+    text = (
+        "G1 X9 Y9 E1\n;LAYER_CHANGE\n;Z:0.8\n;HEIGHT:0.8\nG1 X0 Y0 F100\nG1 X2 Y0 E.1\nG1 X2 Y1.5"
+        " E.1 ; perimeter\nG1 X5 Y5 F100\nG1 X6 Y5 E.1\n;LAYER_CHANGE\n;Z:1.2\n;HEIGHT:0.4\n"
+    )
+    found = prusa.perimeters(text)
+    assert list(found) == pytest.approx([0.4, 1.0])
+    first, second = found[0.4]
+    assert (first.tolist(), second.tolist()) == ([0j, 2 + 0j, 2 + 1.5j], [5 + 5j, 6 + 5j])
 
 
 @pytest.fixture(scope="module")
@@ -229,6 +262,47 @@ def test_what_freecad_says_is_judged(
             freecad.judge(given)
     else:
         freecad.judge(given)
+
+
+@pytest.mark.parametrize(
+    ("says", "fault"),
+    [
+        ('{"solids": 1, "shells": 1, "faces": 7, "valid": true, "volume": 10.0}', ""),
+        ('{"solids": 1, "shells": 1, "faces": 7, "valid": false, "volume": 10.0}', "one valid"),
+        ('{"solids": 2, "shells": 2, "faces": 7, "valid": true, "volume": 10.0}', "one valid"),
+        ('{"solids": 1, "shells": 1, "faces": 8, "valid": true, "volume": 10.0}', "has 8 faces"),
+        ('{"solids": 1, "shells": 1, "faces": 7, "valid": true, "volume": 10.1}', "its volume"),
+        ('{"error": "it is not read"}', "it is not read"),
+    ],
+)
+def test_what_opencascade_says_is_judged(
+    says: str, fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a program that says it in the place of a Python that has it."""
+    program = tmp_path / "python"
+    program.write_text(f"#!/bin/sh\necho 'camgeo: {says}'\n")
+    program.chmod(0o755)
+    monkeypatch.setenv(occ.VARIABLE, str(program))
+    assert occ.missing() == ""
+    given = Given(tmp_path / "a.step", volume=10.0, faces=7)
+    if fault:
+        with pytest.raises(Refusal, match=fault):
+            occ.judge(given)
+    else:
+        occ.judge(given)
+
+
+def test_a_python_without_opencascade_is_told(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv(occ.VARIABLE, "")
+    assert occ.missing() == "CAMGEO_OCC names no Python that has OCP"
+    monkeypatch.setenv(occ.VARIABLE, str(tmp_path / "gone"))
+    assert occ.missing().endswith("gone is not there")
+    (tmp_path / "python").write_text("#!/bin/sh\nexit 1\n")
+    (tmp_path / "python").chmod(0o755)
+    monkeypatch.setenv(occ.VARIABLE, str(tmp_path / "python"))
+    assert occ.missing().endswith("has no OCP")
 
 
 def test_a_variable_that_names_nothing_makes_a_judge_absent(
