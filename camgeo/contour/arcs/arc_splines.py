@@ -125,7 +125,9 @@ class JointedCurve:
             -arcs.length * arcs.miss,
             free,
         )
-        return found / np.stack((np.ones(len(found)), self.scale), axis=1)
+        # Joints between chords of no length are not free, and do not turn.
+        scale = np.where(self.scale > 0.0, self.scale, 1.0)
+        return found / np.stack((np.ones(len(found)), scale), axis=1)
 
     def deviations(self, off: FloatArray) -> FloatArray:
         """(n,) [mm] largest distance of the curve from each arc, from samples."""
@@ -168,8 +170,9 @@ class Arcs:
         tangents = jointed.tangents * np.exp(1j * off[:, 1])
         chords = vertices[right] - vertices[left]
         length = np.abs(chords)
-        length[length == 0.0] = np.nan
-        along = chords / length
+        none = length == 0.0
+        along = chords / np.where(none, 1.0, length)
+        length[none] = np.nan
         before = np.angle(along * np.conj(tangents[left]))
         after = np.angle(tangents[right] * np.conj(along))
         middle = 0.5 * (vertices[left] + vertices[right])

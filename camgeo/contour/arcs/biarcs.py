@@ -189,6 +189,8 @@ class _Arcs:
     def between(cls, points: ComplexArray, t0: ComplexArray, t1: ComplexArray) -> Self:
         """From the first to the last of `points` (S, PARTS + 1), with the unit tangents there."""
         start, end = points[:, 0], points[:, -1]
+        # Next to a cusp two joints may be one point; they are too near to each other to be kept.
+        end = np.where(np.abs(end - start) <= 4.0 * np.spacing(np.abs(end)), start + t0, end)
         chord = end - start
         # Equal tangent lengths d at both ends: |chord - d (t0 + t1)| = 2 d.
         both = t0 + t1

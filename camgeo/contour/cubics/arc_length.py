@@ -170,7 +170,9 @@ class ArcLength:
         b = (pace[:, 2] - pace[:, 0]) / (2.0 * NODES[2])
         c = (0.5 * (pace[:, 2] + pace[:, 0]) - a) / (NODES[2] * NODES[2])
         low = self.phi[:, :-1].ravel()[cell]
-        half = 0.5 * (self.phi[:, 1] - self.phi[:, 0])[piece]
+        first, whole = self.phi[:, 1] - self.phi[:, 0], self.phi[:, -1] - self.phi[:, 0]
+        # The cells of a piece of some ulps are no longer apart.
+        half = 0.5 * np.where(first > 0.0, first, whole / CELLS)[piece]
         wanted = (s - flat[cell]) / half
         x = np.clip(wanted / a - 1.0, -1.0, 1.0)
         for _ in range(NEWTON):

@@ -168,7 +168,7 @@ def _auxiliary(
     if product.drawn.has_pitch_curve:
         try:
             (pitch,) = _contours(drawing, reading, "PITCH_CURVE", tolerance)[0]
-            checks += contour_checks(_pitch(product), pitch, tolerance)
+            checks += contour_checks(_pitch(product, tolerance), pitch, tolerance)
         except (CamgeoError, ValueError) as error:
             checks.append(failed("deviation", str(error), "pitch curve"))
     try:
@@ -197,8 +197,12 @@ def _centre(drawing: Drawing, tolerance: float) -> Check:
     return at_most("deviation", half * off, tolerance, "mm", "centre mark")
 
 
-def _pitch(product: Product) -> Shape:
-    """The pitch curve; its area is of no interest."""
+def _pitch(product: Product, tolerance: float) -> Shape:
+    """The pitch curve; its area is of no interest.
+
+    Its corners and length are those of a fit as fine as the drawing's, if not finer: a coarser one
+    of a steep move may not be provable.
+    """
 
     def deviation(contour: AnyContour) -> float:
         if not isinstance(contour, Contour):
@@ -209,7 +213,8 @@ def _pitch(product: Product) -> Shape:
         points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
         return Contour.polygon(points)
 
-    contour = product.drawn.pitch_contour(1e-3 * product.drawn.base_radius).contour
+    fine = min(tolerance, 1e-3 * product.drawn.base_radius)
+    contour = product.drawn.pitch_contour(fine).contour
     corners = corners_of_contour(contour)
     return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
 
