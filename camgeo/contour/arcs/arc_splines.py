@@ -127,7 +127,8 @@ class JointedCurve:
         )
         # Joints between chords of no length are not free, and do not turn.
         scale = np.where(self.scale > 0.0, self.scale, 1.0)
-        return found / np.stack((np.ones(len(found)), scale), axis=1)
+        steps: FloatArray = found / np.stack((np.ones(len(found)), scale), axis=1)
+        return steps
 
     def deviations(self, off: FloatArray) -> FloatArray:
         """(n,) [mm] largest distance of the curve from each arc, from samples."""
