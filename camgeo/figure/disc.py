@@ -10,11 +10,13 @@ from camgeo.figure import cut_off
 from camgeo.figure.marks import Area, Fill, Line, Mark, Style, plane
 from camgeo.figure.style import LINE, RETURN_STYLE
 from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Part
 
 BODY = Fill("#e4e8ec", width=0.0)
 GROOVE = Fill("#c2cad3", width=0.0)
 EDGE = Style(LINE, 1.6)
+LETTER = Style(LINE, 0.4)
 
 FINE = 1e-3
 """Chords of a window, relative to its side."""
@@ -26,13 +28,21 @@ def whole(part: Part, scale: complex, sagitta: float) -> tuple[list[Mark], list[
     A complex scale turns the part.
     """
     marks: list[Mark] = []
+    edges: list[Mark] = []
     drawn: list[ComplexArray] = []
     for boundaries, fill in _areas(part):
         rings = [ring * scale for ring in _rings(boundaries, sagitta)]
         marks.append(_area(rings, fill))
         drawn += rings
-    edge = Fill(edge=EDGE.color, width=EDGE.width)
-    return [*marks, *(Area((plane(ring),), edge) for ring in drawn)], drawn
+        for boundary, ring in zip(boundaries, rings, strict=True):
+            style = _style(boundary)
+            edges.append(Area((plane(ring),), Fill(edge=style.color, width=style.width)))
+    return [*marks, *edges], drawn
+
+
+def _style(boundary: Boundary) -> Style:
+    """Of the edge along a boundary: thin along letters, whose strokes are narrow."""
+    return LETTER if text_of(boundary.name) else EDGE
 
 
 def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
@@ -53,9 +63,9 @@ def near(part: Part, middle: complex, width: float) -> list[Mark]:
         inside = [ring for ring in inside if len(ring)]
         if inside:
             marks.append(_area(inside, fill))
-        for ring in rings:
+        for boundary, ring in zip(boundaries, rings, strict=True):
             edge = cut_off.near(np.append(ring, ring[:1]), middle, width)
-            marks.append(Line(plane(edge), EDGE))
+            marks.append(Line(plane(edge), _style(boundary)))
     return marks
 
 

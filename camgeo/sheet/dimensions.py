@@ -213,12 +213,16 @@ class Height:
 
 def heights(shape: Shape, unit: LengthUnit, scale: float) -> tuple[tuple[Height, ...], ...]:
     """The heights of the walls that the section cuts, in rows without overlap, the smallest first;
-    that of the whole part is not among them. One whose text stands outside has its own row.
+    that of the whole part is not among them, nor those of letters, of which notes speak. One whose
+    text stands outside has its own row.
     """
     base, size = shape.part.layers[0].z0, shape.size
     found: dict[tuple[float, float], Height] = {}
     for wall in shape.part.walls:
-        ring = shape.edge(wall.boundary).contour.points(COARSE * size)
+        edge = shape.edge(wall.boundary)
+        if edge.is_letter:
+            continue
+        ring = edge.contour.points(COARSE * size)
         cut = crossings(1j * ring.conj(), 0.0)
         span = wall.z0 - base, wall.z1 - base
         if len(cut) and span != (0.0, shape.part.thickness):

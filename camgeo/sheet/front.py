@@ -34,7 +34,7 @@ def outlines(shape: Shape) -> list[Mark]:
         Chain(
             edge.contour.vertices,
             edge.contour.sweeps,
-            "HIDDEN" if edge.hidden else "OUTLINE",
+            "ENGRAVING" if edge.is_letter else "HIDDEN" if edge.hidden else "OUTLINE",
             closed=True,
         )
         for edge in shape.edges

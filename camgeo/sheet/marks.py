@@ -17,10 +17,10 @@ from camgeo.units import LengthUnit
 
 Layer = Literal[
     "OUTLINE", "HIDDEN", "SECTION", "EDGES", "CENTRE", "PITCH_CURVE", "BASE_CIRCLE",
-    "HATCH", "DIMENSION", "SYMBOL", "TEXT", "FRAME", "GRID", "DIAGRAM",
+    "HATCH", "DIMENSION", "SYMBOL", "TEXT", "FRAME", "GRID", "DIAGRAM", "ENGRAVING",
 ]  # fmt: skip
 """What a line means. OUTLINE and HIDDEN are the edges of the part seen from above, SECTION what is
-cut, EDGES what is visible behind it and other wide lines."""
+cut, EDGES what is visible behind it and other wide lines, ENGRAVING the outlines of letters."""
 
 Across = Literal["left", "centre", "right"]
 

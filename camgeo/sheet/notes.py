@@ -94,6 +94,13 @@ def _features(
             depth=length(wide.depth),
             hole=length(part.bolt_circle.hole),
         )
+    for text in part.engraving:
+        yield words.engraving.format(
+            height=length(text.height),
+            depth=length(text.depth),
+            radius=length(text.radius),
+            angle=degrees(text.angle),
+        )
     if part.set_screw is not None and part.hub is not None:
         screw = part.set_screw
         yield words.set_screw.format(

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Layer, Part
 
 SHARE = 0.98
@@ -44,6 +45,11 @@ class Edge:
     def is_flank(self) -> bool:
         """Whether the follower runs on it."""
         return self.boundary.name in FLANKS
+
+    @property
+    def is_letter(self) -> bool:
+        """Whether it is an outline of an engraved letter."""
+        return bool(text_of(self.boundary.name))
 
     @property
     def circle(self) -> tuple[complex, float] | None:

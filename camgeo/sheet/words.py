@@ -48,6 +48,7 @@ class Words:
     base: str
     clearance: str
     mark: str
+    engraving: str
     counterbore: str
     set_screw: str
     upper: str
@@ -101,6 +102,10 @@ ENGLISH: Final = Words(
     base="Base circle radius {radius}",
     clearance="groove wider than the roller by {clearance}",
     mark="Timing mark {size}, {depth} deep, its middle at radius {radius} and {angle}°",
+    engraving=(
+        "Engraving in DejaVu Sans, capital letters {height} high, {depth} deep, its middle at"
+        " radius {radius} and {angle}°"
+    ),
     counterbore="Counterbores %%c{diameter}, {depth} deep from the upper end of the holes"
     " %%c{hole}.",
     set_screw="Hole %%c{diameter} for a set screw, radial through the hub at {angle}°, its middle"
@@ -157,6 +162,10 @@ GERMAN: Final = Words(
     base="Grundkreisradius {radius}",
     clearance="Nut um {clearance} breiter als die Rolle",
     mark="Zeitmarke {size}, {depth} tief, Mitte auf Radius {radius} bei {angle}°",
+    engraving=(
+        "Gravur in DejaVu Sans, Großbuchstaben {height} hoch, {depth} tief, Mitte auf Radius"
+        " {radius} bei {angle}°"
+    ),
     counterbore="Flachsenkungen %%c{diameter}, {depth} tief vom oberen Ende der Bohrungen"
     " %%c{hole}.",
     set_screw="Bohrung %%c{diameter} für einen Gewindestift, radial durch die Nabe bei {angle}°,"

@@ -17,8 +17,9 @@ from ezdxf.filemanagement import read as parsed
 
 from camgeo.design import Design
 from camgeo.errors import FileError
+from camgeo.part.engraving import text_of
 from camgeo.product.product import disc_of
-from camgeo.scene.load import load_scene
+from camgeo.scene.load import load_scene, parse_scene
 from camgeo.sheet.marks import Distance
 from camgeo.sheet.placing import number_of
 from camgeo.sheet.sheet import measured
@@ -27,7 +28,7 @@ from camgeo.verifying.verification import Reading
 from camgeo_export.drawing.document import LAYERS
 from camgeo_export.drawing.writer import PDF, SVG, WRITER
 from camgeo_export.verify.dxf import VERIFIER
-from tests.sheet.sheets import FIXTURES, FULL, TOLERANCE, edited, products, sheets
+from tests.sheet.sheets import FIXTURES, FULL, HUBBED, TOLERANCE, edited, products, sheets
 
 SCENES = [("setzhub", "A4", "de"), ("groove", "A4", "en"), ("inch", "A3", "en")]
 
@@ -119,6 +120,33 @@ def test_all_is_on_the_paper(kind: tuple[str, str, str]) -> None:
                 assert frame.inside(end), entity
     outlines = drawing.modelspace().query('LWPOLYLINE[layer=="OUTLINE"]')
     assert len(outlines) == len(products(*kind)[0].drawn.part.boundaries)
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [
+        ("en", "capital letters 4 high, 0.3 deep, its middle at radius 20 and 270°"),
+        ("de", "Großbuchstaben 4 hoch, 0,3 tief, Mitte auf Radius 20 bei 270°"),
+    ],
+)
+def test_letters_are_drawn_thin_and_noted(language: str, words: str) -> None:
+    """They have no dimensions; other sheets do not even have the layer."""
+    text = "[[part.engraving]]\nheight = 4\ndepth = 0.3\nradius = 20\nangle = 270\n"
+    keys = edited({"language": language})
+    plain, engraved = (
+        Design(parse_scene(f"{HUBBED}{more}").with_values(keys)).disc for more in ("", text)
+    )
+    data = WRITER.write(engraved, TOLERANCE).data
+    assert WRITER.measure(engraved, data) <= TOLERANCE
+    drawing = parsed(io.StringIO(data.decode("utf-8")))
+    letters = [each for each in engraved.drawn.part.boundaries if text_of(each.name)]
+    assert len(drawing.modelspace().query('LWPOLYLINE[layer=="ENGRAVING"]')) == len(letters) > 7
+    assert drawing.layers.get("ENGRAVING").dxf.lineweight < LAYERS["HIDDEN"][2]
+    notes = " ".join(each.dxf.text for each in drawing.modelspace().query("TEXT"))
+    assert words in notes
+    before = parsed(io.StringIO(WRITER.write(plain, TOLERANCE).data.decode("utf-8")))
+    assert "ENGRAVING" not in before.layers
+    assert len(dimensions(drawing)) == len(dimensions(before))
 
 
 def test_a_changed_dimension_or_edge_is_found() -> None:

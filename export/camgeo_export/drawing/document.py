@@ -63,8 +63,12 @@ LAYERS: Final[dict[Layer, tuple[int, str, int]]] = {
     "FRAME": (7, "CONTINUOUS", 70),
     "GRID": (7, "CONTINUOUS", 25),
     "DIAGRAM": (7, "CONTINUOUS", 35),
+    "ENGRAVING": (7, "CONTINUOUS", 18),
 }
 """Colour, line type and width [1/100 mm] of each layer."""
+
+RARE: Final[frozenset[Layer]] = frozenset(("ENGRAVING",))
+"""Layers that only sheets have which need them."""
 
 HATCHING: Final = 2.5
 """Distance between the lines of a cut face [mm of paper]."""
@@ -115,7 +119,11 @@ class _Drawing:
         """Line types, layers, text and dimension style, and the scale of patterns."""
         self._document.linetypes.add(DASHED, list(HIDDEN), description="hidden edges")
         self._document.header["$LTSCALE"] = self._paper
+        marks = (mark for view in self._sheet.views for mark in view.marks)
+        used = {getattr(mark, "layer", "") for mark in marks}
         for layer, (colour, kind, width) in LAYERS.items():
+            if layer in RARE - used:
+                continue
             self._document.layers.add(layer, color=colour, linetype=kind, lineweight=width)
         self._document.styles.add(STYLE, font=FONT, dxfattribs={"width": NARROWED})
         style = self._document.dimstyles.new(STYLE)

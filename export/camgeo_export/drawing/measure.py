@@ -13,7 +13,7 @@ from camgeo_export.dxf.reader import drawing_of
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 
-EDGES: Final = ("OUTLINE", "HIDDEN")
+EDGES: Final = ("OUTLINE", "HIDDEN", "ENGRAVING")
 """Layers of the front view's edges, in the axes of the part."""
 
 DIAMETER: Final = 3
