@@ -42,7 +42,7 @@ def scenes() -> list[Path]:
     """All fixture scenes that can be built."""
     return sorted(
         path
-        for name in ("scenes", "effects", "milling")
+        for name in ("scenes", "effects", "milling", "pairs")
         for path in (ROOT / "fixtures" / name).glob("*.toml")
     )
 

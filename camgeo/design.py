@@ -149,6 +149,8 @@ class Design(Pickled):
             others = tuple(pieces)
             columns = self._columns if cam is self.cam else tuple
             piece = Product(self.scene, cam, self.judgement, others, columns, cam.ledger)
+            if others and self.scene.part is not None and self.scene.part.pair is not None:
+                piece = replace(piece, pair=replace(piece, is_pair=True))
             pieces.insert(0, piece)
         return tuple(pieces)
 

@@ -6,13 +6,16 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown
 from camgeo.outline.moments import Moments, SecondMoments
+
+OF_RETURN: Final = "return "
+"""What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
 
 
 class Boundary(Protocol):
@@ -139,8 +142,8 @@ class Level:
 
     Attributes
     ----------
-    name : "lower face", "upper face", the same "of the disc" below a hub, or the name of the floor
-        between two layers.
+    name : "lower face", "upper face", the same "of the disc" below a hub, of either disc of a pair,
+        or the name of the floor between two layers.
     z : height [mm].
     below : boundaries that end here; the faces within their material point up.
     above : boundaries that begin here; the faces within their material point down.
@@ -205,6 +208,14 @@ class Part:
         """The layers of the disc, without hubs."""
         around = self.outermost
         return tuple(layer for layer in self.layers if around in layer.boundaries)
+
+    @property
+    def _discs(self) -> dict[str, str]:
+        """What the discs are called, by the names of the boundaries around them."""
+        around = self.outermost.name.removeprefix(OF_RETURN)
+        names = {around: "disc", f"{OF_RETURN}{around}": f"{OF_RETURN}disc"}
+        return {name: called for name, called in names.items()
+                if any(each.name == name for each in self.boundaries)}  # fmt: skip
 
     @property
     def thickness(self) -> float:
@@ -281,16 +292,16 @@ class Part:
         There is none between layers of the same boundaries.
         """
         self.require_heights()
-        first, last, disc = self.layers[0], self.layers[-1], self.outermost
+        first, last, discs = self.layers[0], self.layers[-1], self._discs
         found = [Level("lower face", first.z0, (), first.boundaries)]
         for lower, upper in pairwise(self.layers):
             ends = tuple(each for each in lower.boundaries if each not in upper.boundaries)
             begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
             name = f"floor of the {upper.name}"
-            if disc in ends:
-                name = "upper face of the disc"
-            elif disc in begins:
-                name = "lower face of the disc"
+            for disc, called in discs.items():
+                if disc in (each.name for each in (*ends, *begins)):
+                    side = "upper" if disc in (each.name for each in ends) else "lower"
+                    name = f"{side} face of the {called}"
             if ends or begins:
                 found.append(Level(name, upper.z0, ends, begins))
         return (*found, Level("upper face", last.z1, last.boundaries, ()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Any, Final, Self
 
@@ -14,6 +14,7 @@ from camgeo.numeric.checked import check_fields, instance, instances, number, on
 from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
 from camgeo.part.keyways import din_6885_1
 from camgeo.part.materials import density_of
+from camgeo.part.pair_spec import Pair
 from camgeo.units import TURN
 
 UPPER: Final = "upper"
@@ -247,6 +248,8 @@ class PartSpec:
     d_shaft : flat side of the bore, in place of a keyway.
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
     set_screw : in the hub, between its face and that of the disc.
+    pair : how both discs of a conjugate pair stand on one hub, in one piece; hub and set screw are
+        then the pair's.
     density : of the whole part [t/mm^3]; its shape does not depend on it.
     engraving : texts in the upper face of the disc, less deep than the disc is thick.
 
@@ -254,8 +257,9 @@ class PartSpec:
     ------
     GeometryError
         With the key, if a value is invalid, groove, mark or text are as deep as the disc, a keyway
-        or flat has no bore, the flat does not cut the bore, the hub is no larger than the bore, or
-        the set screw has no bore or does not fit into the hub.
+        or flat has no bore, the flat does not cut the bore, the hub is no larger than the bore, the
+        set screw has no bore or does not fit into the hub, or a pair has no thickness or a spacer
+        no larger than the bore.
     """
 
     thickness: Length | None = None
@@ -269,6 +273,7 @@ class PartSpec:
     bolt_circle: Holes | None = None
     lightening_holes: Holes | None = None
     set_screw: SetScrew | None = None
+    pair: Pair | None = None
     density: AnySize | None = None
     engraving: tuple[Engraving, ...] = ()
 
@@ -289,6 +294,11 @@ class PartSpec:
             number(f"{key}.diameter", self.set_screw.diameter, below=most, unit="mm")
             below = self.hub.height - half
             number(f"{key}.height", self.set_screw.height, above=half, below=below, unit="mm")
+        if self.pair is not None:
+            if self.thickness is None:
+                raise GeometryError("needs the thickness of the discs", key="part.pair")
+            if self.bore is not None:
+                number("part.pair.spacer", self.pair.spacer, above=self.bore, unit="mm")
         for name in ("keyway", "d_shaft"):
             if getattr(self, name) is not None and self.bore is None:
                 raise GeometryError("belongs to a bore, and there is none", key=f"part.{name}")
@@ -309,6 +319,20 @@ class PartSpec:
             if self.thickness is not None:
                 number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
+    def alone(self, disc: str) -> PartSpec:
+        """The main or the return disc (of `camgeo.part.pair_spec.DISCS`) of a pair in one piece,
+        without the hub; of other parts all of it. Only the upper disc has texts, which a gap would
+        hide, and counterbores, as bolts go in from above.
+        """
+        if self.pair is None:
+            return self
+        own = replace(self, pair=None, hub=None, set_screw=None)
+        if disc == self.pair.upper:
+            return own
+        bolts = self.bolt_circle
+        bolts = None if bolts is None else replace(bolts, counterbore=None)
+        return replace(own, bolt_circle=bolts, engraving=())
+
 
 def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
     """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError.
@@ -327,6 +351,7 @@ def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
         "set_screw": SetScrew,
         "bolt_circle": Holes,
         "lightening_holes": Holes,
+        "pair": Pair,
     }
     for name, made in features.items():
         if name not in given:

@@ -33,6 +33,8 @@ class DrawnDisc(Pickled):
     judgement : whether such a disc exists.
     ledger : records what was computed.
     printing : what the scene states on printing; None for nothing.
+    returning : for a conjugate pair in one piece, whose main disc has `cam`, that of the return
+        disc; else None.
     """
 
     cam: Cam
@@ -41,6 +43,7 @@ class DrawnDisc(Pickled):
     judgement: Judgement
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
     printing: PrintSpec | None = None
+    returning: Cam | None = None
 
     @property
     def base_radius(self) -> float:
@@ -66,6 +69,12 @@ class DrawnDisc(Pickled):
 
         self.judgement.require_outline(self.cam)
         paths = self.cam.disc.flank_paths
+        if self.returning is not None:
+            from camgeo.part.pair import build_pair  # few scenes have one
+
+            self.judgement.require_outline(self.returning)
+            both = (paths[0], self.returning.disc.flank_paths[0])
+            return build_pair(both, spec, TOPOLOGY_TOLERANCE, self.ledger)
         return build_part(self.cam.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
 
     @built

@@ -11,6 +11,8 @@ from camgeo.check.finding import Finding, Severity, held
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
 from camgeo.part.webs import SHARE, surely_thick, thinnest
+from camgeo.product.product import bodies_of
+from camgeo.product.relation import relation_of
 from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
@@ -127,8 +129,9 @@ def _stated(scene: Scene) -> bool:
 def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ...]:
     limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
-    walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.scene.part))
-    return (diameter, *_mass(body, limits.mass), *walls, *_printed(disc))
+    walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
+    mass = (*_mass(body, limits.mass), *_mass_of_both(disc, body))
+    return (*relation_of(disc), diameter, *mass, *walls)
 
 
 def poor_in(disc: Product) -> tuple[Finding, ...]:
@@ -141,7 +144,7 @@ def poor_in(disc: Product) -> tuple[Finding, ...]:
         part = disc.drawn.part
     except (GeometryError, ToleranceError):
         return ()
-    limits, found = disc.scene.limits, [*_set_screw(disc.scene.part)]
+    limits, found = disc.scene.limits, [*relation_of(disc), *_set_screw(disc.drawn.spec)]
     if limits.diameter is not None:
         found.append(_diameter(part, limits.diameter))
     if limits.mass is not None:
@@ -174,6 +177,27 @@ def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
     if body is not None and body.mass is not None:
         most = None if limit is None else KG * limit
         yield held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
+
+
+def _mass_of_both(disc: Product, body: Body | None) -> Iterator[Finding]:
+    """Of a main disc and a return disc that is another piece, where the density is stated."""
+    if not disc.others or disc.is_pair or disc.pair is not None or body is None:
+        return
+    try:
+        bodies = [body, *(_body(other, other.drawn.part) for other in disc.others)]
+    except (GeometryError, ToleranceError):  # which the other disc reports
+        return
+    masses = [each.mass for each in bodies if each is not None]
+    turning = [each.axial_inertia for each in bodies if each is not None]
+    if None in masses or None in turning:
+        return
+    mass = math.fsum(each for each in masses if each is not None)
+    inertia = math.fsum(each for each in turning if each is not None)
+    sentence = (
+        f"mass of both discs {mass:.6g} kg, moment of inertia about the cam axis {inertia:.6g} kg"
+        " mm^2"
+    )
+    yield Finding("mass-of-both-discs", "ok", sentence, mass, unit="kg")
 
 
 def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
@@ -213,8 +237,8 @@ def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
 def _printed(disc: Product) -> Iterator[Finding]:
     """Whether the part can be compensated as the scene asks, and what the nozzle cannot make."""
     spec = disc.scene.printing
-    if spec is None:
-        return
+    if spec is None or not any(each is disc for each in bodies_of(disc)):
+        return  # of a pair in one piece only that is printed
     from camgeo.product.printed import COMPENSATED
 
     printed = disc.drawn.printed

@@ -11,6 +11,7 @@ from camgeo._version import __version__
 from camgeo.check.judge import RETURN, Judgement
 from camgeo.formats.format import Options, Values
 from camgeo.lazy import Ledger, built
+from camgeo.part.pair_spec import DISCS
 from camgeo.pickled import Pickled
 from camgeo.units import LengthUnit
 
@@ -31,6 +32,9 @@ SECOND: Final = "second-side"
 
 ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGNORECASE)
 """End of the name of one of several programs."""
+
+PAIR: Final = "pair"
+"""End of the name of a conjugate pair in one piece."""
 
 OF_SHEET: Final = "-drawing"
 """End of the name of a sheet."""
@@ -53,6 +57,8 @@ class Product(Pickled):
     program : number from 0 of one of the milling programs of a machine that cannot change tools,
         for whose file this is; None for all of them.
     second_side : whether this is the second side of the disc, for its programs.
+    pair : for the main disc of a conjugate pair in one piece, that piece; else None.
+    is_pair : whether this is such a piece, with the cam of the main disc.
     """
 
     scene: Scene
@@ -63,12 +69,16 @@ class Product(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
     program: int | None = None
     second_side: bool = False
+    pair: Product | None = None
+    is_pair: bool = False
 
     @property
     def name(self) -> str:
-        """Name of the disc, the stem of its files; of the programs of a second side with that, of
-        one of several programs with its number, counted from 1, and its tool.
+        """Name of the disc or pair, the stem of its files; of the programs of a second side with
+        that, of one of several programs with its number, counted from 1, and its tool.
         """
+        if self.is_pair:
+            return f"{self.scene.name}-{PAIR}"
         name = f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
         name = f"{name}-{SECOND}" if self.second_side else name
         if self.program is None:
@@ -125,9 +135,14 @@ class Product(Pickled):
         """The disc as drawings and solids show it."""
         from camgeo.product.drawn import DrawnDisc
 
-        scene = self.scene
+        scene, spec, returning = self.scene, self.scene.part, None
+        if self.is_pair:
+            (other,) = self.others
+            returning = other.cam
+        elif spec is not None:
+            spec = spec.alone(DISCS[self.position])
         return DrawnDisc(
-            self.cam, scene.part, scene.output.fit, self.judgement, self.ledger, scene.printing
+            self.cam, spec, scene.output.fit, self.judgement, self.ledger, scene.printing, returning
         )
 
     @built
@@ -187,11 +202,26 @@ def programs_of(side: Product) -> tuple[Product, ...]:
     return made
 
 
+def bodies_of(disc: Product) -> tuple[Product, ...]:
+    """What a solid is made of for a disc: itself, or of a pair in one piece the pair, once."""
+    if disc.is_pair or disc.scene.part is None or disc.scene.part.pair is None:
+        return (disc,)
+    return () if disc.pair is None else (disc.pair,)
+
+
+def with_pair(discs: Sequence[Product]) -> tuple[Product, ...]:
+    """The discs, and the pair if they are one piece."""
+    pair = discs[0].pair
+    return (*discs, pair) if pair is not None else tuple(discs)
+
+
 def title_of(disc: Product) -> str:
     """What people call the disc, in any characters: the title of the drawing, or its name."""
     title = disc.scene.drawing.title
     if not title:
         return disc.name
+    if disc.is_pair:
+        return f"{title} ({PAIR})"
     return f"{title} ({RETURN})" if disc.position else title
 
 
@@ -200,7 +230,7 @@ def disc_of(discs: Sequence[Product], stem: str) -> Product:
 
     A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
     """
-    main, *others = discs
+    main, *others = with_pair(discs)
     stem = stem.removesuffix(OF_SHEET)
     stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]

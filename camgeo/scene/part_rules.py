@@ -57,6 +57,7 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     if bore is not None and hub is not None and not hub > bore:
         yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
     yield from _set_screw_fits(values)
+    yield from _pair_is_possible(values, bore)
     place = ("part", "bolt_circle", "counterbore")
     wide, hole = values.get(*place, "diameter"), values.get("part", "bolt_circle", "hole")
     if wide is not None and hole is not None and not wide > hole:
@@ -98,6 +99,20 @@ def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[
             din_6885_1(bore * values.mm)
         except GeometryError as error:
             yield (*place, "standard"), f"{error.message}; width and depth state another"
+
+
+def _pair_is_possible(values: ValidValues, bore: float | None) -> Iterator[Broken]:
+    """Two discs of known thickness, and a spacer around the bore."""
+    place = ("part", "pair")
+    if not values.has(*place):
+        return
+    if values.lacks("follower", "return"):
+        yield place, "belongs to a conjugate pair: it needs [follower.return]"
+    if values.lacks("part", "thickness"):
+        yield place, "needs [part] thickness"
+    spacer = values.get(*place, "spacer")
+    if bore is not None and spacer is not None and not spacer > bore:
+        yield (*place, "spacer"), f"must be more than the bore, {bore:g}"
 
 
 def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable, Iterator
 
 from camgeo.formats.drawing import DrawingSpec
+from camgeo.part.pair_spec import MAIN
 from camgeo.part.spec import LOWER, PartSpec
 from camgeo.product.product import Product
+from camgeo.product.relation import ANGLE
 from camgeo.sheet.lettering import wrapped
 from camgeo.sheet.marks import Label, Mark
 from camgeo.sheet.words import WORDS, Words
@@ -43,6 +45,7 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
         base += f"; {words.clearance.format(clearance=length(cam.clearance))}"
     found[1:] = [f"{found[1]}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"]
     found += _features(product.scene.part, words, length, spec)
+    found += _pair(product.scene.part, words, length)
     sense = words.sense.format(sense=words.ccw if cam.rotation > 0 else words.cw)
     found.append(f"{words.zero} {sense}")
     shown = f"{tolerance / MM_PER[product.unit]:.9f}".rstrip("0")
@@ -109,6 +112,19 @@ def _features(
             angle=degrees(screw.angle),
             face=words.lower if part.hub.side == LOWER else words.upper,
         )
+
+
+def _pair(part: PartSpec | None, words: Words, length: Length) -> Iterator[str]:
+    """How the disc stands to the other one of a pair in one piece."""
+    if part is None or part.pair is None:
+        return
+    pair = part.pair
+    yield words.pair.format(
+        angle=f"{ANGLE:g}",
+        gap=length(pair.gap),
+        spacer=length(pair.spacer),
+        upper=words.main_disc if pair.upper == MAIN else words.other_disc,
+    )
 
 
 def lines_of(notes: list[str], width: float) -> list[tuple[str, bool]]:

@@ -51,6 +51,9 @@ class Words:
     engraving: str
     counterbore: str
     set_screw: str
+    pair: str
+    main_disc: str
+    other_disc: str
     upper: str
     lower: str
     zero: str
@@ -110,6 +113,10 @@ ENGLISH: Final = Words(
     " %%c{hole}.",
     set_screw="Hole %%c{diameter} for a set screw, radial through the hub at {angle}°, its middle"
     " {height} from the {face} face of the disc (not drawn)",
+    pair="One piece with the other disc of the pair: the zero of the return disc at {angle}° to"
+    " that of the main disc, gap {gap}, spacer %%c{spacer}, {upper} above.",
+    main_disc="main disc",
+    other_disc="return disc",
     upper="upper",
     lower="lower",
     zero="The zero mark is cam angle 0; polar angles count from it, counter-clockwise in the view.",
@@ -170,6 +177,10 @@ GERMAN: Final = Words(
     " %%c{hole}.",
     set_screw="Bohrung %%c{diameter} für einen Gewindestift, radial durch die Nabe bei {angle}°,"
     " Mitte {height} von der {face} Fläche der Scheibe (nicht gezeichnet)",
+    pair="Ein Teil mit der anderen Scheibe des Paares: Null der Gegenscheibe unter {angle}° zur"
+    " Null der Hauptscheibe, Abstand {gap}, Zwischenbund %%c{spacer}, {upper} oben.",
+    main_disc="Hauptscheibe",
+    other_disc="Gegenscheibe",
     upper="oberen",
     lower="unteren",
     zero="Die Nullmarke ist Kurvenwinkel 0; Polarwinkel zählen von ihr aus gegen den Uhrzeigersinn"

@@ -15,7 +15,7 @@ from camgeo.check.finding import Finding, forbidding
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.judged_part import findings_on
-from camgeo.product.product import Product
+from camgeo.product.product import Product, with_pair
 from camgeo.reading import VERIFIED, read_within
 from camgeo.writing.transaction import Progress, silent, write_set
 from camgeo.writing.writer import (
@@ -216,7 +216,11 @@ def _certificate(
         ],
         "findings": [
             *map(_stated, product.findings),
-            *({**_stated(each), "part": disc.name} for disc in discs for each in findings_on(disc)),
+            *(
+                {**_stated(each), "part": disc.name}
+                for disc in with_pair(discs)
+                for each in findings_on(disc)
+            ),
             *map(_stated, chain.from_iterable(report.findings for report in reports)),
         ],
     }

@@ -26,7 +26,7 @@ from tests.fuzz.drawn import WHOLE, edit, table
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
-FOLDERS: Final = ("scenes", "effects", "milling", "refused", "found")
+FOLDERS: Final = ("scenes", "effects", "milling", "pairs", "refused", "found")
 
 
 @cache
@@ -184,7 +184,22 @@ def made_up(rng: Random) -> dict[str, Any]:
         values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3), **features(rng, radius)}
         if rng.random() < 0.2:
             values["print"] = printing(rng)
+    if kind.endswith("roller") and rng.random() < 0.2:
+        paired(rng, values, radius)
     return values
+
+
+def paired(rng: Random, values: dict[str, Any], radius: float) -> None:
+    """Make a conjugate pair of a roller's cam, at times in one piece."""
+    rocks = values["follower"]["kind"].startswith("oscillating")
+    key, place = ("arm_angle", 90.0) if rocks else ("spacing", 2.3 * radius)
+    values["follower"]["return"] = {key: float(f"{place * rng.uniform(0.8, 1.2):.4g}")}
+    if "part" in values and rng.random() < 0.7:
+        spacer = float(f"{radius * rng.uniform(0.45, 1.5):.4g}")
+        pair: dict[str, Any] = {"gap": rng.choice((0.5, 8)), "spacer": spacer}
+        if rng.random() < 0.3:
+            pair |= {"upper": rng.choice(("main", "return")), "roller_width": rng.choice((9, 40))}
+        values["part"]["pair"] = pair
 
 
 def features(rng: Random, radius: float) -> dict[str, Any]:

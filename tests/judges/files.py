@@ -17,12 +17,13 @@ from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.formats.step import WALLS
 from camgeo.part.part import Part
-from camgeo.writing.writer import Writer
+from camgeo.product.product import Product
+from camgeo.writing.writer import Writer, pieces_of
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from tests.judges.programs import FIXTURES, TOLERANCE, scene_of
+from tests.judges.programs import FIXTURES, PAIRS, TOLERANCE, scene_of
 
 WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF, "step": STEP}
 
@@ -57,7 +58,7 @@ integrates more coarsely, as near as that of triangles."""
 def scenes(kind: str) -> list[str]:
     """Names of the fixture scenes that have a file of a kind: "dxf", "stl", "3mf" or "step"."""
     found = []
-    for path in sorted(FIXTURES.glob("*.toml")):
+    for path in sorted([*FIXTURES.glob("*.toml"), *PAIRS.glob("*.toml")]):
         scene = camgeo.load(path).scene
         solid = scene.part is not None and scene.part.thickness is not None
         if scene.follower is not None and (kind == "dxf" or solid):
@@ -68,11 +69,11 @@ def scenes(kind: str) -> list[str]:
 def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
     """The files of a kind of all discs of scenes."""
     for name in names:
-        design = camgeo.load(FIXTURES / f"{name}.toml")
+        design = camgeo.load(scene_of(name))
         if kind == "step":
             yield from _steps(folder, design)
             continue
-        for number, product in enumerate(design.discs):
+        for number, product in enumerate(_pieces(design, WRITERS[kind])):
             written = WRITERS[kind].write(product, TOLERANCE)
             path = folder / f"{name}_{number}.{kind}"
             path.write_bytes(written.data)
@@ -86,7 +87,7 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
 def _steps(folder: Path, design: Design) -> Iterator[Given]:
     """The solids of all discs of a design, with either kind of walls."""
     for walls in WALLS:
-        for number, product in enumerate(design.with_output({"step.walls": walls}).discs):
+        for number, product in enumerate(_pieces(design.with_output({"step.walls": walls}), STEP)):
             written = STEP.write(product, TOLERANCE)
             path = folder / f"{product.name}_{walls}_{number}.step"
             path.write_bytes(written.data)
@@ -94,6 +95,11 @@ def _steps(folder: Path, design: Design) -> Iterator[Given]:
             near = Given.near if "splines" in written.facts else EXACT
             part = product.drawn.part
             yield Given(path, volume=float(volume), near=near, faces=int(faces), part=part)
+
+
+def _pieces(design: Design, writer: Writer) -> list[Product]:
+    """What files of a kind are made of: the discs, or bodies of both in one piece."""
+    return [piece for disc in design.discs for piece in pieces_of(writer, disc)]
 
 
 def sheets(into: Path, names: list[str]) -> Iterator[Path]:

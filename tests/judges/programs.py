@@ -21,6 +21,9 @@ FIXTURES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 JOBS: Final = FIXTURES.with_name("milling")
 """Scenes that state blank, holding and operations."""
 
+PAIRS: Final = FIXTURES.with_name("pairs")
+"""Scenes of conjugate pairs in one piece."""
+
 SIX: Final = ("setzhub", "groove", "inch", "conjugate_lever", "straight_moves", "trimmed_ring")
 """Scenes of the small form: mm and inch, several tools' worth of operations, lines, corners."""
 
@@ -45,7 +48,9 @@ def milled_scenes() -> list[str]:
 
 def scene_of(name: str) -> Path:
     """The file of a fixture scene."""
-    return next(path for each in (FIXTURES, JOBS) if (path := each / f"{name}.toml").exists())
+    return next(
+        path for each in (FIXTURES, JOBS, PAIRS) if (path := each / f"{name}.toml").exists()
+    )
 
 
 def products(folder: Path, scene: str, machine: str) -> list[Product]:

@@ -66,8 +66,8 @@ def test_a_product_is_small() -> None:
 @pytest.mark.parametrize("name", READERS)
 def test_a_writer_is_computed_its_own_view_and_no_other(name: str) -> None:
     code = (
-        "import camgeo, json, sys; from camgeo.writing.write import make_files;"
-        f"make_files(camgeo.load(sys.argv[1]).discs, ({name!r},), 0.01);"
+        "import camgeo, json, sys; from camgeo.writing.writer import find_writer;"
+        f"find_writer({name!r}).write(camgeo.load(sys.argv[1]).disc, 0.01);"
         "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.product.')]))"
     )
     done = subprocess.run(

@@ -45,6 +45,18 @@ FAULTS: list[tuple[str, list[tuple[str, str]], str]] = [
         "output.tolerance = 1e-7: must be at least 1e-10 of the largest length, 13500 mm",
     ),
     (
+        LEVER,
+        [("bore = 24", "bore = 24\npair = { gap = 5, spacer = 24 }")],
+        r"part.pair.spacer = 24: must be more than the bore, 24",
+    ),
+    (LEVER, [("thickness = 12", "pair = { gap = 5, spacer = 40 }")], r"pair: needs \[part\] thick"),
+    (LEVER, [("bore = 24", "pair = { gap = 5 }\nbore = 24")], "part.pair.spacer: is missing"),
+    (
+        SETZHUB,
+        [("[part]", "[part]\npair = { gap = 5, spacer = 40 }")],
+        r"part.pair.*: belongs to a conjugate pair: it needs \[follower.return\]",
+    ),
+    (
         SETZHUB,
         [("[limits]", "[limits]\nclosing_error = 0.1")],
         r"limits.closing_error = 0.1: belongs to a pair or a yoke",

@@ -52,8 +52,9 @@ def told(design: Design) -> tuple[Finding, ...]:
     if not design.judgement.has_outline:
         return bad
     from camgeo.product.judged_part import poor_in  # a cam without outline has no part
+    from camgeo.product.product import with_pair
 
-    return (*bad, *chain.from_iterable(map(poor_in, design.discs)))
+    return (*bad, *chain.from_iterable(map(poor_in, with_pair(design.discs))))
 
 
 def build(

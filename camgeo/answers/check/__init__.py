@@ -121,7 +121,8 @@ class Check(Answer):
     curves : the discs by their names, the main one first. None without a follower.
     cures : what would cure undercut, the cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
-    parts : the part of each disc by names, the main one first; empty if there is no disc.
+    parts : the part of each disc by names, the main one first, and of a pair in one piece; empty
+        if there is no disc.
     machining : the milling programs; None if the scene states no milling, or if there is no disc.
     """
 
@@ -185,8 +186,9 @@ def check(design: Design) -> Check:
 
 def _parts(design: Design) -> dict[str, PartFound]:
     from camgeo.product.judged_part import part_of  # a motion alone has none
+    from camgeo.product.product import with_pair
 
-    return {disc.name: part_of(disc) for disc in design.discs}
+    return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
 
 
 def _machining(design: Design) -> Machining:

@@ -11,7 +11,7 @@ import math
 from camgeo.contour.spline import Arc
 from camgeo.formats.step import FORMAT
 from camgeo.part.part import Part
-from camgeo.product.product import Product, title_of
+from camgeo.product.product import Product, bodies_of, title_of
 from camgeo.reading import INSTANCES
 from camgeo.units import MM_PER
 from camgeo.wording import counted
@@ -55,6 +55,10 @@ class StepWriter:
         file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
         text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])
         return Written(text.encode("ascii"), _facts(part, rings, len(shell.faces)))
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """The disc, or the pair that it is one piece with."""
+        return bodies_of(product)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the solid back, without what wrote it, and measure it against the exact curves

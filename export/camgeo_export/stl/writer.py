@@ -6,7 +6,7 @@ import numpy as np
 
 from camgeo.formats.plain import STL
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.product import Product
+from camgeo.product.product import Product, bodies_of
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -40,6 +40,10 @@ class StlWriter:
         }
         file = f"{product.name}{self.format.suffix}"
         return Written(data, facts, product.drawn.printed.findings(file))
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """The disc, or the pair that it is one piece with."""
+        return bodies_of(product)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].

@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.formats.plain import THREEMF
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.product.printed import SWITCH_OFF
-from camgeo.product.product import Product, title_of
+from camgeo.product.product import Product, bodies_of, title_of
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -61,6 +61,10 @@ class ThreeMfWriter:
         }
         file = f"{product.name}{self.format.suffix}"
         return Written(stream.getvalue(), facts, product.drawn.printed.findings(file))
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """The disc, or the pair that it is one piece with."""
+        return bodies_of(product)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].

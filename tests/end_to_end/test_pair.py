@@ -1,0 +1,79 @@
+"""A conjugate pair in one piece, built, certified and verified by the commands."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.cli.main import main
+from camgeo.product.product import disc_of, with_pair
+from camgeo.sheet.notes import notes_of
+
+PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
+
+FORMATS = "dxf,stl,3mf,step"
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scene, and its files beside it."""
+    folder = tmp_path_factory.mktemp("pair")
+    scene = Path(shutil.copy(PAIR, folder))
+    told = ["build", str(scene), "-o", str(folder), "--only", FORMATS, "--tolerance", "0.01"]
+    assert main(told) == 0
+    return scene
+
+
+def test_solids_are_of_the_pair_and_drawings_of_its_discs(built: Path) -> None:
+    certificate = json.loads(built.with_name("certificate.json").read_text())
+    names = {each["file"] for each in certificate["files"]}
+    discs = {"conjugate_pair.dxf", "conjugate_pair-return.dxf"}
+    assert names == discs | {f"conjugate_pair-pair.{end}" for end in ("stl", "3mf", "step")}
+    (angle,) = (each for each in certificate["findings"] if each["name"] == "disc-angle")
+    assert (angle["value"], angle["unit"], angle["part"]) == (0.0, "deg", "conjugate_pair-pair")
+    parts = {each["part"] for each in certificate["findings"] if "part" in each}
+    assert parts == {"conjugate_pair", "conjugate_pair-return", "conjugate_pair-pair"}
+
+
+def test_the_files_are_verified(built: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    solids = [str(built.with_name(f"conjugate_pair-pair.{end}")) for end in ("stl", "step")]
+    assert main(["verify", *solids]) == 0
+    assert capsys.readouterr().out.count(": pass") == 2
+
+
+def test_a_build_tells_the_angle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["build", str(PAIR), "-o", str(tmp_path), "--only", "csv"]) == 0
+    shown = capsys.readouterr().out
+    assert "both discs in one piece: the return disc at 0 deg to the main disc, below it" in shown
+
+
+def test_files_belong_to_the_disc_or_pair_that_they_are_named_after() -> None:
+    discs = camgeo.load(PAIR).discs
+    main_disc, other, pair = with_pair(discs)
+    for stem, disc in {
+        "conjugate_pair": main_disc,  # although it ends like a pair
+        "conjugate_pair-drawing": main_disc,
+        "conjugate_pair-return": other,
+        "conjugate_pair-pair": pair,
+        "CONJUGATE_PAIR-PAIR": pair,
+    }.items():
+        assert disc_of(discs, stem) is disc
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_sheets_of_both_discs_tell_the_angle(language: str) -> None:
+    scene = camgeo.load(PAIR).scene.with_values({"drawing.language": language})
+    said = {
+        "en": "return disc at 0° to that of the main disc, gap 9, spacer %%c54, main disc above",
+        "de": "Gegenscheibe unter 0° zur Null der Hauptscheibe, Abstand 9, Zwischenbund %%c54",
+    }
+    for pair, count in ((scene.values["part"]["pair"], 1), (None, 0)):
+        design = camgeo.Design(scene.with_values({"part.pair": pair}))
+        for disc in design.discs:
+            notes = notes_of(disc, design.scene.drawing, 0.01, lambda value: f"{value:g}")
+            assert sum(said[language] in note for note in notes) == count
