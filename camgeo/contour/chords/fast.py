@@ -106,8 +106,8 @@ PARTS = 2
 ORDER = 2.0
 """Power of the number of chords with which the distance decreases."""
 
-MAX_CHORDS = 2_000_000
-"""Most chords of a smooth piece."""
+MAX_CHORDS = 500_000
+"""Most chords of the smooth pieces of a curve: more than any file that is read again has."""
 
 
 def fit_polyline(path: Path, tolerance: float) -> Fit:
@@ -152,7 +152,7 @@ class _Group:
     def fit(self, aim: float, tolerance: float) -> list[Chain]:
         """A chain for each of the pieces."""
         expected = np.array([density.count(aim) for density in self.densities])
-        if np.max(expected) > MAX_CHORDS:
+        if np.sum(expected) > MAX_CHORDS:
             raise too_many(MAX_CHORDS, "straight pieces", tolerance)
         return least_counts(self._trials, expected, aim, tolerance, order=ORDER, most=MAX_CHORDS)
 

@@ -26,6 +26,10 @@ from camgeo.contour.chain import Run
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
+BOUNDLESS = 1e200
+"""Largest square of a distance [mm^2], in place of an infinite bound, as next to a dead centre:
+what is computed from it stays finite, and far too large for any tolerance."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taylor:
@@ -157,7 +161,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     square_z = pitch_radius * pitch_radius + 2.0 * square
 
     def reach_at(growth: FloatArray) -> FloatArray:
-        reach: FloatArray = np.sqrt(np.maximum(square_z + 2.0 * growth, 0.0))
+        reach: FloatArray = np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS))
         return reach
 
     nearest, farthest = reach_at(least - rest), reach_at(most + rest)

@@ -211,7 +211,8 @@ def steady_turn(
             return SteadyTurn(mesh.fine, fine_state, rates, step.slope, reached + last)
         worst = np.max(step.defects.reshape(-1, 2), axis=1)
         split = worst >= 0.1 * np.max(worst)
-        if not np.max(worst) > EPS * EPS * largest or len(split) > MOST_CELLS:
+        cells = len(split) + int(np.count_nonzero(split))
+        if not np.max(worst) > EPS * EPS * largest or cells > MOST_CELLS:
             break
         mesh = mesh.refined(law, split)
         both = np.repeat(split, 2)
