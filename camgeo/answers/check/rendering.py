@@ -37,7 +37,7 @@ def text(answer: Check) -> str:
 
 def _part(found: PartFound) -> list[str]:
     """Size, mass and moments of inertia of a part."""
-    told = [f"area of the {each.name} {each.area:.6g} mm^2" for each in found.layers]
+    told = [f"section through the {each.name} {each.area:.6g} mm^2" for each in found.layers]
     if found.body is not None:
         told += _body(found.body)
     return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in told)]
