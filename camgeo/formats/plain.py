@@ -57,9 +57,6 @@ STL: Final = _plain(
     "The part as a body of triangles, in single precision, its header in ASCII",
     *BODY,
 )
-THREEMF: Final = _plain(
-    "3mf", ".3mf", "The part as a body of triangles, in double precision; UTF-8", *BODY
-)
 
 ASC: Final = _plain(
     "asc",

@@ -18,7 +18,7 @@ FORMATS: Final = {
     "dxf": "dxf:FORMAT",
     "gcode": "gcode:FORMAT",
     "stl": "plain:STL",
-    "3mf": "plain:THREEMF",
+    "3mf": "threemf:FORMAT",
     "step": "step:FORMAT",
     "csv": "csv:FORMAT",
     "cut-svg": "plain:CUT_SVG",

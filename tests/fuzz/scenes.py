@@ -15,6 +15,7 @@ from camgeo.answers.explain import GOALS
 from camgeo.errors import SceneError
 from camgeo.figure import plots
 from camgeo.formats.registry import FORMATS
+from camgeo.formats.threemf import BODIES
 from camgeo.mechanism.declared.registry import FOLLOWERS
 from camgeo.motion.laws import FAMILIES
 from camgeo.scene.load import parse_scene
@@ -151,6 +152,9 @@ def output(rng: Random, values: dict[str, Any]) -> dict[str, Any]:
             }
         ]
         values["holding"] = {"kind": "fixture", "through": rng.choice([0, 0.5])}
+    elif "3mf" in formats and rng.random() < 0.5:
+        bodies = rng.sample(BODIES, rng.randint(1, len(BODIES)))
+        found["3mf"] = {"plate": bodies, **({"roller_bore": 2} if rng.random() < 0.3 else {})}
     elif rng.random() < 0.3:
         table_of = WHOLE["properties"]["output"]["properties"][formats[0]]
         found[formats[0]] = table(rng, table_of)

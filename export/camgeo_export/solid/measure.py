@@ -6,21 +6,22 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.product.product import Product
+from camgeo.part.part import Part
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright
 
 
-def measure(product: Product, vertices: FloatArray, triangles: IntArray) -> float:
-    """Largest proved deviation [mm] of a body from the part, in the plane and in height.
+def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
+    """Largest proved deviation [mm] of a body from the `part` that it should be, in the plane and
+    in height.
 
     `vertices` (n, 3) [mm] and `triangles` (m, 3) as in the file. Raises FileError unless
     they form one closed, outward oriented body with upright walls between flat faces.
     """
     try:
-        wanted = product.drawn.printed.target.levels
+        wanted = part.levels
     except GeometryError as error:
         raise FileError(f"no body to compare this with: {error.message}") from None
     if not np.isfinite(vertices).all():

@@ -55,7 +55,7 @@ class StlWriter:
             raise FileError("not a complete binary STL in mm by camgeo")
         vertices = np.frombuffer(data, FACET, offset=PREFIX)["corners"].reshape(-1, 3)
         triangles = np.arange(len(vertices)).reshape(-1, 3)
-        return measure(product, vertices.astype(np.float64), triangles)
+        return measure(product.drawn.printed.target, vertices.astype(np.float64), triangles)
 
 
 def _single(values: FloatArray) -> FloatArray:

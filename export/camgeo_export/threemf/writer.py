@@ -1,18 +1,25 @@
-"""3MF: the part as one mesh object in millimetres, in double precision."""
+"""3MF: the part as one mesh object in millimetres, or several on a plate, in double precision."""
 
 from __future__ import annotations
 
 import io
+import math
 import re
 import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.formats.plain import THREEMF
+from camgeo.formats.threemf import FORMAT
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.part.part import Part
+from camgeo.product.plate import Piece, plate_of
 from camgeo.product.printed import SWITCH_OFF
 from camgeo.product.product import Product, bodies_of, title_of
+from camgeo.reading import FACETS
+from camgeo.wording import counted
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
@@ -37,41 +44,91 @@ VERTICES, TRIANGLES = "@vertices@", "@triangles@"
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date that a zip can hold: the file's bytes depend only on its content."""
 
+MATERIALS = "1"
+"""Id of the colours, where there are any."""
+
 UNIX = 3
 """Number of the system that made a zip entry; fixed, because zipfile writes that of the host."""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An object of a package, and where it stands.
+
+    Attributes
+    ----------
+    name : of the object.
+    part : that it shows.
+    colour : "#RRGGBB"; None for none.
+    transform : of the item, as in the file; None for none.
+    """
+
+    name: str
+    part: Part
+    colour: str | None = None
+    transform: str | None = None
+
+
+def items_of(product: Product) -> tuple[Item, ...]:
+    """The objects of the package: the disc where it turns, or those on the plate."""
+    plate = plate_of(product)
+    if not plate:
+        return (Item(title_of(product), product.drawn.printed.target),)
+    return tuple(Item(each.name, each.part, each.colour, _moved(each)) for each in plate)
+
+
+def _moved(piece: Piece) -> str:
+    """The matrix of a shift, row by row."""
+    return f"1 0 0 0 1 0 0 0 1 {piece.x!r} {piece.y!r} 0"
 
 
 class ThreeMfWriter:
     """Writes a 3MF package."""
 
-    format = THREEMF
+    format = FORMAT
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """The disc, or the pair that it is one piece with; a plate is that of the main disc."""
+        on_plate = product.position and product.options[FORMAT].plate
+        return () if on_plate else bodies_of(product)
 
     def write(self, product: Product, tolerance: float) -> Written:
-        """The body [mm] within `tolerance` [mm]."""
-        solid = body(product.drawn.printed.target, tolerance, _exact)
+        """The bodies [mm] within `tolerance` [mm]."""
+        items = items_of(product)
+        bodies = [body(each.part, tolerance, _exact) for each in items]
+        triangles = sum(len(each.triangles) for each in bodies)
+        if triangles > FACETS:
+            found, most = counted(triangles, "facet"), f"at most {FACETS:,} are allowed"
+            raise FileError(f"the bodies would have {found}; {most} in a file that is read")
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
             _store(package, CONTENT_TYPES_PATH, _xml(_content_types()))
             _store(package, RELATIONSHIPS_PATH, _xml(_relationships()))
-            _store(package, MODEL_PATH, _model(product, tolerance, solid))
+            _store(package, MODEL_PATH, _model(product, tolerance, items, bodies))
+        plate = product.options[FORMAT].plate
         facts: dict[str, int | float | str] = {
-            "triangles": len(solid.triangles),
-            "volume_mm3": solid.volume,
+            **({"bodies": ", ".join(plate)} if plate else {}),
+            "triangles": triangles,
+            "volume_mm3": math.fsum(each.volume for each in bodies),
             **product.drawn.printed.facts,
         }
         file = f"{product.name}{self.format.suffix}"
         return Written(stream.getvalue(), facts, product.drawn.printed.findings(file))
 
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """The disc, or the pair that it is one piece with."""
-        return bodies_of(product)
-
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the mesh back and measure it against the exact boundaries [mm].
+        """Read the meshes back and measure each against the exact boundaries [mm].
 
-        Raises FileError if the file is damaged or not a closed body.
+        Raises FileError if the file is damaged, or one of them is not a closed body, or not named
+        or placed as it should be.
         """
-        return measure(product, *mesh_of(data))
+        items, found = items_of(product), meshes_of(data)
+        places = [(each.name, each.transform) for each in items]
+        if [(each.name, each.transform) for each in found] != places:
+            raise FileError("the 3MF model has other objects, or not where they should be")
+        return max(
+            measure(item.part, mesh.vertices, mesh.triangles)
+            for item, mesh in zip(items, found, strict=True)
+        )
 
 
 def _exact(values: FloatArray) -> FloatArray:
@@ -105,16 +162,26 @@ def _relationships() -> ET.Element:
     return root
 
 
-def _model(product: Product, tolerance: float, solid: Body) -> bytes:
+def _model(
+    product: Product, tolerance: float, items: Sequence[Item], bodies: Sequence[Body]
+) -> bytes:
     """The model; an object for each of its vertices and triangles would take most of the time."""
-    frame = _xml(_frame(product, tolerance)).decode()
-    before, between, after = re.split(f"{VERTICES}|{TRIANGLES}", frame)
-    vertices = (f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist())
-    triangles = (f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist())
-    return "".join((before, *vertices, between, *triangles, after)).encode()
+    frame = _xml(_frame(product, tolerance, items)).decode()
+    before, *parts = re.split(f"{VERTICES}|{TRIANGLES}", frame)
+    written = [before]
+    for solid, between, after in zip(bodies, parts[::2], parts[1::2], strict=True):
+        written += [
+            f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()
+        ]
+        written.append(between)
+        written += [
+            f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()
+        ]
+        written.append(after)
+    return "".join(written).encode()
 
 
-def _frame(product: Product, tolerance: float) -> ET.Element:
+def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Element:
     """The model with marks in place of vertices and triangles."""
     attributes = {
         "xmlns": CORE,
@@ -129,26 +196,54 @@ def _frame(product: Product, tolerance: float) -> ET.Element:
         "camgeo:scene": product.scene_hash,
         "camgeo:tolerance": f"{tolerance!r} mm",
     }
-    if product.drawn.printed.text:
-        metadata["Description"] = (
-            f"Compensated for printing: {product.drawn.printed.text}; {SWITCH_OFF}"
-        )
+    printed = product.drawn.printed
+    if printed.text:
+        metadata["Description"] = f"Compensated for printing: {printed.text}; {SWITCH_OFF}"
     for name, value in metadata.items():
         ET.SubElement(root, "metadata", {"name": name}).text = value
     resources = ET.SubElement(root, "resources")
-    item = ET.SubElement(
-        resources, "object", {"id": "1", "type": "model", "name": title_of(product)}
-    )
-    mesh = ET.SubElement(item, "mesh")
-    ET.SubElement(mesh, "vertices").text = VERTICES
-    ET.SubElement(mesh, "triangles").text = TRIANGLES
-    build = ET.SubElement(root, "build")
-    ET.SubElement(build, "item", {"objectid": "1"})
+    coloured = [each for each in items if each.colour is not None]
+    if coloured:
+        group = ET.SubElement(resources, "basematerials", {"id": MATERIALS})
+        for each in coloured:
+            base = {"name": each.name, "displaycolor": each.colour or ""}
+            ET.SubElement(group, "base", base)
+    build = ET.Element("build")
+    for number, each in enumerate(items):
+        own = {"id": str(number + 1 + bool(coloured)), "type": "model", "name": each.name}
+        if coloured:
+            own |= {"pid": MATERIALS, "pindex": str(number)}
+        mesh = ET.SubElement(ET.SubElement(resources, "object", own), "mesh")
+        ET.SubElement(mesh, "vertices").text = VERTICES
+        ET.SubElement(mesh, "triangles").text = TRIANGLES
+        placed = {"objectid": own["id"]}
+        if each.transform is not None:
+            placed["transform"] = each.transform
+        ET.SubElement(build, "item", placed)
+    root.append(build)
     return root
 
 
-def mesh_of(data: bytes) -> tuple[FloatArray, IntArray]:
-    """Vertices (n, 3) [mm] and triangles (m, 3) of one of our packages: one mesh, untransformed.
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """An object of a package as it is read back.
+
+    Attributes
+    ----------
+    name : of the object.
+    transform : of the item, as in the file; None for none.
+    vertices : (n, 3) [mm], not transformed.
+    triangles : (m, 3) indices.
+    """
+
+    name: str
+    transform: str | None
+    vertices: FloatArray
+    triangles: IntArray
+
+
+def meshes_of(data: bytes) -> tuple[Mesh, ...]:
+    """The objects of one of our packages, each built once, in their order.
 
     Raises FileError if it is damaged or holds anything else.
     """
@@ -158,15 +253,23 @@ def mesh_of(data: bytes) -> tuple[FloatArray, IntArray]:
             if damaged is not None:
                 raise FileError(f"damaged entry {damaged} in the 3MF package")
             model = ET.fromstring(package.read(MODEL_PATH))
-        (mesh,) = model.findall(f"{{{CORE}}}resources/{{{CORE}}}object/{{{CORE}}}mesh")
-        (item,) = model.findall(f"{{{CORE}}}build/{{{CORE}}}item")
-        vertices = np.array(_numbers(mesh, "vertices", "vertex", ("x", "y", "z")), np.float64)
-        triangles = np.array(_numbers(mesh, "triangles", "triangle", ("v1", "v2", "v3")), np.int64)
+        objects = model.findall(f"{{{CORE}}}resources/{{{CORE}}}object")
+        items = model.findall(f"{{{CORE}}}build/{{{CORE}}}item")
+        if [each.get("objectid") for each in items] != [each.get("id") for each in objects]:
+            raise FileError("not every object of the 3MF package is built once")
+        found = tuple(_mesh(each, item) for each, item in zip(objects, items, strict=True))
     except (zipfile.BadZipFile, KeyError, ValueError, SyntaxError) as error:
         raise FileError(f"not a 3MF package by camgeo: {error}") from None
-    if model.get("unit") != "millimeter" or item.get("transform") is not None:
-        raise FileError("the 3MF model is not in millimetres, or not where it should be")
-    return vertices, triangles
+    if model.get("unit") != "millimeter":
+        raise FileError("the 3MF model is not in millimetres")
+    return found
+
+
+def _mesh(each: ET.Element, item: ET.Element) -> Mesh:
+    (mesh,) = each.findall(f"{{{CORE}}}mesh")
+    vertices = np.array(_numbers(mesh, "vertices", "vertex", ("x", "y", "z")), np.float64)
+    triangles = np.array(_numbers(mesh, "triangles", "triangle", ("v1", "v2", "v3")), np.int64)
+    return Mesh(each.get("name", ""), item.get("transform"), vertices, triangles)
 
 
 def _numbers(mesh: ET.Element, group: str, tag: str, names: tuple[str, ...]) -> list[list[str]]:

@@ -34,28 +34,39 @@ from camgeo_export.verify.shapes import Shape, shapes_of
 
 def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -> list[Check]:
     """All checks of the body in a 3MF package; `scale` [mm] is its unit."""
+    mesh = mesh_in(data, scale)
+    return [mesh] if isinstance(mesh, Check) else body_checks(product, *mesh, tolerance)
+
+
+def mesh_in(data: bytes, scale: float) -> tuple[FloatArray, IntArray] | Check:
+    """Vertices (n, 3) [mm] and triangles (m, 3) of a 3MF package; a failed check if it has none."""
     try:
         with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
             mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
         vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
     except Exception as error:  # what trimesh raises for damaged files is not documented
-        return [failed("file", f"no mesh: {error}")]
-    return body_checks(product, vertices * scale, triangles, tolerance)
+        return failed("file", f"no mesh: {error}")
+    return vertices * scale, triangles
 
 
 def body_checks(
     product: Product, vertices: FloatArray, triangles: IntArray, tolerance: float
 ) -> list[Check]:
     """All checks of a body for printing against the part as it is printed; see `checks_of_body`."""
-    printed, extent = product.drawn.printed, product.drawn.base_radius
-    checks = [reported("compensation", printed.text, note="by [print]")] if printed.text else []
+    extent, checks = product.drawn.base_radius, compensation_checks(product)
     try:
-        part = printed.target
+        part = product.drawn.printed.target
         part.require_heights()
     except GeometryError as error:
         message = f"there is none to compare it with: {error.message}"
         return [*checks, failed("body", message)]
     return checks + checks_of_body(part, extent, vertices, triangles, tolerance)
+
+
+def compensation_checks(product: Product) -> list[Check]:
+    """What the bodies were compensated for, if they were."""
+    text = product.drawn.printed.text
+    return [reported("compensation", text, note="by [print]")] if text else []
 
 
 def checks_of_body(

@@ -14,6 +14,8 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 from xml.etree import ElementTree as ET
 
+from camgeo.product.plate import Piece
+from camgeo.reading import number_of
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import PATH, PRODUCTION
@@ -69,6 +71,15 @@ OUR_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
 }
 """Those that our packages have."""
 
+PLATE_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
+    **OUR_ATTRIBUTES,
+    "basematerials": ("id",),
+    "base": ("name", "displaycolor"),
+    "object": ("id", "type", "name", "pid", "pindex"),
+    "item": ("objectid", "transform"),
+}
+"""Those of our packages with a plate."""
+
 TYPES: Final = ("model", "solidsupport", "support", "surface", "other")
 """Types of objects."""
 
@@ -81,9 +92,11 @@ METADATA: Final = (
 IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
 
 
-def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Check]:
+def package_checks(
+    parts: Mapping[str, bytes], ours: bool, name: str, plate: Sequence[Piece] = ()
+) -> list[Check]:
     """That the package of these `parts` is complete and valid; one of `ours` must hold the part
-    `name`.
+    `name`, or the bodies of a `plate`.
     """
     try:
         path = model_path(parts)
@@ -94,7 +107,7 @@ def package_checks(parts: Mapping[str, bytes], ours: bool, name: str) -> list[Ch
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
     try:
-        _check_model(content, ours, name)
+        _check_model(content, ours, name, plate)
     except (SyntaxError, ValueError) as error:
         return [*checks, failed("model", str(error))]
     return [*checks, Check("model", "", "valid", ok=True)]
@@ -161,7 +174,7 @@ def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
         raise FileError(f"{foreign[0] if foreign else path} is not a part of camgeo's packages")
 
 
-def _check_model(content: bytes, ours: bool, name: str) -> None:
+def _check_model(content: bytes, ours: bool, name: str, plate: Sequence[Piece]) -> None:
     """Raise FileError or SyntaxError unless the model is valid."""
     prefixes: dict[str, str] = {}
     root: ET.Element | None = None
@@ -172,7 +185,8 @@ def _check_model(content: bytes, ours: bool, name: str) -> None:
             root = item
     if root is None or root.tag != f"{{{CORE}}}model":
         raise FileError(f"its root is not the model of {CORE}")
-    _check_elements(root, OUR_ATTRIBUTES if ours else ATTRIBUTES, ours)
+    own = PLATE_ATTRIBUTES if plate else OUR_ATTRIBUTES
+    _check_elements(root, own if ours else ATTRIBUTES, ours)
     for prefix in root.get("requiredextensions", "").split():
         if prefixes.get(prefix) not in READ_EXTENSIONS:
             raise FileError(f"it requires the extension {prefix!r}, which is not read")
@@ -191,7 +205,10 @@ def _check_model(content: bytes, ours: bool, name: str) -> None:
             raise FileError(
                 f"the object that it builds is of type {found.get('type')!r}, not a model"
             )
-    if ours:
+    if ours and plate:
+        _check_plate(root, list(objects.values()), items, plate)
+        _check_title(metadata, name)
+    elif ours:
         _check_ours(metadata, list(objects.values()), items, name)
 
 
@@ -244,6 +261,37 @@ def _check_ours(
 ) -> None:
     if len(objects) != 1 or len(items) != 1:
         raise FileError(f"it has {len(objects)} objects, built {len(items)} times, not one")
-    for what, found in (("title", metadata.get("Title")), ("object", objects[0].get("name"))):
-        if found != name:
-            raise FileError(f"its {what} is named {found!r}, not {name!r}")
+    _check_title(metadata, name)
+    if objects[0].get("name") != name:
+        raise FileError(f"its object is named {objects[0].get('name')!r}, not {name!r}")
+
+
+def _check_title(metadata: Mapping[str, str], name: str) -> None:
+    if metadata.get("Title") != name:
+        raise FileError(f"its title is named {metadata.get('Title')!r}, not {name!r}")
+
+
+def _check_plate(
+    root: ET.Element,
+    objects: Sequence[ET.Element],
+    items: Sequence[ET.Element],
+    plate: Sequence[Piece],
+) -> None:
+    """Each body is there once, with its name and colour, and stands where it should."""
+    if len(objects) != len(plate) or len(items) != len(plate):
+        found = f"{len(objects)} objects, built {len(items)} times"
+        raise FileError(f"it has {found}, not the {len(plate)} of the plate")
+    groups = root.findall(f"{{{CORE}}}resources/{{{CORE}}}basematerials")
+    colours = [dict(base.attrib) for group in groups for base in group]
+    if colours != [{"name": each.name, "displaycolor": each.colour} for each in plate]:
+        raise FileError("its colours are not those of the bodies on the plate")
+    own = groups[0].get("id", "")
+    for number, (each, item, piece) in enumerate(zip(objects, items, plate, strict=True)):
+        if each.get("name") != piece.name:
+            raise FileError(f"an object is named {each.get('name')!r}, not {piece.name!r}")
+        if (each.get("pid"), each.get("pindex")) != (own, str(number)):
+            raise FileError(f"the {piece.name} has not its colour")
+        words = item.get("transform", "").split(" ")
+        wanted = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, piece.x, piece.y, 0.0]
+        if item.get("objectid") != each.get("id") or [number_of(word) for word in words] != wanted:
+            raise FileError(f"the {piece.name} does not stand at ({piece.x:g}, {piece.y:g}) mm")

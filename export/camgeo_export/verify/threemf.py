@@ -6,13 +6,15 @@ import io
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from camgeo.product.plate import plate_of
 from camgeo.product.product import Product, title_of
 from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import MODEL_PATH
-from camgeo_export.verify.body import mesh_checks
+from camgeo_export.verify.body import compensation_checks, mesh_checks
 from camgeo_export.verify.package import model_path, package_checks
+from camgeo_export.verify.plate import plate_checks
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -53,13 +55,17 @@ class ThreeMfVerifier:
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
         parts = parts_of(data)
-        valid = package_checks(parts, reading.ours, title_of(product))
+        plate = plate_of(product) if reading.ours else ()
+        valid = package_checks(parts, reading.ours, title_of(product), plate)
         unit, _ = _head(parts)
         name = SHORT.get(unit, unit)
         check = unit_check(name, reading, "mm", "camgeo's 3MF files are in millimetres")
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))
+        if plate:
+            checks = plate_checks(plate, parts, _model(parts), scale, tolerance)
+            return (*valid, check, *compensation_checks(product), *checks)
         # A name that trimesh looks for, before all others, and that no part of a package has.
         whole = packed({f"/{MODEL_PATH}": _model(parts), **parts})
         return (*valid, check, *mesh_checks(product, whole, scale, tolerance))
