@@ -38,6 +38,9 @@ SAGITTA: Final = 2e-4
 SLACK: Final = 1e-3
 """See `SAGITTA` [mm]."""
 
+DECIMALS: Final = 3
+"""Of the width of a stroke [mm], which is known no better."""
+
 HALVINGS: Final = 12
 """Of the range in which the width of a stroke lies."""
 
@@ -128,11 +131,17 @@ def _runs(stretch: Stretch, angle: float) -> bool:
 
 def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
     """The narrowest stroke of a mark or an engraving."""
-    found = (_narrow(*each, nozzle) for each in sunk(part))
-    narrow = [each for each in found if each is not None]
-    if not narrow:
+    radius, found = 0.5 * nozzle - SLACK, None
+    for name, region in sunk(part):
+        # Only what is narrower than all before is looked at closely.
+        lost = _lost(region, radius) if radius > 0.0 else None
+        if lost is not None:
+            radius, place = _narrowest(region, radius, lost)
+            found = name, place
+    if found is None:
         return
-    width, (x, y), name = min(narrow)
+    name, (x, y) = found
+    width = round(2.0 * radius, DECIMALS)
     sentence = (
         f"a stroke of the {name} is {width:.2g} mm wide at ({x:.4g}, {y:.4g}) mm, below"
         f" {nozzle:g} mm, the width of the nozzle: it is closed"
@@ -168,15 +177,11 @@ def _polygon(boundary: Boundary) -> Polygon:
     return Polygon(np.column_stack((points.real, points.imag)))
 
 
-def _narrow(
-    name: str, region: Polygon, nozzle: float
-) -> tuple[float, tuple[float, float], str] | None:
-    """Width [mm] and place [mm] of what is narrower than the nozzle, with the name; else None."""
-    high = 0.5 * nozzle - SLACK
-    lost = _lost(region, high) if high > 0.0 else None
-    if lost is None:
-        return None
-    low = 0.0
+def _narrowest(
+    region: Polygon, radius: float, lost: tuple[float, float]
+) -> tuple[float, tuple[float, float]]:
+    """Half the width [mm] of a region that is lost at a larger `radius` [mm], and where it is."""
+    low, high = 0.0, radius
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         here = _lost(region, middle)
@@ -184,7 +189,7 @@ def _narrow(
             low = middle
         else:
             high, lost = middle, here
-    return 2.0 * high, lost, name
+    return high, lost
 
 
 def _lost(region: Polygon, radius: float) -> tuple[float, float] | None:
