@@ -66,7 +66,7 @@ def least_counts(
         If no count comes within `aim` [mm].
     """
     counts = [ladder(float(value)) for value in expected]
-    marks = [(count, math.inf) for count in counts]
+    marks = [UNTRIED] * len(counts)
     done: dict[int, Made] = {}
     while len(done) < len(counts):
         wanted = []
@@ -86,15 +86,32 @@ def least_counts(
             if not distance <= 2.0 * aim:
                 share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
                 counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
-            since, before = marks[piece]
-            stuck = count >= STUCK_AFTER * max(since, FINE) and distance > STUCK * before
-            if distance <= STUCK * before:
-                marks[piece] = count, distance
-            if stuck or counts[piece] > most:
-                raise ToleranceError(
-                    "the pieces of the contour cannot follow the curve", tolerance, distance
-                )
+            marks[piece] = marked(marks[piece], count, distance)
+            if is_stuck(marks[piece], count) or counts[piece] > most:
+                raise stuck_at(distance, tolerance)
     return [done[piece] for piece in range(len(counts))]
+
+
+Mark = tuple[int, float]
+"""A number of parts that reduced the distance, and that distance [mm]."""
+
+UNTRIED: Mark = (1, math.inf)
+
+
+def marked(mark: Mark, count: int, distance: float) -> Mark:
+    """The last number of parts that reduced the distance, after another one than `mark`'s."""
+    return (count, distance) if distance <= STUCK * mark[1] else mark
+
+
+def is_stuck(mark: Mark, count: int) -> bool:
+    """Whether more parts than `count` are no use, if `mark` was the last of use, see `STUCK`."""
+    return count >= STUCK_AFTER * max(mark[0], FINE)
+
+
+def stuck_at(distance: float, tolerance: float) -> ToleranceError:
+    """The error that no number of parts comes within `tolerance` [mm], but to `distance` [mm]."""
+    reached = distance if math.isfinite(distance) else math.inf
+    return ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
 
 
 def too_many(most: int, what: str, tolerance: float) -> ToleranceError:

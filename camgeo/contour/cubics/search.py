@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.counts import too_many
+from camgeo.contour.counts import UNTRIED, is_stuck, marked, stuck_at, too_many
 from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.least_squares import ORDER, Ends, Layout, Solution, solve
 from camgeo.contour.decided import clearly_less, in_steps
@@ -113,18 +113,23 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
     Raises
     ------
     ToleranceError
-        If more than `MAX_CUBICS` would be needed.
+        If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
     needed = limits(course, aim)
     places = [bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in needed]
+    marks = [UNTRIED] * len(places)
     found: dict[int, Found] = {}
     while len(found) < len(places):
         open_pieces = [k for k in range(len(places)) if k not in found]
         tried = [(k, LADDER[i]) for k in open_pieces for i in _next(places[k], tolerance)]
         trial = _equalised(course, ends, tried, DAMPING)
-        for number, (k, _) in enumerate(tried):
-            if k not in found and trial.worst[number] <= aim:
+        for number, (k, count) in enumerate(tried):
+            worst = float(trial.worst[number])
+            if k not in found and worst <= aim:
                 found[k] = trial.found(number)
+            marks[k] = marked(marks[k], count, worst)
+            if k not in found and is_stuck(marks[k], count):
+                raise stuck_at(worst, tolerance)
         for k in open_pieces:
             places[k] += CANDIDATES
     return [found[k] for k in range(len(places))]
