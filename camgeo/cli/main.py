@@ -54,6 +54,7 @@ COMMANDS = (
     "table",
     "plot",
     "watch",
+    "report",
     "setup",
     "replay",
     "probe",

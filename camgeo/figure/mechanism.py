@@ -85,11 +85,11 @@ EDGE = 0.15
 
 def figure(product: Product, size: Size | None = None) -> Figure:
     """The mechanism twice, both to the same scale; the panes as high as their contents."""
-    parts = _parts(product)
+    parts = parts_of(product)
     sketches = [
         (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
     ]
-    low, high = _window(product.cam.follower.base_radius, parts, [sketch for _, sketch in sketches])
+    low, high = window(product.cam.follower.base_radius, parts, [sketch for _, sketch in sketches])
     across, up = (high - low).real, (high - low).imag
     dimensions = sketches[0][1].dimensions
     foot = EDGE + LISTED * -(-len(dimensions) // PER_ROW)
@@ -128,7 +128,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     return Figure(size, tuple(panels), (title, *_listed(dimensions, product.unit, size)))
 
 
-def _window(
+def window(
     reach: float, parts: tuple[Part, ...], sketches: list[MechanismSketch]
 ) -> tuple[complex, complex]:
     """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
@@ -143,7 +143,7 @@ def _window(
     return low - room, high + room
 
 
-def _parts(product: Product) -> tuple[Part, ...]:
+def parts_of(product: Product) -> tuple[Part, ...]:
     """The disc and, of a pair, the return disc; none if one or its bore is impossible."""
     try:
         return tuple(each.drawn.part for each in product.discs)

@@ -140,7 +140,7 @@ class Figure:
 
     def to_data(self) -> dict[str, Any]:
         """Dicts, lists, texts and numbers for JSON, each part with its `kind`; a gap is None."""
-        data: dict[str, Any] = _data(self)
+        data: dict[str, Any] = data_of(self)
         return data
 
 
@@ -150,14 +150,17 @@ def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
     return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
 
 
-def _data(value: Any) -> Any:
+def data_of(value: Any) -> Any:
+    """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair."""
     if is_dataclass(value):
-        own = {each.name: _data(getattr(value, each.name)) for each in fields(value)}
+        own = {each.name: data_of(getattr(value, each.name)) for each in fields(value)}
         return {"kind": type(value).__name__.lower(), **own}
     if isinstance(value, np.ndarray):
         data = value.astype(object)
         data[np.isnan(value)] = None
         return data.tolist()
     if isinstance(value, tuple):
-        return [_data(each) for each in value]
+        return [data_of(each) for each in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
     return value.item() if isinstance(value, np.generic) else value

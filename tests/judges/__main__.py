@@ -27,7 +27,7 @@ from tests.judges import (
     prusa,
     rs274,
 )
-from tests.judges.files import Given, files, scenes, sheets
+from tests.judges.files import Given, files, reports, scenes, sheets
 from tests.judges.paths import Leg, difference
 from tests.judges.programs import (
     SIX,
@@ -116,12 +116,15 @@ def timed(extent: Extent) -> str:
 
 
 def shown(extent: Extent) -> str:
-    """What becomes of the setup sheets."""
+    """What becomes of the setup sheets and reports."""
     with tempfile.TemporaryDirectory() as name:
         pages = [*sheets(Path(name), extent.milled)]
         for page in pages:
             chromium.judge(page)
-    return f"{len(pages)} setup sheets shown"
+        looked_at = [*reports(Path(name), extent.milled)]
+        for page in looked_at:
+            chromium.judge_report(page)
+    return f"{len(pages)} setup sheets and {len(looked_at)} reports shown"
 
 
 SIZE, VOLUME = " mm of their size", " of their volume"

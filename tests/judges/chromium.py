@@ -1,7 +1,9 @@
-"""Chromium shows setup sheets: without a complaint, with all that is drawn on the page."""
+"""Chromium shows setup sheets and reports: without a complaint, with all that is on the page."""
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import html
 import json
 import re
@@ -47,6 +49,45 @@ FAULTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
 """What may be wrong with what the probe has measured."""
 
 
+REPORT_PROBE: Final = """
+const all = (what) => [...document.querySelectorAll(what)];
+const turned = () => document.querySelector("#mechanism svg g")?.getAttribute("transform");
+const places = () => all(".cursor").map((e) => e.getAttribute("x1")).join();
+const before = [turned(), places()];
+const field = document.getElementById("degrees");
+field.value = "123.5";
+field.dispatchEvent(new Event("input"));
+document.body.dataset.camgeo = JSON.stringify({
+  mode: document.compatMode,
+  width: document.documentElement.scrollWidth,
+  ready: document.documentElement.dataset.ready,
+  turned: document.getElementById("mechanism") === null || turned() !== before[0],
+  moved: places() !== before[1],
+  slider: document.getElementById("angle").value,
+  blank: all("figure").filter((e) => !e.querySelector("svg path, svg line")).length,
+  unnamed: all("svg:not([aria-label]), input:not([aria-label]):not(label input)").length,
+  wrong: all("*").flatMap((e) => [...e.attributes]).filter(
+    (a) => /NaN|undefined/.test(a.value)).length,
+  strange: all("img, iframe, object, embed, link").length + all("script").length - 3,
+});
+"""
+"""Turns the cam of a report, and measures what is shown then."""
+
+OF_REPORTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
+    "it is not shown by the standard": lambda shown: shown["mode"] != "CSS1Compat",
+    "it is wider than the window": lambda shown: shown["width"] > WIDTH,
+    "its script did not reach its end": lambda shown: shown["ready"] != "true",
+    "the cam does not turn": lambda shown: not shown["turned"],
+    "the cursors do not move": lambda shown: not shown["moved"],
+    "the slider does not follow": lambda shown: float(shown["slider"]) != 123.5,
+    "a figure is blank": lambda shown: shown["blank"] > 0,
+    "a picture or a field has no name": lambda shown: shown["unnamed"] > 0,
+    "it has places that are no numbers": lambda shown: shown["wrong"] > 0,
+    "it has elements that are not its own": lambda shown: shown["strange"] != 0,
+}
+"""What may be wrong with what the probe of reports has measured."""
+
+
 def missing() -> str:
     """Why it cannot judge here; empty if it can."""
     return absent(VARIABLE, *NAMES)
@@ -58,9 +99,24 @@ def judge(page: Path) -> None:
     if POLICY not in text:
         raise Refusal(f"{page.name} may load what it likes")
     text = text.replace(POLICY, f"{POLICY}; script-src 'unsafe-inline'")
+    _judge(page, text.replace("</body>", f"{PROBE}</body>"), FAULTS)
+
+
+def judge_report(page: Path) -> None:
+    """Refusal if it finds fault with a report, whose policy lets only its own script run."""
+    text = page.read_text("utf-8")
+    if POLICY not in text or "unsafe" in text.partition("<title>")[0]:
+        raise Refusal(f"{page.name} may run or load what it likes")
+    digest = base64.b64encode(hashlib.sha256(REPORT_PROBE.encode()).digest()).decode()
+    text = text.replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
+    _judge(page, text.replace("</body>", f"<script>{REPORT_PROBE}</script></body>"), OF_REPORTS)
+
+
+def _judge(page: Path, text: str, wrong: dict[str, Callable[[dict[str, Any]], bool]]) -> None:
+    """Refusal if the page, which measures itself, is not shown or has one of these faults."""
     with TemporaryDirectory() as name:
         copy = Path(name, "page.html")
-        copy.write_text(text.replace("</body>", f"{PROBE}</body>"), "utf-8")
+        copy.write_text(text, "utf-8")
         call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
         call += [f"--user-data-dir={name}/profile", "--enable-logging=stderr", "--dump-dom"]
         said = run([*call, f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()], Path(name))
@@ -69,6 +125,6 @@ def judge(page: Path) -> None:
         raise Refusal(f"{page.name} is not shown: {said[-300:].strip()}")
     shown = json.loads(html.unescape(measured[1]))
     faults = re.findall(r":CONSOLE[:(]\d+\)?\] (.*)", said)
-    faults += [fault for fault, is_there in FAULTS.items() if is_there(shown)]
+    faults += [fault for fault, is_there in wrong.items() if is_there(shown)]
     if faults:
         raise Refusal(f"{page.name}: {'; '.join(faults)}: {shown}")

@@ -111,6 +111,15 @@ def sheets(into: Path, names: list[str]) -> Iterator[Path]:
         yield page
 
 
+def reports(into: Path, names: list[str]) -> Iterator[Path]:
+    """The pages of reports of scenes, without what takes files."""
+    for name in names:
+        page = into / f"{name}-report.html"
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            main(["report", str(scene_of(name)), "--quick", "-o", str(page)])
+        yield page
+
+
 def _size(data: bytes) -> tuple[float, float]:
     """Width and height [mm] as ezdxf reads them."""
     drawing = read(io.StringIO(data.decode()))

@@ -30,7 +30,7 @@ from tests.judges import (
     rs274,
 )
 from tests.judges.__main__ import JUDGES, main
-from tests.judges.files import Given, files, scenes, sheets
+from tests.judges.files import Given, files, reports, scenes, sheets
 from tests.judges.paths import difference
 from tests.judges.programs import (
     SIX,
@@ -206,6 +206,25 @@ def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @browser
 def test_a_browser_shows_a_setup_sheet(sheet: Path) -> None:
     chromium.judge(sheet)
+
+
+@browser
+def test_a_browser_shows_a_report_and_turns_its_cam(tmp_path: Path) -> None:
+    (page,) = reports(tmp_path, ["setzhub"])
+    chromium.judge_report(page)
+
+
+@browser
+def test_a_browser_refuses_a_report_that_is_wrong(tmp_path: Path) -> None:
+    (page,) = reports(tmp_path, ["setzhub"])
+    text = page.read_text("utf-8")
+    assert text.count('"animation":') == 1
+    page.write_text(text.replace('"animation":', '"animations":'), "utf-8")
+    with pytest.raises(Refusal, match="the cam does not turn"):
+        chromium.judge_report(page)
+    page.write_text(text.replace("<main>", "<main><script>1</script>"), "utf-8")
+    with pytest.raises(Refusal, match=r"Content Security Policy.*elements that are not its own"):
+        chromium.judge_report(page)
 
 
 @browser

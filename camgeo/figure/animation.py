@@ -1,0 +1,158 @@
+"""A turn of the mechanism as data: the discs, which turn, and the bodies in a number of positions.
+
+Everything is in the fixed frame with its origin in the cam axis, in mm; the discs at cam angle 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.errors import CamgeoError
+from camgeo.figure import disc, flanks
+from camgeo.figure.marks import Circle, Fill, Line, Mark, Style, Text, plane
+from camgeo.figure.mechanism import PAST, SAGITTA, parts_of, window
+from camgeo.figure.model import data_of
+from camgeo.figure.style import AUXILIARY, cam_angles
+from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.product.product import Product
+from camgeo.units import TURN
+
+POSITIONS: Final = 240
+"""Of a turn, one and a half degrees apart: between two of them bodies move in straight lines, which
+differ from their arcs by less than a line is wide."""
+
+PITCH: Final = Style(AUXILIARY, 0.8, (10.0, 3.0, 2.0, 3.0))
+BASE: Final = Fill(edge=AUXILIARY, width=0.6, dashes=(5.0, 4.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A guide: where it begins and ends [mm], and whether a slider runs on it."""
+
+    start: complex
+    end: complex
+    block: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Animation:
+    """A turn of the mechanism.
+
+    Attributes
+    ----------
+    low, high : lower left and upper right corner of what is shown [mm].
+    rotation : +1 if the cam turns counter-clockwise, -1 clockwise.
+    turning : marks that turn with the cam, at cam angle 0 [mm].
+    note : why there is no disc; empty if there is one.
+    links : how many points each link has.
+    rollers : their radii [mm].
+    faces : how many there are.
+    joints : how many there are, without the fixed ones.
+    shafts : places of the fixed joints [mm].
+    guides : which do not move.
+    places : (POSITIONS, n, 2) [mm], at equal steps of the cam angle from 0: the points of the
+        links, both ends of each face, the centres of rollers, joints, and sliders on guides.
+    lifts : (POSITIONS,) of the follower, in `lift_unit`.
+    lift_unit : "mm", or "°".
+    """
+
+    low: complex
+    high: complex
+    rotation: int
+    turning: tuple[Mark, ...]
+    note: str
+    links: tuple[int, ...]
+    rollers: tuple[float, ...]
+    faces: int
+    joints: int
+    shafts: tuple[complex, ...]
+    guides: tuple[Way, ...]
+    places: FloatArray
+    lifts: FloatArray
+    lift_unit: str
+
+    def to_data(self) -> dict[str, Any]:
+        """As `Figure.to_data`; a place is a list of two numbers."""
+        data: dict[str, Any] = data_of(self)
+        return data
+
+
+def animation(product: Product) -> Animation:
+    """A turn of the mechanism of `product`, with all discs of a conjugate pair.
+
+    Raises
+    ------
+    CamgeoError
+        If the mechanism has no position at some cam angle.
+    """
+    cam, parts = product.cam, parts_of(product)
+    angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
+    sketches = [product.pictured.mechanism_sketch(float(phi)) for phi in angles]
+    low, high = window(cam.follower.base_radius, parts, sketches)
+    first = sketches[0]
+    marks, note = _turning(product)
+    lifts = cam.drive.motion.jet(angles)[0]
+    degrees = cam.lift_unit == "rad"
+    # As much beyond what moves as in the still picture, whose joints are of this size.
+    past = PAST * 0.012 * math.sqrt((high - low).real * (high - low).imag)
+    return Animation(
+        low,
+        high,
+        cam.rotation,
+        marks,
+        note,
+        tuple(len(link) for link in first.links),
+        tuple(radius for _, radius in first.rollers),
+        len(first.faces),
+        len(first.joints),
+        first.shafts,
+        tuple(_way(guide.middle, guide.direction, guide.travel, guide.block, past)
+              for guide in first.guides),
+        frozen([_places(sketch) for sketch in sketches], np.float64),
+        frozen(np.degrees(lifts) if degrees else lifts, np.float64),
+        "°" if degrees else "mm",
+    )  # fmt: skip
+
+
+def _turning(product: Product) -> tuple[tuple[Mark, ...], str]:
+    """What turns with the cam, and why there is no disc."""
+    cam, parts = product.cam, parts_of(product)
+    marks: list[Mark] = []
+    note = ""
+    for part in parts[:1]:
+        marks += disc.whole(part, 1.0, SAGITTA * cam.follower.base_radius)[0]
+    for part in parts[1:]:
+        marks += disc.behind(part, 1.0, SAGITTA * cam.follower.base_radius)
+    if not parts:
+        try:
+            drawn = flanks.whole(product, product.pictured.cut_off, 1.0)[0]
+        except CamgeoError:  # the findings say so
+            drawn = []
+        note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
+        marks += [mark for mark in drawn if not isinstance(mark, Text)]
+    if cam.follower.has_pitch_curve:
+        marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
+    marks.append(Circle((0.0, 0.0), cam.follower.base_radius, BASE, layer=2.0))
+    return tuple(marks), note
+
+
+def _way(
+    middle: complex, direction: complex, travel: tuple[complex, ...], block: bool, past: float
+) -> Way:
+    ways = [((at - middle) * direction.conjugate()).real for at in travel] or [0.0]
+    start, end = min(ways) - past, max(ways) + past
+    return Way(middle + start * direction, middle + end * direction, block)
+
+
+def _places(sketch: MechanismSketch) -> list[tuple[float, float]]:
+    points = [point for link in sketch.links for point in link]
+    points += [point for face in sketch.faces for point in face]
+    points += [centre for centre, _ in sketch.rollers]
+    points += sketch.joints
+    points += [guide.middle for guide in sketch.guides if guide.block]
+    return [(point.real, point.imag) for point in points]

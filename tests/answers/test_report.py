@@ -1,0 +1,132 @@
+"""The result of `camgeo report`: readings of diagrams, next steps, what is left out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from camgeo.answers.render import text
+from camgeo.answers.report import Report, report
+from camgeo.answers.report.readings import readings, sentence
+from camgeo.answers.report.steps import OTHERWISE, next_step
+from camgeo.check.finding import Finding
+from camgeo.design import Design
+from camgeo.figure.marks import Line, Style, over
+from camgeo.figure.model import Axis, Figure, Panel
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.units import TURN
+from tests.answers.documents import FIXTURES, document
+
+NO_FOLLOWER = """
+camgeo = 1
+name = "motion-only"
+[cam]
+rotation = "ccw"
+[[motion]]
+to = 10
+span = 120
+law = "straight-line"
+[[motion]]
+to = 0
+span = 240
+law = "straight-line"
+"""
+
+
+@cache
+def of(name: str) -> Report:
+    return report(Design(load_scene(FIXTURES / f"{name}.toml")), quick=True)
+
+
+@pytest.mark.parametrize("name", ["scenes/four_bar", "refused/undercut_tappet", "effects/lever"])
+def test_documents_are_what_their_schema_says(name: str) -> None:
+    found = of(name)
+    reported = document(found)
+    assert [each["title"] for each in reported["charts"]] == [each.title for each in found.charts]
+    assert len(reported["findings"]) == len(found.check.everything)
+    for each in reported["findings"]:
+        assert (each["finding"]["severity"] == "ok") == (each["step"] == "")
+
+
+def test_a_changed_value_shows_in_text_and_document() -> None:
+    found = of("scenes/four_bar")
+    changed = replace(found, left_out=("nonsense: made up",))
+    assert document(changed)["left_out"] == ["nonsense: made up"]
+    assert "left out: nonsense: made up" in text(changed)
+
+
+def test_extremes_are_those_of_the_motion() -> None:
+    """Of all drawn points, a quarter of a degree apart, and of both ends of the linkage."""
+    found = of("scenes/four_bar")
+    motion = next(chart for chart in found.charts if chart.title.startswith("motion"))
+    drive = Design(found.scene).drive
+    phi = np.linspace(0.0, TURN, 36001)[:-1]
+    jets = np.degrees([*drive.plan.jet(phi), *drive.motion.jet(phi)])
+    assert len(motion.readings) == len(jets)
+    for each, values in zip(motion.readings, jets, strict=True):
+        size = np.abs(values).max()
+        assert each.low == pytest.approx(values.min(), abs=1e-4 * size)
+        assert each.high == pytest.approx(values.max(), abs=1e-4 * size)
+
+
+def test_what_is_infinite_is_said_to_be() -> None:
+    """A straight line has no acceleration but at its ends; its document has no number there."""
+    found = report(Design(parse_scene(NO_FOLLOWER)), quick=True)
+    assert found.animation is None
+    (motion,) = found.charts
+    acceleration = motion.readings[2]
+    assert acceleration.high == math.inf
+    assert "∞" in motion.sentence
+    assert document(found)["charts"][0]["readings"][2]["high"] is None
+    assert any("no follower" in each for each in found.left_out)
+
+
+def test_a_sentence_names_the_first_curves_and_how_many_more() -> None:
+    points = over(np.linspace(0.0, 360.0, 721), np.sin(np.linspace(0.0, TURN, 721)))
+    panel = Panel(
+        (0.0, 0.0, 1.0, 1.0),
+        Axis((0.0, 360.0)),
+        Axis((-1.0, 1.0), "force [N]"),
+        tuple(Line(points, Style("black"), f"curve {k}") for k in range(6)),
+    )
+    found = readings(Figure((1.0, 1.0), (panel,)))
+    assert [each.name for each in found] == [f"curve {k} [N]" for k in range(6)]
+    told = sentence(found)
+    assert told.startswith("curve 0 [N] from −1 at 270.0° to 1 at 90.0°; ")
+    assert told.endswith("; 2 more in the table.")
+
+
+def test_every_position_is_that_of_the_mechanism() -> None:
+    found = of("scenes/four_bar")
+    turn = found.animation
+    assert turn is not None
+    pictured = Design(found.scene).disc.pictured
+    count = len(turn.places)
+    for k in (0, count // 3, count - 1):
+        sketch = pictured.mechanism_sketch(TURN * k / count)
+        points = turn.places[k] @ np.array([1.0, 1.0j])
+        first = [point for link in sketch.links for point in link]
+        assert points[: len(first)] == pytest.approx(first)
+        rollers = [centre for centre, _ in sketch.rollers]
+        assert points[len(first) : len(first) + len(rollers)] == pytest.approx(rollers)
+        assert points[-len(sketch.joints) :] == pytest.approx(list(sketch.joints))
+
+
+def test_a_cure_that_works_is_the_next_step_for_undercut() -> None:
+    found = of("refused/undercut_tappet")
+    assert any(cure.works for cure in found.check.cures)
+    undercut = Finding("undercut-inner", "no-disc", "it undercuts")
+    works = next(cure.sentence for cure in found.check.cures if cure.works)
+    assert works[1:] in next_step(undercut, found.check.cures)
+    assert "smaller roller" in next_step(undercut, ())
+
+
+@pytest.mark.parametrize("severity", ["warning", "broken", "no-disc", "invalid"])
+def test_findings_of_others_have_a_next_step_too(severity: str) -> None:
+    finding = Finding("noise", severity, "loud")  # type: ignore[arg-type]  # one of Severity
+    assert next_step(finding, ()) == OTHERWISE[severity]  # type: ignore[index]  # likewise
+    assert OTHERWISE["ok"] == ""

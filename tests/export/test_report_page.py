@@ -1,0 +1,179 @@
+"""The page of a report: one file, the same bytes, nothing loaded, no text read as markup."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from dataclasses import replace
+from functools import cache
+from html.parser import HTMLParser
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.answers.report import Report, report
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.figure.marks import Text
+from camgeo.scene.load import load_scene
+from camgeo_export.report.page import DIGITS, render
+from tests.long_form import LONG
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+MOST = 2_000_000
+"""Bytes of the page of a scene with all that it may have."""
+
+HOSTILE = (
+    "</script><script>alert(1)</script>",
+    "<!--<script>",
+    "</style><img src=x onerror=alert(1)>",
+    '"><a href="javascript:alert(1)">x</a>',
+    "\u2028&lt;b&gt;\\u003c",
+)
+
+
+class Found(HTMLParser):
+    """Elements, attributes and texts of a page."""
+
+    def __init__(self, page: bytes) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[str] = []
+        self.within: dict[str, list[str]] = {}
+        self._open = ""
+        self.feed(page.decode())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        self._open = tag
+
+    def handle_endtag(self, tag: str) -> None:
+        self._open = ""
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+        if self._open in ("script", "style"):
+            self.within.setdefault(self._open, []).append(data)
+
+
+@cache
+def made(name: str) -> Report:
+    return report(Design(load_scene(SCENES / f"{name}.toml")), quick=True)
+
+
+def data(page: bytes) -> Any:
+    return json.loads(Found(page).within["script"][0])
+
+
+def test_the_page_of_setzhub_has_everything_in_one_small_file() -> None:
+    """With price list and certificate, for which the files are made."""
+    whole = report(Design(load_scene(SCENES / "setzhub.toml")))
+    assert whole.certificate is not None
+    formats = {each["format"] for each in whole.certificate["files"]}
+    assert formats == set(whole.scene.output.formats)
+    assert whole.certified == whole.scene.made
+    assert whole.prices is not None
+    assert whole.prices.knee is not None
+    assert not whole.left_out
+    page = render(whole)
+    assert len(page) < MOST
+    found = Found(page)
+    identifiers = [each["id"] for _, each in found.elements if each.get("id")]
+    assert len(set(identifiers)) == len(identifiers)
+    assert {"mechanism", "prices", "chart-0", "certificate-section"} <= set(identifiers)
+    if LONG:
+        assert render(report(Design(load_scene(SCENES / "setzhub.toml")))) == page
+
+
+def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
+    scene = str(SCENES / "plate_translating.toml")
+    pages = [tmp_path / "a.html", tmp_path / "b.html"]
+    for page in pages:
+        assert main(["report", scene, "--quick", "-o", str(page)]) == 0
+    assert pages[0].read_bytes() == pages[1].read_bytes() == render(made("plate_translating"))
+
+
+def test_nothing_is_loaded_and_only_the_own_script_and_style_run() -> None:
+    page = render(made("setzhub"))
+    found = Found(page)
+    for tag, attributes in found.elements:
+        assert tag not in ("link", "img", "iframe", "object", "embed", "base", "form")
+        assert not {"src", "srcset", "style"} & set(attributes)
+        assert not any(name.startswith("on") for name in attributes)
+        assert (attributes.get("href") or "#").startswith("#")
+    (policy,) = [each["content"] for tag, each in found.elements if each.get("http-equiv")]
+    assert policy is not None
+    assert policy.startswith("default-src 'none'; ")
+    assert "unsafe" not in policy
+    _, script = found.within["script"]
+    (style,) = found.within["style"]
+    for kind, text in (("script", script), ("style", style)):
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert f"{kind}-src 'sha256-{digest}'" in policy
+    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)", script + style)
+    assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(", script)
+
+
+@pytest.mark.parametrize("hostile", HOSTILE)
+def test_hostile_texts_stay_texts(hostile: str) -> None:
+    plain = made("plate_translating")
+    finding = replace(plain.advised[0].finding, name=hostile, sentence=hostile)
+    advised = replace(plain.advised[0], about=hostile, finding=finding, step=hostile)
+    chart = plain.charts[0]
+    text = Text(hostile, (0.5, 0.5), 8.0, "figure")
+    figure = replace(chart.figure, texts=(*chart.figure.texts, text))
+    reading = replace(chart.readings[0], name=hostile)
+    wrong = replace(chart, title=hostile, figure=figure, readings=(reading,))
+    page = render(replace(plain, advised=(advised,), charts=(wrong,), left_out=(hostile,)))
+    usual = render(replace(plain, advised=plain.advised[:1], charts=plain.charts[:1],
+                           left_out=("none",)))  # fmt: skip
+    found, other = Found(page), Found(usual)
+    tags = [tag for tag, _ in found.elements]
+    assert [tag for tag in tags if tag in ("script", "style", "img", "a")] == [
+        tag for tag, _ in other.elements if tag in ("script", "style", "img", "a")
+    ]
+    assert found.texts.count(hostile) >= 4
+    assert data(page)["charts"][0]["figure"]["texts"][-1]["text"] == hostile
+
+
+def test_each_chart_has_its_place_sentence_and_table() -> None:
+    found = made("four_bar")
+    page = render(found)
+    text = page.decode()
+    drawn = data(page)
+    assert len(drawn["charts"]) == len(found.charts)
+    for number, chart in enumerate(found.charts):
+        assert f'id="chart-{number}"' in text
+        assert chart.sentence in Found(page).texts or any(
+            chart.sentence in each for each in Found(page).texts
+        )
+    assert text.count("Extremes as a table") == len(found.charts)
+
+
+def test_numbers_of_diagrams_are_exact_enough_to_be_drawn() -> None:
+    found = made("plate_translating")
+    line = max(found.charts[0].figure.panels[-1].marks, key=lambda m: len(getattr(m, "points", ())))
+    points = line.points  # type: ignore[union-attr]  # the mark with the most points
+    panel = data(render(found))["charts"][0]["figure"]["panels"][-1]
+    written = max((mark["points"] for mark in panel["marks"] if "points" in mark), key=len)
+    assert len(written) == len(points)
+    for mine, theirs in zip(written, points.tolist(), strict=True):
+        assert mine == pytest.approx(theirs, rel=10.0 ** (1 - DIGITS))
+
+
+def test_the_scripts_draw_every_kind_of_mark_that_reports_have() -> None:
+    """One that they did not know would stop the page."""
+    script = files("camgeo_export.report").joinpath("page", "figure.js").read_text("utf-8")
+    known = set(re.findall(r"^  (\w+)\(mark, parent, place\)", script, re.MULTILINE))
+    assert known == {"line", "rule", "band", "area", "circle", "text"}
+    drawn = data(render(made("cut_lobe")))
+    marks = [*drawn["animation"]["turning"]]
+    for chart in drawn["charts"]:
+        marks += chart["figure"]["texts"]
+        marks += [mark for panel in chart["figure"]["panels"] for mark in panel["marks"]]
+    assert {mark["kind"] for mark in marks} <= known
