@@ -134,7 +134,7 @@ def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
     radius, found = 0.5 * nozzle - SLACK, None
     for name, region in sunk(part):
         # Only what is narrower than all before is looked at closely.
-        lost = _lost(region, radius) if radius > 0.0 else None
+        lost = unreached(region, radius) if radius > 0.0 else None
         if lost is not None:
             radius, place = _narrowest(region, radius, lost)
             found = name, place
@@ -184,7 +184,7 @@ def _narrowest(
     low, high = 0.0, radius
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        here = _lost(region, middle)
+        here = unreached(region, middle)
         if here is None:
             low = middle
         else:
@@ -192,8 +192,9 @@ def _narrowest(
     return high, lost
 
 
-def _lost(region: Polygon, radius: float) -> tuple[float, float] | None:
-    """Where a disc of the radius [mm] cannot reach a region, or not all of it without leaving it.
+def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
+    """Where a disc of the radius [mm] cannot reach a region, or not all of it without leaving it;
+    None if it reaches all.
 
     Corners, and what reaches less than a diameter beyond where the disc can be, do not count.
     """

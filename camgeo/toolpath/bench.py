@@ -9,6 +9,7 @@ from typing import Final, Self
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Part, Wall
 from camgeo.toolpath.fitting import largest_diameter, tightest
 from camgeo.toolpath.milling import MillingSpec
@@ -102,7 +103,8 @@ class Bench:
         walls = self.walls
         message = ""
         if name not in walls:
-            known = ", ".join(f'"{each}"' for each in walls)
+            names = dict.fromkeys(text_of(each) or each for each in walls)
+            known = ", ".join(f'"{each}"' for each in names)
             message = f"the part has no such wall; it has {known}"
         elif not is_open(self.part, walls[name]):
             message = f"it is not open on the {self.milling.up} face: the part lies over it"
@@ -232,6 +234,11 @@ def is_open(part: Part, wall: Wall) -> bool:
         if shared > 2.0 * COARSE * inside.length:
             return False
     return True
+
+
+def letters_of(bench: Bench, text: str) -> tuple[Wall, ...]:
+    """The walls of the letters of a text; none of anything else."""
+    return tuple(wall for name, wall in bench.walls.items() if text_of(name) == text != "")
 
 
 def as_wide(tool: Tool, half: float) -> bool:

@@ -1,7 +1,8 @@
 """What an operation cuts, exactly, before any tolerance.
 
-Four kinds: along a closed path of the cutter's centre, over an area between boundaries, at points,
-and along a line. All refer to boundaries of the part, and none knows the scene.
+Five kinds: along a closed path of the cutter's centre, over an area between boundaries, at points,
+along a line, and within the strokes of letters. All refer to boundaries of the part, and none knows
+the scene.
 """
 
 from __future__ import annotations
@@ -282,6 +283,35 @@ class LineCut(Cut):
     def produced(self) -> tuple[str, ...]:
         """As of `Cut`."""
         return (self.slot,) if self.slot else ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LetterCut(Cut):
+    """The strokes of letters, all that a round cutter reaches without leaving them.
+
+    Attributes
+    ----------
+    walls : the outlines of the letters, holes and what stands within them.
+    stepover : largest distance between neighbouring paths [mm].
+
+    Raises
+    ------
+    GeometryError
+        As `Cut`; with key "part" if a wall is not a boundary.
+    """
+
+    walls: tuple[Boundary, ...]
+    stepover: Annotated[float, positive, "toolpath"]
+
+    def __post_init__(self) -> None:
+        Cut.__post_init__(self)
+        for each in instance("toolpath", self.walls, tuple, "a tuple of boundaries"):
+            require_boundary(each)
+
+    @property
+    def produced(self) -> tuple[str, ...]:
+        """As of `Cut`."""
+        return tuple(wall.name for wall in self.walls)
 
 
 def slack_of(allowance: float) -> float:

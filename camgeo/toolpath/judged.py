@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -13,7 +13,7 @@ from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Part
 from camgeo.toolpath.bench import BORE
 from camgeo.toolpath.course import course_of, level
-from camgeo.toolpath.cut import ContourCut, Cut
+from camgeo.toolpath.cut import ContourCut, Cut, LetterCut
 from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
 from camgeo.toolpath.setup import Chamfer, Run, Setup
@@ -77,16 +77,18 @@ def setup_of(
     `cuts` say which walls are cut, and where the outline of the blank is not known, `runs` how far
     it must reach. Holes and marks that neither they nor `others` make, the cuts of another side,
     are none of that part: they are made otherwise.
-    A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Without a
+    A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Letters
+    count as what the cutter makes of them. Without a
     holding nothing is said of pieces that come loose.
     """
-    made = part.without(left_out(part, (*(cuts := tuple(cuts)), *others)))
+    made = part.without(left_out(part, every := (*(cuts := tuple(cuts)), *others)))
+    letters = _letters(every)
     bodies = tuple(
         Body(
             layer.name,
             layer.z0,
             layer.z1,
-            tuple(_contour(each, tolerance) for each in layer.boundaries),
+            tuple(_contours(layer.boundaries, letters, tolerance)),
         )
         for layer in made.layers
     )
@@ -144,6 +146,26 @@ def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
             course = level(cut.centre.arcs(tolerance, "fast").contour, cut.bottom)
             run = run_with(cut.tool, cut.name, (), (), None)
             yield Chamfer(run, course, cut.top)
+
+
+def _letters(cuts: Iterable[Cut]) -> dict[str, list[Contour]]:
+    """What cutters make of texts, by the name of the first boundary of each."""
+    found = [each for each in cuts if isinstance(each, LetterCut)]
+    if not found:
+        return {}
+    from camgeo.toolpath.lettering import reached  # few parts are engraved
+
+    return {each.produced[0]: reached(each) for each in found}
+
+
+def _contours(
+    boundaries: Iterable[Boundary], letters: Mapping[str, list[Contour]], tolerance: float
+) -> Iterator[Contour]:
+    for each in boundaries:
+        if text_of(each.name):
+            yield from letters.get(each.name, ())
+        else:
+            yield _contour(each, tolerance)
 
 
 def _contour(boundary: Boundary, tolerance: float) -> Contour:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -13,12 +13,15 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.outline.envelope import Envelope
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
+from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Wall
-from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve
+from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.toolpath.cut import (
     MOST_SLACK,
     AreaCut,
     ContourCut,
+    Cut,
+    LetterCut,
     LineCut,
     PointCut,
     passes,
@@ -221,8 +224,15 @@ def drill_all(
     )  # fmt: skip
 
 
-def no_engraver(bench: Bench, tool: Tool, wall: Wall) -> str:
-    """Why a tool does not make a mark in one pass; empty if it does."""
+def no_engraver(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
+    """Why a tool does not make a mark in one pass, or the letters of a text; empty if it does."""
+    wall = walls[0]
+    if text_of(wall.boundary.name):
+        from camgeo.toolpath.lettering import unfit  # few parts are engraved
+
+        reason = "" if is_open(bench.part, wall) else "they are not open on this face"
+        reason = reason or unfit(tool, [each.boundary for each in walls])
+        return reason or bench.too_short(tool, bench.bottom(wall), wall.z1)
     width = 2.0 * float(np.max(bore_of(wall).exact.radii))
     if tool.kind != END_MILL or tool.corner_radius:
         return "a mark is cut with a flat end mill"
@@ -233,8 +243,16 @@ def no_engraver(bench: Bench, tool: Tool, wall: Wall) -> str:
     return bench.too_short(tool, bench.bottom(wall), wall.z1)
 
 
-def engraved(bench: Bench, wall: Wall, tool: Tool, top: float) -> LineCut | PointCut:
-    """A mark as wide as the tool: a slot along its middle line, or a dot."""
+def engraved(bench: Bench, walls: Sequence[Wall], tool: Tool, top: float) -> Cut:
+    """A mark as wide as the tool, a slot along its middle line or a dot; or letters of a text."""
+    wall = walls[0]
+    if text := text_of(wall.boundary.name):
+        return LetterCut(
+            name=f"engrave {text}", strategy="letters", tool=tool, top=top,
+            depths=depths_of(tool, top, bench.bottom(wall)), stepover=stepover_of(tool),
+            walls=tuple(each.boundary for each in walls),
+            note=f"corners keep the radius of the cutter, {tool.radius:g} mm",
+        )  # fmt: skip
     boundary = bore_of(wall)
     ends = ends_of(boundary)
     assert ends is not None  # as of every mark

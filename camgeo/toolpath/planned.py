@@ -16,7 +16,7 @@ from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.engraving import text_of
 from camgeo.part.part import Wall
-from camgeo.toolpath.bench import BORE, Bench, as_wide, bore_of, flank_curve, is_open
+from camgeo.toolpath.bench import BORE, Bench, as_wide, bore_of, flank_curve, is_open, letters_of
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.fitting import core
 from camgeo.toolpath.making import (
@@ -56,7 +56,7 @@ def planned_steps(bench: Bench) -> Iterator[Step]:
     if BORE in walls:
         yield from _bore(bench, walls[BORE])
     yield from _holes(bench, walls)
-    yield from _texts(walls)
+    yield from _texts(bench, walls)
     if {"inner flank", "outer flank"} <= walls.keys():
         yield from _groove(bench, walls["inner flank"], walls["outer flank"])
     if "rim" in walls:
@@ -99,10 +99,10 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             continue
         width = 2.0 * float(np.max(boundary.exact.radii))
         tool = next(
-            (each for each in bench.milling.tools if not no_engraver(bench, each, wall)), None
+            (each for each in bench.milling.tools if not no_engraver(bench, each, (wall,))), None
         )
         if tool is not None:
-            yield engraved(bench, wall, tool, wall.z1)
+            yield engraved(bench, (wall,), tool, wall.z1)
             continue
         text = f"{boundary.name}: left out, no flat end mill of {width:g} mm fits it"
         yield told(f"{boundary.name}-left-out", text)
@@ -117,12 +117,21 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
         yield told("holes-left-out", f"{names}: {text}")
 
 
-def _texts(walls: Collection[str]) -> Iterator[Step]:
-    """Texts are left out: their letters have corners that no round cutter makes."""
-    names = sorted(set(map(text_of, walls)) - {""})
-    if names:
-        text = "left out, to be engraved otherwise, along the outlines of a drawing"
-        yield told("engraving-left-out", f"{', '.join(names)}: {text}")
+def _texts(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
+    """Texts by the first end mill that fits into their strokes; they are left out without one."""
+    for text in sorted(set(map(text_of, walls)) - {""}):
+        letters = letters_of(bench, text)
+        reasons = {
+            each: no_engraver(bench, each, letters)
+            or ("" if each.stepover and each.stepdown else "it states no stepover or no stepdown")
+            for each in bench.milling.tools
+        }
+        tool = next((each for each, reason in reasons.items() if not reason), None)
+        if tool is not None:
+            yield engraved(bench, letters, tool, letters[0].z1)
+            continue
+        why = "; ".join(f"tool {each.number}: {reason}" for each, reason in reasons.items())
+        yield told(f"{text.replace(' ', '-')}-left-out", f"{text}: left out, {why}")
 
 
 def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Wall
-from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve
+from camgeo.toolpath.bench import SAME, Bench, as_wide, bore_of, flank_curve, letters_of
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.fitting import tightest
 from camgeo.toolpath.making import (
@@ -191,12 +191,13 @@ class _Stated:
         return found
 
     def _engrave(self) -> Cut:
-        wall = self._wall(self.spec.boundary or MARK_NAME)
-        if wall not in self.bench.holes or self.bench.pierces(wall):
-            value = f'"{wall.boundary.name}"'
-            raise GeometryError("is no mark", f"{self.key}.boundary", value)
-        self._require(no_engraver(self.bench, self.tool, wall))
-        return engraved(self.bench, wall, self.tool, self._top(wall))
+        name = self.spec.boundary or MARK_NAME
+        letters = letters_of(self.bench, name)
+        walls = letters or (self._wall(name),)
+        if not letters and (walls[0] not in self.bench.holes or self.bench.pierces(walls[0])):
+            raise GeometryError("is no mark and no text", f"{self.key}.boundary", f'"{name}"')
+        self._require(no_engraver(self.bench, self.tool, walls))
+        return engraved(self.bench, walls, self.tool, self._top(walls[0]))
 
     def _top(self, wall: Wall) -> float:
         """Z of the upper face of the material over a wall: that of the wall, if what stands beside

@@ -16,6 +16,7 @@ from camgeo.toolpath.strategies.around import profile, slot
 from camgeo.toolpath.strategies.clear import clear
 from camgeo.toolpath.strategies.drill import drill
 from camgeo.toolpath.strategies.engrave import engrave
+from camgeo.toolpath.strategies.letters import letters
 from camgeo.toolpath.strategies.moat import moat
 from camgeo.toolpath.strategies.trochoid import trochoid
 
@@ -34,5 +35,6 @@ STRATEGIES: Final[Mapping[str, Strategy]] = MappingProxyType(
         "trochoid": trochoid,
         "moat": moat,
         "engrave": engrave,
+        "letters": letters,
     }
 )

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from camgeo.contour.nearness import least_distance
-from camgeo.toolpath.cut import AreaCut
+from camgeo.toolpath.cut import AreaCut, LetterCut
 from camgeo.toolpath.plane.track import Track
 from camgeo_export.gcode.moves import CutterMove
 
@@ -16,7 +16,7 @@ FINE = 1e-3
 """Tolerance of the walls [mm]; their proved deviation counts in favour of the program."""
 
 
-def too_near(cut: AreaCut, moves: Sequence[CutterMove]) -> float:
+def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
     """By how much [mm] the cuts among `moves` come nearer to a wall than the cutter's radius and
     the allowance; 0 if none does.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from camgeo.contour.contour import Contour
 from camgeo.contour.spline import SplineContour
 from camgeo.product.product import Product
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
+from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.toolpath.machine import Machine, load
 from camgeo.units import MM_PER
 from camgeo.verifying.linting import Bench
@@ -40,7 +40,7 @@ def measure(product: Product, data: bytes) -> float:
     gap = 0.0 if program.compensated is None else program.step
     program, rest = centred(cuts, program, machine)
     along = {cut.name: cut for cut in cuts if isinstance(cut, ContourCut)}
-    areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut)}
+    areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut | LetterCut)}
     others = {cut.name for cut in cuts} - set(along)
     loops = [loop for loop in program.loops(gap) if loop.operation not in others]
     _check_complete(cuts, program, loops)

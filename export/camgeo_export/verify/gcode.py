@@ -12,7 +12,7 @@ from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product, programs_of, sides_of
 from camgeo.reading import PROGRAM, check_text
 from camgeo.toolpath.compensation import mode_of, side_of
-from camgeo.toolpath.cut import AreaCut, ContourCut
+from camgeo.toolpath.cut import AreaCut, ContourCut, LetterCut
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.tool import CONTROL
 from camgeo.verifying.linting import Bench, LineFinding
@@ -171,7 +171,7 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
         cut.name: replace(shape, name=cut.name, deviation=partial(beyond_slack, cut), area=None)
         for cut, shape in zip(product.milled.contour_cuts, exact, strict=True)
     }
-    areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut)}
+    areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut | LetterCut)}
     others = {cut.name for cut in product.milled.cuts} - set(shapes)
     found = [loop for loop in program.loops(tolerance) if loop.operation not in others]
     loops = [(_owner(loop, shapes), loop) for loop in found]
