@@ -13,8 +13,10 @@ from camgeo.contour.nearness import least_distance
 from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
+from camgeo.part.bevels import bevelled
 from camgeo.part.boundaries import ExactBoundary, largest_radius
 from camgeo.part.engraving import ENGRAVING, Engraving
+from camgeo.part.faces import BOTH, LOWER, UPPER
 from camgeo.part.features import (
     COUNTERBORE,
     bore_boundary,
@@ -23,7 +25,7 @@ from camgeo.part.features import (
     mark_boundary,
 )
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import BOTH, LOWER, UPPER, Counterbore, Holes, Hub, PartSpec, SetScrew
+from camgeo.part.spec import Counterbore, Holes, Hub, PartSpec, SetScrew
 
 UPPER_HUB: Final = "hub"
 LOWER_HUB: Final = "lower hub"
@@ -149,11 +151,12 @@ def assembled(
         return 0.0 if spec.thickness is None or lacking else z
 
     layers = stacked(features)
-    return Part(
+    part = Part(
         tuple(
             Layer(stated(each.z0), stated(each.z1), each.boundaries, each.name) for each in layers
         )
     )
+    return part if spec.chamfers is None else bevelled(part, spec.chamfers, tolerance)
 
 
 def _hubs(hub: Hub, bottom: float) -> Iterable[Feature]:

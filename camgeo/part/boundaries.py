@@ -125,6 +125,14 @@ class CurveBoundary(Pickled):
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
+    def inset(self, distance: float, name: str) -> CurveBoundary:
+        """See `camgeo.part.part.Boundary`; its fits go into the same ledger."""
+        if any(each.distance == 0.0 for each in self.path.pivots):
+            message = f"the {self.name} has a corner, along which there is no parallel"
+            raise GeometryError(message, "part", self.name)
+        path = self.path.offset(distance if self.hole else -distance)
+        return CurveBoundary(name, self.hole, path, self.ledger)
+
     def moments(self, tolerance: float) -> Moments:
         """See `camgeo.part.part.Boundary`."""
         return path_moments(self.path, tolerance).counter_clockwise()
@@ -216,6 +224,15 @@ class ExactBoundary(Pickled):
         centre = complex((self.core or self.exact).centres[0])
         name = f"path of the cutter along the {self.name}"
         return ExactBoundary(name, self.hole, Contour.circle(radius, centre))
+
+    def inset(self, distance: float, name: str) -> ExactBoundary:
+        """See `camgeo.part.part.Boundary`; only of a circle."""
+        if self.core is not None or not self.is_round:
+            message = f"the {self.name} is not round all the way"
+            raise GeometryError(message, "part", self.name)
+        radius = self.round_radius + (distance if self.hole else -distance)
+        circle = Contour.circle(positive("part", radius, "mm"), complex(self.exact.centres[0]))
+        return ExactBoundary(name, self.hole, circle)
 
     def moments(self, tolerance: float) -> Moments:
         """In closed form, see `camgeo.part.part.Boundary`."""

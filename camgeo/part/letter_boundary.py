@@ -193,6 +193,10 @@ class LetterBoundary(Pickled):
         """GeometryError: strokes are narrower than most cutters, and their corners are sharp."""
         raise GeometryError(f"no cutter runs along the {self.name}", key="part", value=self.name)
 
+    def inset(self, distance: float, name: str) -> LetterBoundary:
+        """GeometryError: letters have corners, along which there is no smooth parallel."""
+        raise GeometryError(f"there is no chamfer along the {self.name}", key="part", value=name)
+
     def moments(self, tolerance: float) -> Moments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
         (area, of_area), (first, of_first) = _integrals(self.pieces, LOW_ORDER)

@@ -20,11 +20,13 @@ from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.outline.path import Path
 from camgeo.outline.radii import radii
+from camgeo.part.bevels import bevelled
 from camgeo.part.boundaries import ExactBoundary, numbers_of
 from camgeo.part.build import build_part
+from camgeo.part.faces import BOTH, LOWER, UPPER
 from camgeo.part.pair_spec import MAIN, RETURN, Pair
 from camgeo.part.part import OF_RETURN, Boundary, Layer, Part
-from camgeo.part.spec import BOTH, LOWER, UPPER, PartSpec
+from camgeo.part.spec import PartSpec
 from camgeo.wording import at_cam_angles
 
 SPACER: Final = "spacer"
@@ -75,12 +77,13 @@ def build_pair(
     circle = ExactBoundary(SPACER, hole=False, exact=Contour.circle(0.5 * pair.spacer))
     within = _through(circle, upper[0], lower[-1], tolerance)
     between = Layer(lower[-1].z1, upper[0].z0, (circle, *within), SPACER)
-    return Part((*lower, between, *upper))
+    whole = Part((*lower, between, *upper))
+    return whole if spec.chamfers is None else bevelled(whole, spec.chamfers, tolerance)
 
 
 def _bearing(spec: PartSpec, pair: Pair, name: str) -> PartSpec:
-    """A disc with the hub on its outer face, if there is one there."""
-    disc, hub = spec.alone(name), spec.hub
+    """A disc with the hub on its outer face, if there is one there, and with sharp edges."""
+    disc, hub = replace(spec.alone(name), chamfers=None), spec.hub
     side = UPPER if name == pair.upper else LOWER
     if hub is None or hub.side not in (side, BOTH):
         return disc

@@ -2,86 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, Final, Protocol
+from typing import Final
 
-from camgeo.contour.contour import Contour, Effort, Fit
-from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown
-from camgeo.outline.moments import Moments, SecondMoments
+from camgeo.part.bands import Band, Bevel
+from camgeo.part.boundary import Boundary as Boundary  # the name that most modules import from here
+from camgeo.part.boundary import require_boundary as require_boundary
 
 OF_RETURN: Final = "return "
 """What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
-
-
-class Boundary(Protocol):
-    """One closed boundary of the part.
-
-    Attributes
-    ----------
-    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
-        "hub", "lower hub", "mark".
-        Faces of a solid, dimensions and milling operations refer to it.
-    hole : True if the material lies outside the boundary.
-    """
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def hole(self) -> bool: ...
-
-    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
-
-    def beside(self, tolerance: float) -> Fit:
-        """Lines and arcs within `tolerance` [mm] from which distances are taken, with no library;
-        that they do not cross themselves is not shown.
-        """
-
-    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
-        """Straight pieces within `tolerance` [mm] of the exact boundary, counter-clockwise."""
-
-    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
-        """Cubic splines and arcs within `tolerance` [mm] of the exact boundary,
-        counter-clockwise.
-        """
-
-    def deviation(self, contour: Contour | SplineContour) -> float:
-        """Proved upper bound [mm] on the distance between `contour` and the exact boundary."""
-
-    def offset(self, distance: float) -> Boundary:
-        """The path of a cutter's centre at `distance` [mm], on the side without material.
-
-        A hole gives a hole. Raises GeometryError if the boundary has no such parallel curve.
-        """
-
-    def moments(self, tolerance: float) -> Moments:
-        """Area and first moments of all that it encloses, counter-clockwise.
-
-        `tolerance` is a share, see `camgeo.outline.moments.path_moments`.
-        """
-
-    def second_moments(self, tolerance: float) -> SecondMoments:
-        """Second moments of all that it encloses, counter-clockwise; see `moments`."""
-
-    def farthest(self) -> tuple[float, float | None]:
-        """Largest distance from the cam axis [mm]; of a flank, with the first cam angle [rad] at
-        which that is in contact.
-        """
-
-    def nearest(self) -> float:
-        """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
-
-
-def require_boundary(value: Any) -> None:
-    """Raise GeometryError with key "part" unless `value` has the members of a boundary."""
-    if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "offset")):
-        raise GeometryError("must be a boundary of a part", "part", shown(value))
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,15 +98,23 @@ class Level:
 class Part:
     """The part: layers from the lowest upwards, each on top of the previous one.
 
-    A boundary that extends through several layers is the same object in each.
+    A boundary that extends through several layers is the same object in each. Layers, boundaries
+    and walls have sharp edges; chamfers show in `bands` and `levels`, of which solids are made.
+
+    Attributes
+    ----------
+    layers : its sections.
+    bevels : its chamfers, each at an end of a wall.
 
     Raises
     ------
     GeometryError
-        With key "part" if there is no layer, a gap between two, or one name for two boundaries.
+        With key "part" if there is no layer, a gap between two, one name for two boundaries, or a
+        chamfer that is at no end of a wall, or higher than what is left of it.
     """
 
     layers: tuple[Layer, ...]
+    bevels: tuple[Bevel, ...] = ()
 
     def __post_init__(self) -> None:
         layers = instance("part", self.layers, tuple, "a tuple of layers")
@@ -186,6 +128,18 @@ class Part:
         if len(set(names)) < len(names):
             message = "each boundary needs its own name"
             raise GeometryError(message, key="part", value=", ".join(names))
+        if instance("part", self.bevels, tuple, "a tuple of chamfers"):
+            self._require_ends()
+
+    def _require_ends(self) -> None:
+        """GeometryError unless each chamfer is at an end of a wall, and leaves some of it."""
+        ends = ((wall, upper) for wall in self.walls for upper in (False, True))
+        if sum(self._bevel(wall, upper=upper) is not None for wall, upper in ends) < len(
+            self.bevels
+        ):
+            raise GeometryError("each chamfer must be at an end of a wall", key="part")
+        if any(band.z0 >= band.z1 for band in self.bands):
+            raise GeometryError("chamfers must leave some of a wall", key="part")
 
     @property
     def boundaries(self) -> tuple[Boundary, ...]:
@@ -222,11 +176,16 @@ class Part:
         """From the lowest to the highest face [mm]; 0 if the scene gives none."""
         return self.layers[-1].z1 - self.layers[0].z0
 
+    @property
+    def sharp(self) -> Part:
+        """The same part without chamfers."""
+        return replace(self, bevels=()) if self.bevels else self
+
     def lowered(self) -> Part:
-        """The same part with its highest face at height 0."""
+        """The same part with its highest face at height 0, and without chamfers."""
         high = self.layers[-1].z1
         if not high:
-            return self
+            return self.sharp
         layers = (replace(each, z0=each.z0 - high, z1=each.z1 - high) for each in self.layers)
         return Part(tuple(layers))
 
@@ -243,7 +202,9 @@ class Part:
 
     @property
     def walls(self) -> tuple[Wall, ...]:
-        """The upright faces, boundary by boundary; a wall continues through layers."""
+        """The upright faces with sharp edges, boundary by boundary; a wall continues through
+        layers.
+        """
         found: list[Wall] = []
         for boundary in self.boundaries:
             there = [boundary in layer.boundaries for layer in self.layers]
@@ -252,6 +213,52 @@ class Part:
                 if runs:
                     found.append(Wall(boundary, run[0].z0, run[-1].z1))
         return tuple(found)
+
+    def _bevel(self, wall: Wall, *, upper: bool) -> Bevel | None:
+        """The chamfer at an end of a wall."""
+        z = wall.z1 if upper else wall.z0
+        for each in self.bevels:
+            if (each.z, each.upper) == (z, upper) and each.boundary == wall.boundary:
+                return each
+        return None
+
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """The upright faces and the chamfers at their ends, wall by wall, from below."""
+        found: list[Band] = []
+        for wall in self.walls:
+            own, z0, z1 = wall.boundary, wall.z0, wall.z1
+            lower, upper = self._bevel(wall, upper=False), self._bevel(wall, upper=True)
+            if lower is not None:
+                z0 = lower.foot
+                found.append(Band(own, lower.edge, own, wall.z0, z0, lower.width))
+            if upper is not None:
+                z1 = upper.foot
+            found.append(Band(own, own, own, z0, z1))
+            if upper is not None:
+                found.append(Band(own, own, upper.edge, z1, wall.z1, upper.width))
+        return tuple(found)
+
+    @property
+    def outlines(self) -> tuple[Boundary, ...]:
+        """The edges of all bands, each once: the boundaries, and behind them those of chamfers."""
+        found = list(self.boundaries)
+        for each in self.bevels:
+            if each.edge not in found:
+                found.append(each.edge)
+        return tuple(found)
+
+    def _edges(
+        self, boundaries: tuple[Boundary, ...], z: float, *, upper: bool
+    ) -> Iterator[Boundary]:
+        """What bounds the flat faces at a height where walls end, `upper`, or begin."""
+        for each in boundaries:
+            own = (
+                bevel.edge
+                for bevel in self.bevels
+                if (bevel.z, bevel.upper) == (z, upper) and bevel.boundary == each
+            )
+            yield next(own, each)
 
     def require_heights(self) -> None:
         """Raise GeometryError with the key of a height that the scene does not give.
@@ -278,8 +285,8 @@ class Part:
                 raise GeometryError(f"{what}: its faces would be one", key=key)
 
     def turned_over(self) -> Part:
-        """The same part upside down, its lower face at height 0: the boundaries are the same in X
-        and Y, heights are reflected.
+        """The same part upside down, its lower face at height 0, without chamfers: the boundaries
+        are the same in X and Y, heights are reflected.
         """
         low = self.layers[0].z0
         layers = (replace(each, z0=low - each.z1, z1=low - each.z0) for each in self.layers)
@@ -304,4 +311,14 @@ class Part:
                     name = f"{side} face of the {called}"
             if ends or begins:
                 found.append(Level(name, upper.z0, ends, begins))
-        return (*found, Level("upper face", last.z1, last.boundaries, ()))
+        found.append(Level("upper face", last.z1, last.boundaries, ()))
+        if not self.bevels:
+            return tuple(found)
+        return tuple(
+            replace(
+                each,
+                below=tuple(self._edges(each.below, each.z, upper=True)),
+                above=tuple(self._edges(each.above, each.z, upper=False)),
+            )
+            for each in found
+        )

@@ -11,21 +11,16 @@ from typing import Annotated, Any, Final, Self
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Angle, AnySize, Length
 from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, whole
+from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
+from camgeo.part.faces import SIDES, UPPER
 from camgeo.part.keyways import din_6885_1
 from camgeo.part.materials import density_of
 from camgeo.part.pair_spec import Pair
 from camgeo.units import TURN
 
-UPPER: Final = "upper"
-LOWER: Final = "lower"
-BOTH: Final = "both"
-
 MOST_HOLES: Final = 100
 """On one circle."""
-
-SIDES: Final = (UPPER, LOWER, BOTH)
-"""Faces of the disc on which a hub stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +247,7 @@ class PartSpec:
         then the pair's.
     density : of the whole part [t/mm^3]; its shape does not depend on it.
     engraving : texts in the upper face of the disc, less deep than the disc is thick.
+    chamfers : of edges; None for none.
 
     Raises
     ------
@@ -276,6 +272,7 @@ class PartSpec:
     pair: Pair | None = None
     density: AnySize | None = None
     engraving: tuple[Engraving, ...] = ()
+    chamfers: Chamfers | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, "part.")
@@ -365,4 +362,7 @@ def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
             given[name] = Keyway.by_standard(given["bore"], **own)
         else:
             given[name] = made(**own)
+    if "chamfers" in given:
+        stated = {name: Chamfer(**each) for name, each in given["chamfers"].items()}
+        given["chamfers"] = Chamfers(**stated)
     return PartSpec(**given)

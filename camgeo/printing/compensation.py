@@ -86,7 +86,18 @@ def _scaled(part: Part, xy: float, z: float) -> Part:
         boundaries = tuple(known[each.name] for each in layer.boundaries)
         return Layer(z * layer.z0, z * layer.z1, boundaries, layer.name)
 
-    return Part(tuple(larger(each) for each in part.layers))
+    bevels = tuple(
+        replace(
+            each,
+            boundary=known[each.boundary.name],
+            edge=scaled(each.edge, xy),
+            width=xy * each.width,
+            height=z * each.height,
+            z=z * each.z,
+        )
+        for each in part.bevels
+    )
+    return Part(tuple(larger(each) for each in part.layers), bevels)
 
 
 def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
@@ -95,6 +106,9 @@ def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
     part.require_heights()
     room = lowest.z1 - lowest.z0
     key = "print.elephant_foot"
+    if any(each.z == lowest.z0 for each in part.bevels):
+        message = "edges of the lowest face have chamfers: state upper ones only, or no such foot"
+        raise GeometryError(message, key=key)
     if foot.height >= room:
         message = f"must be less than the height of the lowest layer, {room:.6g} mm"
         raise GeometryError(message, key=f"{key}.height", value=f"{foot.height:g}")
@@ -116,7 +130,7 @@ def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
             raise GeometryError(message, key=f"{key}.inset", value=f"{foot.inset:g}") from None
         layers.append(Layer(low, high, drawn, FOOT))
     rest = replace(lowest, z0=heights[-1])
-    return Part((*layers, rest, *others))
+    return replace(part, layers=(*layers, rest, *others))
 
 
 def _within(boundary: Boundary, distance: float, name: str, scale: float) -> Boundary:

@@ -95,6 +95,10 @@ class ScaledBoundary(Pickled):
         """See `camgeo.part.part.Boundary`."""
         return ScaledBoundary(self.unscaled.offset(distance / self.factor), self.factor)
 
+    def inset(self, distance: float, name: str) -> ScaledBoundary:
+        """See `camgeo.part.part.Boundary`."""
+        return ScaledBoundary(self.unscaled.inset(distance / self.factor, name), self.factor)
+
     def moments(self, tolerance: float) -> Moments:
         """See `camgeo.part.part.Boundary`."""
         own, by = self.unscaled.moments(tolerance), self.factor

@@ -246,6 +246,9 @@ class MilledDisc(Pickled):
         found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
         told = [each for each in self.sequence.findings if each.name not in names]
+        if edges := self._sharp_edges():
+            sentence = f"no operation makes the chamfers of {', '.join(edges)}"
+            told.append(Finding("chamfers", "warning", sentence))
         if low := self._low_change():
             told.append(Finding("tool-change-height", "warning", low))
         if len(self._groups) > 1:
@@ -255,6 +258,16 @@ class MilledDisc(Pickled):
             )
             told.append(Finding("programs", "warning", sentence))
         return (*told, *found)
+
+    def _sharp_edges(self) -> tuple[str, ...]:
+        """The walls whose edges this side leaves sharp against what the part states."""
+        made = {cut.name for cut in self.sequence.cuts}
+        edges = (
+            each.boundary.name
+            for each in self.drawn.part.bevels
+            if each.upper == (self.first is None) or (self.first is None and self.second is None)
+        )
+        return tuple(name for name in dict.fromkeys(edges) if f"chamfer {name}" not in made)
 
     def _low_change(self) -> str:
         """That tools are changed close above the part, by nobody's wish; empty if not."""

@@ -83,6 +83,26 @@ def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
             yield (*place, "turn"), "contradicts tops, which says the same"
 
 
+def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
+    """Chamfers are along what there is, and of a part whose heights are stated."""
+    place = ("part", "chamfers")
+    if not values.has(*place):
+        return
+    if values.lacks("part", "thickness"):
+        yield place, "needs [part] thickness"
+    for key in ("rim", "bore", "hub", "bolt_circle", "lightening_holes"):
+        if values.has(*place, key) and values.lacks("part", key):
+            yield (*place, key), f"needs [part] {key}"
+    contact = values.contact
+    grooved = contact is not None and contact.closed_by_form
+    if grooved and values.has(*place, "outline") and values.lacks("part", "groove_depth"):
+        yield (*place, "outline"), "needs [part] groove_depth"
+    for key in ("keyway", "d_shaft"):
+        if values.has(*place, "bore") and values.has("part", key):
+            message = f"is of round bores only, and this one has a {key.replace('_', '-')}"
+            yield (*place, "bore"), f"{message}; its edges are to be broken by hand"
+
+
 def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:
     """By width and depth, or by a standard that has the bore."""
     place = ("part", "keyway")

@@ -13,7 +13,11 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.keys import Path
-from camgeo.scene.part_rules import contact_and_part_agree, part_is_possible
+from camgeo.scene.part_rules import (
+    chamfers_have_edges,
+    contact_and_part_agree,
+    part_is_possible,
+)
 from camgeo.scene.print_rules import print_suits_the_part
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
 from camgeo.scene.valid_values import Broken, ValidValues
@@ -356,6 +360,7 @@ RULES: Final[tuple[Rule, ...]] = (
     roller_is_possible,
     part_is_possible,
     print_suits_the_part,
+    chamfers_have_edges,
     a_mass_is_known,
     tolerance_is_possible,
 )

@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 
 from camgeo.formats.drawing import DrawingSpec
+from camgeo.part.faces import LOWER
 from camgeo.part.pair_spec import MAIN
-from camgeo.part.spec import LOWER, PartSpec
+from camgeo.part.spec import PartSpec
 from camgeo.product.product import Product
 from camgeo.product.relation import ANGLE
 from camgeo.sheet.lettering import wrapped

@@ -131,6 +131,10 @@ class CircleBoundary:
     def offset(self, distance: float) -> CircleBoundary:
         return replace(self, radius=self.radius + (-distance if self.hole else distance))
 
+    def inset(self, distance: float, name: str) -> CircleBoundary:
+        radius = self.radius + (distance if self.hole else -distance)
+        return replace(self, name=name, radius=radius)
+
 
 def there_and_back(stroke: float) -> plan.MotionPlan:
     """By `stroke` [mm or rad] in half a turn, and back in the other half."""

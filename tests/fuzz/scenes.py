@@ -253,7 +253,14 @@ def features(rng: Random, radius: float) -> dict[str, Any]:
         "engraving": lambda: [text() for _ in range(rng.choice((1, 1, 2)))],
     }
     chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
-    return {name: makers[name]() for name in chosen}
+    found = {name: makers[name]() for name in chosen}
+    if rng.random() < 0.3:
+        edged = sorted({"outline", "bore", "hub", "bolt_circle"} & {"outline", "bore", *found})
+        found["chamfers"] = {
+            name: {"width": size(0.001, 0.08), "edges": rng.choice(("upper", "lower", "both"))}
+            for name in rng.sample(edged, rng.randint(1, len(edged)))
+        }
+    return found
 
 
 def printing(rng: Random) -> dict[str, Any]:

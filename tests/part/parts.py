@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Final
 
 from hypothesis import strategies as st
@@ -16,8 +16,10 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan
 from camgeo.outline.path import whole
 from camgeo.part.build import build_part
+from camgeo.part.chamfers import Chamfer, Chamfers
+from camgeo.part.faces import SIDES
 from camgeo.part.part import Part
-from camgeo.part.spec import SIDES, Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.contour.cams import dwell, move
 
 ROLLER: Final = 8.0
@@ -69,6 +71,13 @@ def _bolts(draw: st.DrawFn) -> Holes:
         return holes
     wide = holes.hole * draw(_share(1.05, 2.5))
     return replace(holes, counterbore=Counterbore(wide, draw(_share(0.2, 8.0))))
+
+
+@st.composite
+def chamfers(draw: st.DrawFn) -> Chamfers:
+    """Of edges that a part may have or not."""
+    some = st.none() | st.builds(Chamfer, _share(0.2, 6.0), st.sampled_from(SIDES))
+    return Chamfers(**{field.name: draw(some) for field in fields(Chamfers)})
 
 
 @st.composite

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from camgeo.cam.contact import Contact
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.mass import solid
 from camgeo.part.part import Part
 from camgeo.part.spec import DShaft, Holes, Hub, Keyway, PartSpec
@@ -161,3 +162,22 @@ def test_all_at_once() -> None:
     assert disc.boundaries[1].nearest() == pytest.approx(10.15 / 0.99)
     assert foot.boundaries[1].nearest() == pytest.approx(10.15 / 0.99 + 0.25)
     assert math.isclose(disc.z1, 0.0)
+
+
+def test_chamfers_are_scaled_with_the_part() -> None:
+    """Also where they are no longer of 45 degrees; upper ones stay above a foot."""
+    edges = Chamfers(outline=Chamfer(1.0, "upper"), bore=Chamfer(0.5, "upper"))
+    part = made(Contact.INNER, replace(DISC, chamfers=edges))
+    spec = PrintSpec(shrinkage=Shrinkage(xy=2.0, z=1.0))
+    stretched, xy, z = compensated(part, spec), spec.scale_xy, spec.scale_z
+    assert stretched.thickness == pytest.approx(10.0 * z)
+    assert solid(stretched).volume == pytest.approx(xy**2 * z * solid(part).volume, rel=1e-12)
+    footed = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
+    assert footed.bevels == part.bevels
+
+
+def test_a_foot_is_not_drawn_in_where_there_are_chamfers() -> None:
+    part = made(Contact.INNER, replace(DISC, chamfers=Chamfers(outline=Chamfer(1.0))))
+    with pytest.raises(GeometryError, match="edges of the lowest face have chamfers") as caught:
+        compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
+    assert caught.value.key == "print.elephant_foot"

@@ -10,7 +10,11 @@ from camgeo.part.part import Part
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.matching import deviation
+from camgeo_export.verify.bevels import contours_of, slopes_of, sloping
 from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright
+
+SAME = 1e-6
+"""Share of its size by which the heights of the edges of a chamfer may be rounded in a file."""
 
 
 def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
@@ -18,7 +22,7 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     in height.
 
     `vertices` (n, 3) [mm] and `triangles` (m, 3) as in the file. Raises FileError unless
-    they form one closed, outward oriented body with upright walls between flat faces.
+    they form one closed, outward oriented body of flat faces, upright walls and chamfers.
     """
     try:
         wanted = part.levels
@@ -29,7 +33,10 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     vertices, triangles = merged(vertices, triangles)
     corners = vertices[triangles]
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
-    for check in (*solid_checks(vertices, triangles), upright(corners[~flat])):
+    slopes = slopes_of(part)
+    numbers = np.where(flat, -1, sloping(corners, slopes, SAME * (1.0 + np.abs(vertices).max())))
+    walls = upright(corners[~flat & (numbers < 0)])
+    for check in (*solid_checks(vertices, triangles), walls):
         if not check.ok:
             raise FileError(f"the mesh fails the check '{check.name}': {check.note}")
     heights = sorted(set(corners[flat][:, 0, 2].tolist()))
@@ -41,4 +48,8 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
         contours = [polygon(vertices[loop]) for loop in border_loops(level)]
         off = abs(height - (exact.z - wanted[0].z))
         largest = max(largest, off, deviation(contours, exact.boundaries))
+    for number, slope in enumerate(slopes):
+        found = contours_of(vertices, triangles[numbers == number])
+        for place, contours in enumerate(found):
+            largest = max(largest, deviation(contours, slope.edges(place)))
     return largest

@@ -1,7 +1,9 @@
 """The part as a closed body of triangles: boundaries extruded along Z, layer by layer.
 
 All faces are flat at a few heights, so the body is built directly from its polygons: every vertex
-remains the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.)
+remains the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.) A chamfer
+is a band between the polygon of its wall and the parallel of that polygon, vertex by vertex, so its
+facets are flat in pairs and as many as those of an upright wall.
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ import manifold3d
 import numpy as np
 import shapely
 
-from camgeo.errors import FileError, ToleranceError
+from camgeo.contour.contour import Contour
+from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Level, Part
 from camgeo.reading import FACETS
@@ -26,6 +29,14 @@ the slack of the bound by which it is measured."""
 
 LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
+
+NARROWEST = 4.0
+"""Least width of a chamfer, in tolerances."""
+
+LEAST_OF_CHAMFERS = 1e-3
+"""The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
+a larger radius, and chords that are off by more.
+"""
 
 TILT, TOWARDS = 0.25, np.exp(1.0j)
 """Tilt of a face that is triangulated, and the direction [rad] in which it recedes: an axis of
@@ -58,25 +69,44 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     if the body would have more facets than `camgeo.reading` allows.
     """
     part.require_steps(tolerance)
-    levels = part.levels
-    rings = {each.name: _ring(each, tolerance, rounding) for each in part.boundaries}
-    _limit(sum(2 * len(rings[wall.boundary.name]) for wall in part.walls), "at least ")
+    levels, bands = part.levels, part.bands
+    require_wide(part, tolerance)
+    rings: dict[str, ComplexArray] = {}
+    for each in part.boundaries:
+        rings |= _rings(each, part, tolerance, rounding)
+    _limit(sum(2 * len(rings[band.wall.name]) for band in bands), "at least ")
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
-    for heights, walls in groupby(part.walls, lambda wall: (wall.z0, wall.z1)):
-        names = [wall.boundary.name for wall in walls]
-        for z in heights:
-            height = float(rounding(np.array(z - levels[0].z)))
-            indices = mesh.level([rings[name] for name in names], height)
-            corners |= {(name, z): ring for name, ring in zip(names, indices, strict=True)}
+    for _, group in groupby(bands, lambda band: (band.z0, band.z1)):
+        same = list(group)
+        for lower in (True, False):
+            ends = [(band.lower.name, band.z0) if lower else (band.upper.name, band.z1)
+                    for band in same]  # fmt: skip
+            new = [end for end in ends if end not in corners]  # a chamfer has some of its wall
+            if not new:
+                continue
+            height = float(rounding(np.array(new[0][1] - levels[0].z)))
+            indices = mesh.level([rings[name] for name, _ in new], height)
+            corners |= dict(zip(new, indices, strict=True))
     lowest, *others = levels
     mesh.faces_of(lowest, rings, corners)
-    for wall in part.walls:
-        name = wall.boundary.name
-        mesh.wall(corners[name, wall.z0], corners[name, wall.z1])
+    for band in bands:
+        mesh.wall(corners[band.lower.name, band.z0], corners[band.upper.name, band.z1])
     for level in others:
         mesh.faces_of(level, rings, corners)
     return mesh.close()
+
+
+def require_wide(part: Part, tolerance: float) -> None:
+    """Raise GeometryError if a solid within the tolerance [mm] might as well lack a chamfer."""
+    for bevel in part.bevels:
+        if bevel.width < NARROWEST * tolerance:
+            raise GeometryError(
+                f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide,"
+                f" {NARROWEST * tolerance:g} mm, to show in a solid",
+                key="part.chamfers",
+                value=f"{bevel.width:g}",
+            )
 
 
 def _limit(facets: int, least: str = "") -> None:
@@ -88,22 +118,50 @@ def _limit(facets: int, least: str = "") -> None:
         )
 
 
-def _ring(boundary: Boundary, tolerance: float, rounding: Rounding) -> ComplexArray:
-    """(n,) complex [mm] polygon of the boundary in the file's precision, material on its left."""
+def _rings(
+    boundary: Boundary, part: Part, tolerance: float, rounding: Rounding
+) -> dict[str, ComplexArray]:
+    """(n,) complex [mm] polygons of the boundary and of the edges of its chamfers, by their names,
+    in the file's precision, material on their left.
+    """
+    edges = {each.edge.name: each for each in part.bevels if each.boundary == boundary}
     share = FIT_SHARE * tolerance
     while True:
         fit = boundary.polyline(share)
         exact = fit.contour.vertices
-        points = rounding(exact.real) + 1j * rounding(exact.imag)
-        moved = float(abs(points - exact).max())
-        if fit.deviation + moved <= tolerance:
+        outlines = {boundary.name: exact}
+        off = {boundary.name: fit.deviation}
+        for name, bevel in edges.items():
+            # Counter-clockwise, so a hole has its material on the right.
+            by = -bevel.width if boundary.hole else bevel.width
+            outlines[name] = _parallel(exact, by)
+            off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
+        points = {name: rounding(each.real) + 1j * rounding(each.imag)
+                  for name, each in outlines.items()}  # fmt: skip
+        moved = max(float(abs(points[name] - each).max()) for name, each in outlines.items())
+        largest = max(off.values())
+        if largest + moved <= tolerance:
             break
-        share = (tolerance - moved) * FIT_SHARE
-        if share < LEAST_SHARE * tolerance:
+        left = tolerance - moved
+        share = FIT_SHARE * min(left, share * left / largest)
+        if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_OF_CHAMFERS * tolerance:
             message = f"the numbers of the format are too coarse for the {boundary.name}"
             raise ToleranceError(message, tolerance, moved / (1.0 - LEAST_SHARE))
-    polygon: ComplexArray = points[points != np.roll(points, 1)]
-    return polygon[::-1] if boundary.hole else polygon
+    kept = np.all([each != np.roll(each, 1) for each in points.values()], axis=0)
+    polygons = {name: each[kept] for name, each in points.items()}
+    return {name: each[::-1] if boundary.hole else each for name, each in polygons.items()}
+
+
+def _parallel(polygon: ComplexArray, by: float) -> ComplexArray:
+    """The polygon whose sides lie `by` [mm] to the left of those of a counter-clockwise one."""
+    sides = np.roll(polygon, -1) - polygon
+    normals = 1j * sides / np.abs(sides)
+    before = np.roll(normals, 1)
+    # Both sides at a vertex move by as much along their normals.
+    found: ComplexArray = polygon + by * (before + normals) / (
+        1.0 + (before * np.conj(normals)).real
+    )
+    return found
 
 
 def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from camgeo.contour.spline import Arc
+from camgeo.errors import GeometryError
 from camgeo.formats.step import FORMAT
 from camgeo.part.part import Part
 from camgeo.product.product import Product, bodies_of, title_of
@@ -41,6 +42,8 @@ class StepWriter:
         """
         part = product.drawn.part
         part.require_steps(tolerance)
+        if part.bevels:
+            raise GeometryError("a STEP file has sharp edges only", key="part.chamfers")
         rings = {each.name: ring_of(each, product, tolerance) for each in part.boundaries}
         _limit(sum(len(rings[wall.boundary.name].strands) for wall in part.walls))
         file = Entities()

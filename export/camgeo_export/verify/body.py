@@ -1,10 +1,10 @@
-"""A mesh compared with the part: closed, upright, its heights, its boundaries, its volume."""
+"""A mesh compared with the part: closed, its walls, heights, boundaries, chamfers and volume."""
 
 from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -18,7 +18,9 @@ from camgeo.product.product import Product
 from camgeo.reading import COORDINATE
 from camgeo.verifying.verification import Check, failed, near, reported
 from camgeo.wording import counted
+from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
+from camgeo_export.verify.bevels import Slope, contours_of, slopes_of, sloping
 from camgeo_export.verify.mesh import (
     border_loops,
     levels_of,
@@ -30,6 +32,9 @@ from camgeo_export.verify.mesh import (
 )
 from camgeo_export.verify.plane import contour_checks, matched
 from camgeo_export.verify.shapes import Shape, shapes_of
+
+PLACES = ("lower edge", "half way up", "upper edge")
+"""Where a chamfer is compared."""
 
 
 def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -> list[Check]:
@@ -91,14 +96,44 @@ def checks_of_body(
     corners = vertices[triangles]
     levels, ranges = levels_of(corners[:, :, 2], tolerance)
     flat: BoolArray = (levels == levels[:, :1]).all(axis=1)
-    checks.append(upright(corners[~flat], tolerance))
-    numbers = np.where(flat, levels[:, 0], -1)
+    slopes = slopes_of(part)
+    leaning = np.where(flat, -1, sloping(corners, slopes, tolerance))
+    checks.append(upright(corners[~flat & (leaning < 0)], tolerance))
+    # Where a chamfer meets its wall there is no flat face.
+    feet = [z for slope in slopes for z in (slope.z0, slope.z1)]
+    bare: BoolArray = np.any(np.abs(ranges[:, :1] - feet) <= tolerance, axis=1)
+    bare[levels[flat, 0]] = False
+    numbers = np.where(flat, (np.cumsum(~bare) - 1)[levels[:, 0]], -1)
+    ranges = ranges[~bare]
 
     def contours(number: int) -> list[AnyContour]:
         return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
 
     found = volume(vertices, triangles)
-    return checks + level_checks(part, extent, ranges, contours, found, tolerance)
+    checks += level_checks(part, extent, ranges, contours, found, tolerance)
+    facets = [triangles[leaning == number] for number in range(len(slopes))]
+    return checks + list(_slope_checks(extent, vertices, facets, slopes, tolerance))
+
+
+def _slope_checks(
+    extent: float,
+    vertices: FloatArray,
+    facets: Sequence[IntArray],
+    slopes: Sequence[Slope],
+    tolerance: float,
+) -> Iterator[Check]:
+    """The edges of chamfers and their sections half way up, against the part."""
+    for slope, own in zip(slopes, facets, strict=True):
+        try:
+            found = list(contours_of(vertices, own))
+        except FileError as error:
+            yield failed("deviation", str(error), slope.name)
+            return
+        for place, contours in enumerate(found):
+            boundaries = slope.edges(place)
+            shapes = shapes_of(boundaries, extent, tolerance)
+            where = f"{PLACES[place]} of the {slope.name}"
+            yield from _level_checks(partial(list, contours), shapes, tolerance, 0.0, where, {})
 
 
 def level_checks(
@@ -127,7 +162,7 @@ def level_checks(
         note = f"flat faces at {counted(len(ranges), 'height')}, not at {len(wanted)}: "
         note += ", ".join(level.name for level in wanted)
         return [failed("height", note)]
-    shapes = shapes_of(part.boundaries, extent, tolerance)
+    shapes = shapes_of(part.outlines, extent, tolerance)
     by_name = {shape.name: shape for shape in shapes}
     done: dict[tuple[str, bytes], None] = {}
     checks = []
@@ -177,10 +212,16 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
     if any(shape.area is None for shape in shapes.values()):
         return []
     volumes, faces = [], []
-    for wall in part.walls:
-        height = wall.z1 - wall.z0
-        volumes.append(_area((wall.boundary,), shapes) * height)
-        faces.append(shapes[wall.boundary.name].length * height)
+    for band in part.bands:
+        height = band.z1 - band.z0
+        ends = [_area((each,), shapes) for each in (band.lower, band.upper)]
+        between = 0.5 * (ends[0] + ends[1])
+        if not band.is_upright:
+            # The parallel of a smooth curve encloses A(t) with A'' = 2 pi.
+            between -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])
+        volumes.append(between * height)
+        slant = math.hypot(height, band.width)
+        faces.append(max(shapes[each.name].length for each in (band.lower, band.upper)) * slant)
     faces += [abs(_area(each.below, shapes) - _area(each.above, shapes)) for each in part.levels]
     exact, allowed = math.fsum(volumes), tolerance * math.fsum(faces)
     return [near("volume", volume, exact, allowed, "mm^3")]

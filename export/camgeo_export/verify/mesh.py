@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.verifying.verification import Check, failed
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
@@ -72,17 +72,25 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     return checks
 
 
-def upright(corners: FloatArray, within: float = 0.0) -> Check:
-    """Each facet that is not flat must have an edge that is vertical, `within` a length [mm]."""
+def upright_facets(corners: FloatArray, within: float = 0.0) -> BoolArray:
+    """(m,) whether facets (m, 3, 3) have a vertical edge, `within` a length [mm]."""
     plane = corners[:, :, 0] + 1j * corners[:, :, 1]
     steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
     # A short edge of a flat border is not one.
     steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
-    upright = steep.any(axis=1)
-    if upright.all():
+    found: BoolArray = steep.any(axis=1)
+    return found
+
+
+def upright(corners: FloatArray, within: float = 0.0) -> Check:
+    """Each facet that is neither flat nor of a chamfer must have an edge that is vertical, `within`
+    a length [mm].
+    """
+    found = upright_facets(corners, within)
+    if found.all():
         return Check("walls", "", "upright", ok=True)
-    first = corners[int(np.argmin(upright))].mean(axis=0)
-    count = counted(int(np.count_nonzero(~upright)), "facet")
+    first = corners[int(np.argmin(found))].mean(axis=0)
+    count = counted(int(np.count_nonzero(~found)), "facet")
     return failed("walls", f"{count} neither flat nor upright, one near {point_text(first)} mm")
 
 
