@@ -17,6 +17,9 @@ from camgeo.part.boundary import require_boundary as require_boundary
 OF_RETURN: Final = "return "
 """What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
 
+NARROWEST: Final = 4.0
+"""Least width of a chamfer in a solid, in tolerances."""
+
 
 @dataclass(frozen=True, slots=True)
 class Layer:
@@ -273,8 +276,9 @@ class Part:
                 raise GeometryError(f"a solid needs {key}", key=key)
 
     def require_steps(self, tolerance: float) -> None:
-        """Raise GeometryError, with its key if it is the thickness, for a height within `tolerance`
-        [mm], whose faces no file of that tolerance tells apart; and like `require_heights`.
+        """Raise GeometryError for a height within `tolerance` [mm], whose faces no file of that
+        tolerance tells apart, with its key if it is the thickness, and for a chamfer that is not
+        clearly larger; and like `require_heights`.
         """
         self.require_heights()
         for layer in self.layers:
@@ -283,6 +287,12 @@ class Part:
                 key = "part.thickness" if self.thickness <= tolerance else "part"
                 what = f"a solid within {tolerance:g} mm has no layer of {height:g} mm"
                 raise GeometryError(f"{what}: its faces would be one", key=key)
+        least = NARROWEST * tolerance
+        for bevel in self.bevels:
+            if min(bevel.width, bevel.height) < least:
+                what = f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide"
+                message = f"{what}, {least:g} mm, to show in a solid"
+                raise GeometryError(message, key="part.chamfers", value=f"{bevel.width:g}")
 
     def turned_over(self) -> Part:
         """The same part upside down, its lower face at height 0, without chamfers: the boundaries

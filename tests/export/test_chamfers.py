@@ -4,25 +4,42 @@ from __future__ import annotations
 
 import io
 import math
+import re
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 import trimesh
 
+import camgeo
+from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.bands import Bevel
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.boundary import Boundary
 from camgeo.part.mass import solid
 from camgeo.part.part import Layer, Part
+from camgeo.units import LengthUnit
+from camgeo.verifying.verification import Reading
 from camgeo.writing.writer import Writer
 from camgeo_export.errors import FileError
+from camgeo_export.part21.curves import Cone
+from camgeo_export.part21.model import Model
+from camgeo_export.part21.solid import solid_of
+from camgeo_export.part21.text import exchange_of
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
+from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import body_checks
+from camgeo_export.verify.inclined import is_inclined
+from camgeo_export.verify.shell import bounds_of, volume_of
+from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
+from tests.effects.scenes import design
 from tests.export.test_solids import PartProduct
+from tests.export.verified import faults
 from tests.part.test_mass import circle
 
 OUTLINE = circle("outline", 30.0, complex(0.0, -5.0))
@@ -133,3 +150,99 @@ def test_chamfers_that_the_tolerance_may_hide_are_refused() -> None:
     with pytest.raises(GeometryError, match=r"at least 4 tolerances wide, 0\.8 mm") as caught:
         STL.write(PRODUCT, 0.2)
     assert caught.value.key == "part.chamfers"
+
+
+@dataclass(frozen=True, slots=True)
+class Stadium(ExactBoundary):
+    """A slot with round ends, 20 mm from centre to centre: its parallels are such slots."""
+
+    def inset(self, distance: float, name: str) -> Stadium:
+        radius = float(self.exact.radii[1]) + (distance if self.hole else -distance)
+        return stadium(name, radius, hole=self.hole)
+
+
+def stadium(name: str, radius: float, *, hole: bool) -> Stadium:
+    ends = np.array([-10.0, 10.0, 10.0, -10.0], dtype=np.complex128)
+    sides = radius * np.array([-1j, -1j, 1j, 1j])
+    centres = np.array([0.0, 10.0, 0.0, -10.0], dtype=np.complex128)
+    return Stadium(name, hole, Contour(ends + sides, np.array([0.0, math.pi] * 2), centres))
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_step_files_have_cones(unit: LengthUnit) -> None:
+    product = replace(PRODUCT, unit=unit)
+    written = STEP.write(product, TOLERANCE)
+    assert STEP.measure(product, written.data) <= TOLERANCE
+    assert faults(STEP_VERIFIER, product, written.data) == []
+    assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
+    read = solid_of(Model.of(exchange_of(written.data)))
+    leaning = [face for face in read.faces if is_inclined(face)]
+    assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
+    assert all(isinstance(face.surface, Cone) for face in leaning)
+    assert (written.facts["faces"], written.facts["cones"]) == (12, 6)
+    assert len(read.faces) == 12
+    assert volume_of(bounds_of(read), read.faces) == pytest.approx(VOLUME, rel=1e-12)
+
+
+def test_step_files_have_inclined_planes_on_lines() -> None:
+    around, slot = stadium("outline", 25.0, hole=False), stadium("bore", 8.0, hole=True)
+    part = Part(
+        (Layer(-8.0, 0.0, (around, slot)),),
+        tuple(
+            bevel(each, width, z, upper=z == 0.0)
+            for each, width in ((around, 0.5), (slot, 1.0))
+            for z in (0.0, -8.0)
+        ),
+    )
+    product = PartProduct(given=part)
+    written = STEP.write(product, TOLERANCE)
+    assert STEP.measure(product, written.data) <= TOLERANCE
+    assert faults(STEP_VERIFIER, product, written.data) == []
+    counts = [written.facts[kind] for kind in ("faces", "cylinders", "cones", "planes")]
+    assert counts == [26, 4, 8, 14]
+    assert written.facts["volume_mm3"] == pytest.approx(solid(part).volume, rel=1e-12)
+    made = body(part, TOLERANCE, lambda values: values)
+    assert measure(part, made.vertices, made.triangles) <= TOLERANCE
+
+
+def test_step_files_cannot_have_chamfers_along_splines() -> None:
+    base = design("plate_translating", "").scene
+    keys = {"part.thickness": 8, "part.chamfers": {"outline": {"width": 0.5}},
+            "output.step": {"walls": "spline"}}  # fmt: skip
+    with pytest.raises(GeometryError, match="parallel of a spline") as caught:
+        STEP.write(camgeo.Design(base.with_values(keys)).disc, TOLERANCE)
+    assert caught.value.key == "output.step.walls"
+
+
+@pytest.mark.parametrize(
+    ("kind", "pattern", "new", "fault"),
+    [
+        ("radius", rb"(CONICAL_SURFACE\('',#\d+,)29\.5", rb"\g<1>29.6", "uncertainty"),
+        ("angle", rb"(CONICAL_SURFACE\('',#\d+,[^,]*),0\.785\d*", rb"\g<1>,0.7", "uncertainty"),
+        ("sense", rb"(ADVANCED_FACE\('chamfer of the bore',[^)]*\),#\d+,)\.F\.", rb"\g<1>.T.",
+         "walls"),
+        ("name", rb"'chamfer of the bore'", rb"'bore'", "contents"),
+    ],
+)  # fmt: skip
+def test_faults_of_cones_are_found(kind: str, pattern: bytes, new: bytes, fault: str) -> None:
+    data = STEP.write(PRODUCT, TOLERANCE).data
+    changed, count = re.subn(pattern, new, data)
+    assert count, kind
+    assert fault in {check.name for check in faults(STEP_VERIFIER, PRODUCT, changed)}
+    with pytest.raises(FileError):
+        STEP.measure(PRODUCT, changed)
+
+
+def test_a_step_file_of_other_chamfers_is_refused() -> None:
+    data = STEP.write(PRODUCT, TOLERANCE).data
+    sharp = PartProduct(given=PART.sharp)
+    wide = PartProduct(
+        given=Part(PART.layers, (*PART.bevels[:2], bevel(BORE, 1.5, 0.0, upper=True)))
+    )
+    for product in (sharp, wide):
+        foreign = Reading("x.step", ours=False)
+        checks = STEP_VERIFIER.checks(product, data, foreign, TOLERANCE)
+        assert {check.name for check in checks if check.ok is False} >= {"deviation"}
+    upright = STEP.write(sharp, TOLERANCE).data
+    with pytest.raises(FileError):
+        STEP.measure(PRODUCT, upright)

@@ -20,7 +20,9 @@ from camgeo.part.part import Part
 from camgeo.part.spec import PartSpec
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
+from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.verify.mesh import solid_checks
+from tests.export.test_solids import PartProduct
 from tests.part.parts import FLANKS, chamfers, made_or_refused, specs
 from tests.strategies import attack
 
@@ -59,17 +61,21 @@ def test_random_chamfers_are_refused_or_in_the_solid(
         try:
             part = bevelled(sharp, tried, 0.01)
         except GeometryError as error:
-            refused.append((field.name, error.key or ""))
+            refused.append(error.key or "")
         else:
             kept = tried
-    assert all(key.startswith(f"part.chamfers.{name}") for name, key in refused), refused
+    assert all(key.startswith("part.chamfers.") for key in refused), refused
     part = bevelled(sharp, kept, 0.01)
     solid = body(part, TOLERANCE, _same)
     for check in solid_checks(solid.vertices, solid.triangles):
         assert check.ok, check
     _, off = _volume(sharp)
     assert solid.volume == pytest.approx(exact(part).volume, abs=off)
+    product = PartProduct(given=part, effort="fast")
     assert measure(part, solid.vertices, solid.triangles) <= TOLERANCE
+    written = STEP.write(product, TOLERANCE)
+    assert STEP.measure(product, written.data) <= TOLERANCE
+    assert written.facts["volume_mm3"] == pytest.approx(exact(part).volume, abs=off)
 
 
 def _volume(part: Part) -> tuple[float, float]:

@@ -17,6 +17,7 @@ import camgeo
 from camgeo.toolpath.machine import load
 from camgeo.verifying.verification import Reading
 from camgeo_export.interpreter.run import run
+from camgeo_export.step.writer import WRITER as STEP_WRITER
 from camgeo_export.verify.step import VERIFIER as STEP
 from tests.judges import (
     bad,
@@ -347,6 +348,24 @@ def test_freecad_refuses_a_solid_without_one_of_its_faces(tmp_path: Path) -> Non
     given.path.write_bytes(re.sub(rb"(=CLOSED_SHELL\('',\()#\d+,", rb"\1", data))
     with pytest.raises(Refusal, match=r"not one closed body|has \d+ faces|BRep"):
         freecad.judge(given)
+
+
+@cad
+def test_freecad_reads_chamfers_as_cones(tmp_path: Path) -> None:
+    """One valid solid of as many faces, of the volume of its own arcs, and verified when it has
+    been written again.
+    """
+    edges = {"outline": {"width": 0.5}, "bore": {"width": 1, "edges": "upper"}}
+    keys = {"part": {"thickness": 10, "bore": 20, "chamfers": edges}}
+    base = camgeo.load(scene_of(SIX[0])).scene
+    product = camgeo.Design(base.with_values(keys)).disc
+    written = STEP_WRITER.write(product, TOLERANCE)
+    path = tmp_path / "chamfers.step"
+    path.write_bytes(written.data)
+    volume, faces = (written.facts[key] for key in ("volume_mm3", "faces"))
+    assert int(written.facts["cones"]) > 10
+    given = Given(path, volume=float(volume), near=1e-11, faces=int(faces))
+    freecad.judge(given, tmp_path / "again.step")
 
 
 @cad

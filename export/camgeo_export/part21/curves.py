@@ -1,4 +1,4 @@
-"""Curves and surfaces of upright solids: level lines, circles and splines, and walls along Z.
+"""Curves and surfaces of solids along Z: level lines, circles and splines, walls and chamfers.
 
 Places are complex in the plane XY, heights apart; all lengths in mm.
 """
@@ -76,7 +76,7 @@ Curve = Line | Circle | Spline
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """A level or an upright plane."""
+    """A plane, level, upright or inclined."""
 
     origin: Point
     normal: Point
@@ -91,6 +91,27 @@ class Cylinder:
 
 
 @dataclass(frozen=True, slots=True)
+class Cone:
+    """A cone about an axis along Z; its normal points away from the axis.
+
+    Attributes
+    ----------
+    centre : of the axis.
+    radius : at the height `z` [mm].
+    rise : by which the radius grows with the height, at each mm.
+    """
+
+    centre: complex
+    radius: float
+    z: float
+    rise: float
+
+    def radius_at(self, z: float) -> float:
+        """Radius at a height [mm]."""
+        return self.radius + self.rise * (z - self.z)
+
+
+@dataclass(frozen=True, slots=True)
 class Extrusion:
     """A spline drawn out along Z, upwards for `up` 1 and downwards for -1; the normal is to the
     right of the curve if upwards.
@@ -100,15 +121,16 @@ class Extrusion:
     up: float
 
 
-Surface = Plane | Cylinder | Extrusion
+Surface = Plane | Cylinder | Cone | Extrusion
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """Reads geometry in a unit of `scale` mm."""
+    """Reads geometry in units of `scale` mm and of `angle` rad."""
 
     model: Model
     scale: float
+    angle: float = 1.0
 
     def point(self, ref: int) -> Point:
         """A point [mm]."""
@@ -159,7 +181,7 @@ class Geometry:
     def surface(self, ref: int) -> Surface:
         """The surface of a face."""
         found = self.model.entity(
-            ref, "PLANE", "CYLINDRICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION"
+            ref, "PLANE", "CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION"
         )
         if found.kind == "SURFACE_OF_LINEAR_EXTRUSION":
             vector = self.model.entity(found.ref(2), "VECTOR")
@@ -171,13 +193,18 @@ class Geometry:
                 raise found.fault("is not of a spline")
             return Extrusion(curve.curve, math.copysign(1.0, way.z))
         axes = self.axes(found.ref(1))
+        if found.kind == "PLANE":
+            return Plane(axes.origin, axes.axis)
+        if abs(axes.axis.place) > ALIGNED:
+            raise found.fault("does not stand along Z: only upright solids can be read")
         if found.kind == "CYLINDRICAL_SURFACE":
-            if abs(axes.axis.place) > ALIGNED:
-                raise found.fault("does not stand along Z: only upright solids can be read")
             return Cylinder(axes.origin.place, self._radius(found))
-        if min(abs(axes.axis.place), abs(axes.axis.z)) > ALIGNED:
-            raise found.fault("is neither level nor upright: only such solids can be read")
-        return Plane(axes.origin, axes.axis)
+        angle = found.number_at(3) * self.angle
+        if not 0.0 < angle < 0.5 * math.pi:
+            raise found.fault("is no cone between a cylinder and a plane")
+        radius = found.number_at(2) * self.scale
+        rise = math.copysign(math.tan(angle), axes.axis.z)
+        return Cone(axes.origin.place, radius, axes.origin.z, rise)
 
     def _triple(self, found: Entity) -> list[float]:
         numbers = found.numbers(1)
@@ -283,9 +310,9 @@ def _off_line(line: Line, point: Point) -> float:
     return math.hypot(abs(place - along * way.place), z - along * way.z)
 
 
-def off_upright(line: Curve, start: Point, end: Point, *, same: bool) -> float:
-    """How far [mm] the ends of an upright edge are from its line; infinite if it has none, or if
-    the line runs the other way.
+def off_rising(line: Curve, start: Point, end: Point, *, same: bool) -> float:
+    """How far [mm] the ends of an edge between two heights are from its line; infinite if it has
+    none, or if the line runs the other way.
     """
     if not isinstance(line, Line) or ((end.z - start.z) * line.way.z > 0.0) != same:
         return math.inf
@@ -299,6 +326,9 @@ def off_surface(surface: Surface, place: complex, z: float) -> float:
         return abs((apart * normal.place.conjugate()).real + (z - surface.origin.z) * normal.z)
     if isinstance(surface, Cylinder):
         return abs(abs(place - surface.centre) - surface.radius)
+    if isinstance(surface, Cone):
+        across = abs(abs(place - surface.centre) - surface.radius_at(z))
+        return across / math.hypot(1.0, surface.rise)
     return 0.0
 
 

@@ -11,14 +11,16 @@ from camgeo_export.matching import deviation
 from camgeo_export.part21.model import Model
 from camgeo_export.part21.solid import solid_of
 from camgeo_export.part21.text import exchange_of
+from camgeo_export.verify.bevels import slopes_of
 from camgeo_export.verify.contents import UNCERTAINTY, contents_check
+from camgeo_export.verify.inclined import slope_contours
 from camgeo_export.verify.shell import bounds_of, gap, levels, shell_checks
 
 
 def measure(product: Product, data: bytes) -> float:
     """Largest proved deviation [mm] of the solid from the part, in the plane and in height.
 
-    Raises FileError unless it is one closed, outward, upright shell in the unit of the product.
+    Raises FileError unless it is one closed, outward shell along Z in the unit of the product.
     """
     part = product.drawn.part
     try:
@@ -45,4 +47,8 @@ def measure(product: Product, data: bytes) -> float:
         z = exact.z - wanted[0].z
         off = max(abs(height - z) for height in heights)
         largest = max(largest, off, deviation(found_here, exact.boundaries) + gap(solid))
+    for slope in slopes_of(part):
+        contours_there = slope_contours(solid, slope.z0, slope.z1, UNCERTAINTY)
+        for place, found_there in enumerate(contours_there):
+            largest = max(largest, deviation(found_there, slope.edges(place)) + gap(solid))
     return largest

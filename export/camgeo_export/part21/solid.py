@@ -10,7 +10,7 @@ from camgeo_export.part21.curves import (
     Point,
     Strand,
     Surface,
-    off_upright,
+    off_rising,
     strands_of,
 )
 from camgeo_export.part21.model import Entity, Model
@@ -27,6 +27,9 @@ OTHERS = (
     "ITEM_DEFINED_TRANSFORMATION",
 )
 """Types of shapes, and of places in assemblies, that a file of one solid has none of."""
+
+STEEP = 0.1
+"""Rise of an edge, by its extent in the plane, from which on it is not a level one."""
 
 PREFIXES = {None: 1000.0, "MILLI": 1.0, "CENTI": 10.0, "DECI": 100.0, "MICRO": 1e-3, "KILO": 1e6}
 """Millimetres in a metre with a prefix."""
@@ -47,7 +50,8 @@ class Edge:
     number : of its instance.
     ends : the instances of the vertices at its start and its end.
     places : its start and its end [mm].
-    strands : its pieces in the plane, from start to end; none if it is upright.
+    strands : its pieces in the plane, from start to end; none if it rises from one height to
+        another.
     off : how far its ends are from its curve [mm].
     """
 
@@ -138,7 +142,7 @@ def solid_of(model: Model) -> Solid:
     context = _context(model, solid.number)
     unit = _unit(model, context)
     shell = model.entity(solid.ref(1), "CLOSED_SHELL")
-    builder = _Builder(model, Geometry(model, unit))
+    builder = _Builder(model, Geometry(model, unit, _angle(model, context)))
     faces = tuple(builder.face(ref) for ref in shell.refs(1))
     products = tuple(each.text(1) for each in model.all_of("PRODUCT"))
     uncertainty = _uncertainty(model, context)
@@ -164,6 +168,16 @@ def _unit(model: Model, context: int) -> float:
     if len(lengths) != 1:
         raise FileError(f"#{context}: {len(lengths)} units of length, expected one")
     return _millimetres(model, lengths[0])
+
+
+def _angle(model: Model, context: int) -> float:
+    """Radians in the unit of angles of a context; 1 if it states none."""
+    for ref in model.entity(context, "GLOBAL_UNIT_ASSIGNED_CONTEXT").refs(0):
+        if model.is_a(ref, "PLANE_ANGLE_UNIT") and model.is_a(ref, "CONVERSION_BASED_UNIT"):
+            other = model.entity(ref, "CONVERSION_BASED_UNIT").ref(1)
+            kinds = ("PLANE_ANGLE_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT")
+            return model.entity(other, *kinds).measure(0)
+    return 1.0
 
 
 def _millimetres(model: Model, ref: int) -> float:
@@ -253,8 +267,8 @@ class _Builder:
         places = (self._vertex(ends[0]), self._vertex(ends[1]))
         start, end = places
         curve, same = self.geometry.curve(found.ref(3)), found.flag(4)
-        if abs(end.z - start.z) > abs(end.place - start.place):
-            return Edge(ref, ends, places, (), off_upright(curve, *places, same=same))
+        if abs(end.z - start.z) > STEEP * abs(end.place - start.place):
+            return Edge(ref, ends, places, (), off_rising(curve, *places, same=same))
         strands, off = strands_of(curve, start, end, same=same)
         return Edge(ref, ends, places, strands, max(off, abs(end.z - start.z)))
 

@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
-from camgeo.errors import FileError, GeometryError, ToleranceError
+from camgeo.errors import FileError, ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Level, Part
 from camgeo.reading import FACETS
@@ -29,9 +29,6 @@ the slack of the bound by which it is measured."""
 
 LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
-
-NARROWEST = 4.0
-"""Least width of a chamfer, in tolerances."""
 
 LEAST_OF_CHAMFERS = 1e-3
 """The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
@@ -70,7 +67,6 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """
     part.require_steps(tolerance)
     levels, bands = part.levels, part.bands
-    require_wide(part, tolerance)
     rings: dict[str, ComplexArray] = {}
     for each in part.boundaries:
         rings |= _rings(each, part, tolerance, rounding)
@@ -95,18 +91,6 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     for level in others:
         mesh.faces_of(level, rings, corners)
     return mesh.close()
-
-
-def require_wide(part: Part, tolerance: float) -> None:
-    """Raise GeometryError if a solid within the tolerance [mm] might as well lack a chamfer."""
-    for bevel in part.bevels:
-        if bevel.width < NARROWEST * tolerance:
-            raise GeometryError(
-                f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide,"
-                f" {NARROWEST * tolerance:g} mm, to show in a solid",
-                key="part.chamfers",
-                value=f"{bevel.width:g}",
-            )
 
 
 def _limit(facets: int, least: str = "") -> None:

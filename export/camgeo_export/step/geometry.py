@@ -6,6 +6,7 @@ happen to be equal: on another processor they might not be.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -73,6 +74,57 @@ class Pen:
     def post(self, foot: Ref) -> Ref:
         """The vertical line through a point."""
         return self.file.add("LINE", "", foot, self._up())
+
+    def rising(self, foot: Ref, along: complex, high: float) -> Ref:
+        """The line from a point `along` in the plane and up by `high` [mm]."""
+        size = math.hypot(abs(along), high)
+        numbers = (along.real / size, along.imag / size, high / size)
+        vector = self.file.add("VECTOR", "", self.file.add("DIRECTION", "", numbers), 1.0)
+        return self.file.add("LINE", "", foot, vector)
+
+    def level(self, strand: Strand, ends: Ends) -> tuple[Ref, bool]:
+        """The curve of a level edge, and whether it has the direction of the strand."""
+        if isinstance(strand, CubicSpline):
+            return self._spline(strand, ends), True
+        if not strand.sweep:
+            vector = self.file.add("VECTOR", "", self._direction(strand.end - strand.start), 1.0)
+            return self.file.add("LINE", "", ends.start, vector), True
+        ahead = strand.sweep > 0.0
+        first = (strand.start if ahead else strand.end) - strand.centre
+        axes = self.placement(strand.centre, ends.z, UP, first)
+        return self.file.add("CIRCLE", "", axes, radius_of(strand) / self.scale), ahead
+
+    def upright(self, strand: Strand, ends: Ends) -> tuple[Ref, bool]:
+        """The upright surface on a line or an arc, and whether its normal points to the right."""
+        assert not isinstance(strand, CubicSpline)  # of which walls with chamfers have none
+        if not strand.sweep:
+            way = strand.end - strand.start
+            return self.plane(ends.start, (-1j * way, 0.0), way), True
+        ahead = strand.sweep > 0.0
+        first = (strand.start if ahead else strand.end) - strand.centre
+        axes = self.placement(strand.centre, ends.z, UP, first)
+        radius = radius_of(strand) / self.scale
+        return self.file.add("CYLINDRICAL_SURFACE", "", axes, radius), ahead
+
+    def plane(self, through: Ref, normal: tuple[complex, float], way: complex) -> Ref:
+        """The plane through a point, by its normal in the plane and upwards, and a level way."""
+        across, up = normal
+        size = math.hypot(abs(across), up)
+        numbers = (across.real / size, across.imag / size, up / size)
+        axis = self.file.add("DIRECTION", "", numbers)
+        return self.file.add(
+            "PLANE", "", self._placement(through, axis, self._direction(way))
+        )  # fmt: skip
+
+    def cone(self, base: Ref, radius: float, angle: float) -> Ref:
+        """The cone about the third axis of `base`, of a radius [mm] there that grows along it."""
+        return self.file.add("CONICAL_SURFACE", "", base, radius / self.scale, angle)
+
+    def placement(
+        self, centre: complex, z: float, axis: tuple[float, float, float], first: complex
+    ) -> Ref:
+        """Axes at a place [mm], the third one up or down, the first one level."""
+        return self._placement(self.point(centre, z), self._fixed(axis), self._direction(first))
 
     def piece(self, strand: Strand, lower: Ends, upper: Ends) -> Piece:
         """The face on a strand between two heights."""

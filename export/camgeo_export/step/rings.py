@@ -11,6 +11,7 @@ from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, strands_of
 from camgeo.errors import ToleranceError
 from camgeo.formats.step import FORMAT
+from camgeo.part.bands import Bevel
 from camgeo.part.part import Boundary
 from camgeo.product.drawn import TOPOLOGY_TOLERANCE
 from camgeo.product.product import Product
@@ -18,6 +19,7 @@ from camgeo_export.drawn import curve_of
 from camgeo_export.step.frame import UNCERTAINTY
 from camgeo_export.step.geometry import Strand
 from camgeo_export.step.shell import Ring
+from camgeo_export.step.slopes import contour_of, parallel
 
 FLATTEST = 1e7
 """Radius [mm] beyond which an arc is drawn as a line if the tolerance allows: its ends would miss
@@ -47,6 +49,12 @@ def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
     if boundary.hole:
         strands = tuple(strand.reversed() for strand in strands[::-1])
     return Ring(strands, contour)
+
+
+def edge_of(bevel: Bevel, wall: Ring) -> Ring:
+    """The edge of a chamfer, as far from the ring of its wall as the exact one from the wall."""
+    strands = parallel(wall.strands, bevel.width, bevel.boundary.name)
+    return Ring(strands, contour_of(strands))
 
 
 def _without_flattest(contour: Contour, tolerance: float) -> Contour:

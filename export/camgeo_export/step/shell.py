@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
-from camgeo.part.part import Level, Part, Wall
+from camgeo.part.bands import Band
+from camgeo.part.part import Level, Part
 from camgeo_export.step.geometry import Ends, Pen, Strand
+from camgeo_export.step.slopes import posts_of, row_of, surface_of
 from camgeo_export.step.text import DERIVED, Ref, flag
 
 
@@ -67,8 +70,9 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
     groups: dict[tuple[float, FlatFace], set[tuple[float, FlatFace]]] = {}
     for z, flat in faces.items():
         groups |= {(z, face): {(z, face)} for face in flat}
-    for wall in part.walls:
-        ends = ((z, _face_of(faces[z], wall)) for z in (wall.z0, wall.z1))
+    for bands in courses_of(part):
+        feet = (bands[0].z0, bands[0].lower.name), (bands[-1].z1, bands[-1].upper.name)
+        ends = ((z, _face_of(faces[z], name)) for z, name in feet)
         one, other = (groups[each] for each in ends)
         if one is not other:
             one |= other
@@ -78,8 +82,19 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
         raise GeometryError(message, key="part")
 
 
-def _face_of(faces: Iterable[FlatFace], wall: Wall) -> FlatFace:
-    return next(face for face in faces if wall.boundary.name in face.names)
+def _face_of(faces: Iterable[FlatFace], name: str) -> FlatFace:
+    return next(face for face in faces if name in face.names)
+
+
+def courses_of(part: Part) -> list[list[Band]]:
+    """The bands of each wall, from its lower to its upper end."""
+    found: list[list[Band]] = []
+    for band in part.bands:
+        if found and found[-1][-1].wall is band.wall and found[-1][-1].z1 == band.z0:
+            found[-1].append(band)
+        else:
+            found.append([band])
+    return found
 
 
 class Shell:
@@ -97,17 +112,40 @@ class Shell:
         """The shell; raises GeometryError if it would be several."""
         flat = {level.z: flat_faces(level, self.rings) for level in self.part.levels}
         require_one_body(self.part, flat)
-        for wall in self.part.walls:
-            self._wall(wall)
+        for bands in courses_of(self.part):
+            if len(bands) == 1:
+                self._wall(bands[0])
+            else:
+                self._bevelled(bands)
         for level in self.part.levels:
             ends = {each.name for each in level.below}
             for face in flat[level.z]:
                 self._flat(level, face, ends)
         return self.pen.file.add("CLOSED_SHELL", "", self.faces)
 
-    def _wall(self, wall: Wall) -> None:
+    def _bevelled(self, bands: Sequence[Band]) -> None:
+        """The faces of a wall with chamfers, from below, and all edges between them."""
+        ends = [(bands[0].lower.name, bands[0].z0), *((each.upper.name, each.z1) for each in bands)]
+        rows = [row_of(self.pen, self.rings[name].strands, z - self.bottom) for name, z in ends]
+        for band, (lower, upper) in zip(bands, pairwise(rows), strict=True):
+            edge = band.upper if band.lower is band.wall else band.lower
+            posts = posts_of(self.pen, lower, upper)
+            for k in range(len(posts)):
+                after = (k + 1) % len(posts)
+                around = [
+                    (lower.edges[k], True),
+                    (posts[after], True),
+                    (upper.edges[k], False),
+                    (posts[k], False),
+                ]
+                surface, outwards = surface_of(self.pen, lower, upper, k)
+                self._face(edge.name, [self._loop(around)], surface, outwards)
+        for end, row in zip(ends, rows, strict=True):
+            self.edges[end] = row.edges
+
+    def _wall(self, wall: Band) -> None:
         """The faces along a boundary, and the edges above and below."""
-        name, file = wall.boundary.name, self.pen.file
+        name, file = wall.wall.name, self.pen.file
         strands = self.rings[name].strands
         heights = (wall.z0 - self.bottom, wall.z1 - self.bottom)
         points = [[self.pen.point(each.start, z) for each in strands] for z in heights]

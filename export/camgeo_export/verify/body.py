@@ -111,29 +111,32 @@ def checks_of_body(
 
     found = volume(vertices, triangles)
     checks += level_checks(part, extent, ranges, contours, found, tolerance)
-    facets = [triangles[leaning == number] for number in range(len(slopes))]
-    return checks + list(_slope_checks(extent, vertices, facets, slopes, tolerance))
+    for number, slope in enumerate(slopes):
+        own = triangles[leaning == number]
+        checks += slope_checks(slope, extent, contours_of(vertices, own), tolerance)
+    return checks
 
 
-def _slope_checks(
+def slope_checks(
+    slope: Slope,
     extent: float,
-    vertices: FloatArray,
-    facets: Sequence[IntArray],
-    slopes: Sequence[Slope],
+    contours: Iterator[Sequence[AnyContour]],
     tolerance: float,
+    extra: float = 0.0,
 ) -> Iterator[Check]:
-    """The edges of chamfers and their sections half way up, against the part."""
-    for slope, own in zip(slopes, facets, strict=True):
-        try:
-            found = list(contours_of(vertices, own))
-        except FileError as error:
-            yield failed("deviation", str(error), slope.name)
-            return
-        for place, contours in enumerate(found):
-            boundaries = slope.edges(place)
-            shapes = shapes_of(boundaries, extent, tolerance)
-            where = f"{PLACES[place]} of the {slope.name}"
-            yield from _level_checks(partial(list, contours), shapes, tolerance, 0.0, where, {})
+    """The edges of chamfers and their sections half way up, against the part; see `level_checks`.
+
+    `contours` are those of lower edges, sections and upper edges; raises FileError.
+    """
+    try:
+        found = list(contours)
+    except FileError as error:
+        yield failed("deviation", str(error), slope.name)
+        return
+    for place, own in enumerate(found):
+        shapes = shapes_of(slope.edges(place), extent, tolerance)
+        where = f"{PLACES[place]} of the {slope.name}"
+        yield from _level_checks(partial(list, own), shapes, tolerance, extra, where, {})
 
 
 def level_checks(

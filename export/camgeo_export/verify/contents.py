@@ -134,11 +134,13 @@ def _check_roots(model: Model) -> None:
 
 
 def _check_names(solid: Solid, part: Part) -> None:
-    """Walls have the names of boundaries, level faces those of levels; each is there."""
+    """Walls have the names of boundaries, chamfers those of their edges, level faces those of
+    levels; each is there.
+    """
     walls = {face.name for face in solid.faces if not is_flat(face)}
     flat = {face.name for face in solid.faces if is_flat(face)}
     for found, wanted in (
-        (walls, {wall.boundary.name for wall in part.walls}),
+        (walls, {each.name for each in part.outlines}),
         (flat, {level.name for level in part.levels}),
     ):
         if found != wanted:

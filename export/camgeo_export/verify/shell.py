@@ -1,4 +1,6 @@
-"""Whether the faces of a STEP file form one closed, outward, upright shell, or where not."""
+"""Whether the faces of a STEP file form one closed, outward shell of level and upright faces and
+chamfers between them, or where not.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.verifying.verification import Check, at_most, failed, near
 from camgeo.wording import counted
 from camgeo_export.dxf.curves import closed
+from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
 from camgeo_export.part21.curves import (
     ALIGNED,
+    Cone,
     Cylinder,
     Extrusion,
     Plane,
@@ -25,6 +29,7 @@ from camgeo_export.part21.curves import (
     off_surface,
 )
 from camgeo_export.part21.solid import Edge, Face, Solid, Use, swept
+from camgeo_export.verify.inclined import is_inclined, rows_of, volume_below, volume_within
 from camgeo_export.verify.mesh import levels_of
 
 MIDDLE = np.array([0.5])
@@ -85,9 +90,12 @@ def levels(bounds: Sequence[Bound], within: float) -> tuple[FloatArray, list[lis
     return ranges, found
 
 
-def volume_of(bounds: Iterable[Bound]) -> float:
-    """The enclosed volume [mm^3] by the flat faces, positive where they look outwards."""
-    return math.fsum(bound.z * bound.area for bound in bounds)
+def volume_of(bounds: Iterable[Bound], faces: Iterable[Face] = ()) -> float:
+    """The enclosed volume [mm^3] by flat faces, with the `bounds`, and by the chamfers among the
+    `faces`; positive where they look outwards. Raises FileError for one that cannot be read.
+    """
+    leaning = (volume_below(face) for face in faces if is_inclined(face))
+    return math.fsum((*(bound.z * bound.area for bound in bounds), *leaning))
 
 
 def _uses(solid: Solid) -> Iterator[Use]:
@@ -161,12 +169,15 @@ def _off(face: Face, edge: Edge) -> float:
     """How far [mm] an edge is from the surface of one of its faces."""
     surface = face.surface
     off = [off_surface(surface, point.place, point.z) for point in edge.places]
+    if not edge.strands:
+        one, other = edge.places
+        off.append(off_surface(surface, 0.5 * (one.place + other.place), 0.5 * (one.z + other.z)))
     for strand in edge.strands:
         if isinstance(surface, Extrusion):
             off.append(_off_extrusion(surface, strand))
         elif isinstance(strand, Arc):
             off.append(off_surface(surface, _middle(strand), edge.z))
-        elif isinstance(surface, Cylinder):
+        elif isinstance(surface, Cylinder | Cone):
             off.append(math.inf)  # no spline follows a circle
         else:
             off += [off_surface(surface, each, edge.z) for each in strand.controls.tolist()]
@@ -193,7 +204,7 @@ def _middle(arc: Arc) -> complex:
 
 
 def _walls(solid: Solid, within: float) -> Check:
-    """Each face is level, or upright between two heights, with its normal out of the material."""
+    """Each face is level, or between two heights, with its normal out of the material."""
     for face in solid.faces:
         note = _flat_fault(face) if is_flat(face) else _wall_fault(face, within)
         if note:
@@ -214,8 +225,15 @@ def _flat_fault(face: Face) -> str:
 
 
 def _wall_fault(face: Face, within: float) -> str:
-    """What is wrong with an upright one: below it the edges have it on their left, above too."""
+    """What is wrong with one between two heights: the edges below it have it on their left, and so
+    have those above.
+    """
     low, high = swept(face)
+    if is_inclined(face):
+        try:
+            rows_of(face)
+        except FileError as error:
+            return f"cannot be read: {error}"
     for loop in face.loops:
         for use in loop:
             if not use.edge.strands:
@@ -240,14 +258,14 @@ def _left_is_up(face: Face, strand: Strand) -> bool:
     if isinstance(strand, Arc):
         place = _middle(strand)
         heading = strand.heading(place)
-    normal = place - surface.centre if isinstance(surface, Cylinder) else surface.normal.place
+    normal = surface.normal.place if isinstance(surface, Plane) else place - surface.centre
     return ((normal.conjugate() * heading).imag > 0.0) == face.same
 
 
 def _outwards(solid: Solid) -> Check:
     """The volume is positive, and the same by flat faces and by walls."""
     bounds = bounds_of(solid)
-    by_levels = volume_of(bounds)
+    by_levels = volume_of(bounds, solid.faces)
     by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not is_flat(face))
     if not by_levels > 0.0:
         return failed("outwards", "the shell is turned inside out")
@@ -256,6 +274,8 @@ def _outwards(solid: Solid) -> Check:
 
 def _volume_of_wall(face: Face) -> float:
     """The share of a wall in the volume [mm^3]."""
+    if is_inclined(face):
+        return volume_within(face)
     low, high = swept(face)
     moments = [
         strand.moment

@@ -16,8 +16,10 @@ from camgeo_export.errors import FileError
 from camgeo_export.part21.model import Model
 from camgeo_export.part21.solid import solid_of
 from camgeo_export.part21.text import exchange_of
-from camgeo_export.verify.body import level_checks
+from camgeo_export.verify.bevels import slopes_of
+from camgeo_export.verify.body import level_checks, slope_checks
 from camgeo_export.verify.contents import contents_check, header_of
+from camgeo_export.verify.inclined import slope_contours
 from camgeo_export.verify.shell import bounds_of, gap, levels, shell_checks, volume_of
 
 OURS, SCENE, TOLERANCE = "camgeo ", "scene ", "tolerance "
@@ -73,11 +75,18 @@ class StepVerifier:
             return tuple(checks)
         bounds = bounds_of(solid)
         ranges, contours = levels(bounds, tolerance)
-        ranges = ranges - (ranges[0, 0] if len(ranges) and not reading.ours else 0.0)
-        found = volume_of(bounds)
+        base = 0.0 if reading.ours or not len(ranges) else float(ranges[0, 0])
+        try:
+            found = volume_of(bounds, solid.faces)
+        except FileError as error:
+            return (*checks, failed("body", str(error)))
         off = gap(solid)
         extent, own = product.drawn.base_radius, contours.__getitem__
-        return (*checks, *level_checks(part, extent, ranges, own, found, tolerance, off))
+        checks += level_checks(part, extent, ranges - base, own, found, tolerance, off)
+        for slope in slopes_of(part):
+            there = slope_contours(solid, slope.z0 + base, slope.z1 + base, tolerance)
+            checks += slope_checks(slope, extent, there, tolerance, off)
+        return tuple(checks)
 
 
 VERIFIER = StepVerifier()
