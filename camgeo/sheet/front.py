@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import FloatArray
+from camgeo.sheet.hidden import chains_of
 from camgeo.sheet.marks import Chain, Label, Layer, Mark, Round, line
 from camgeo.sheet.shape import Shape
+from camgeo.sheet.stretch import cut_out
 
 DASH_DOT = (8.4, 1.05, 0.25, 1.05)
 """Line 04.1 of ISO 128-2 for lines 0.35 wide: dash, gap, dot, gap [mm of paper]."""
@@ -30,15 +30,7 @@ SMALL_BEYOND = 2.0
 
 def outlines(shape: Shape) -> list[Mark]:
     """The edges of the part as they are seen from above."""
-    return [
-        Chain(
-            edge.contour.vertices,
-            edge.contour.sweeps,
-            "ENGRAVING" if edge.is_letter else "HIDDEN" if edge.hidden else "OUTLINE",
-            closed=True,
-        )
-        for edge in shape.edges
-    ]
+    return [mark for edge in shape.edges for mark in chains_of(shape, edge)]
 
 
 def hole_centres(shape: Shape, scale: float) -> list[Mark]:
@@ -87,16 +79,14 @@ def dashed(
     contour: Contour, scale: float, layer: Layer, pattern: Sequence[float]
 ) -> Iterator[Chain]:
     """A closed contour in dashes and dots, with a whole number of patterns around it."""
-    lengths = contour.lengths
-    starts = np.concatenate(([0.0], np.cumsum(lengths)))
-    total = float(starts[-1])
+    total = float(np.cumsum(contour.lengths)[-1])
     count = max(1, round(total * scale / sum(pattern)))
     stretch = total / (count * sum(pattern))
     place = -0.5 * pattern[0] * stretch
     for number in range(count * len(pattern)):
         size = pattern[number % len(pattern)] * stretch
         if number % 2 == 0:
-            yield _between(contour, lengths, starts, place % total, size, layer)
+            yield cut_out(contour, place % total, size, layer)
         place += size
 
 
@@ -116,33 +106,3 @@ def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterato
             way = end - start
             yield line(start + place * way, start + (place + size) * way, mark.layer)
         place += size
-
-
-def _between(
-    contour: Contour, lengths: FloatArray, starts: FloatArray, first: float, size: float,
-    layer: Layer,
-) -> Chain:  # fmt: skip
-    """The stretch of the contour of the length `size` that begins at the length `first` [mm]."""
-    index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
-    inside = first - float(starts[index])
-    vertices, sweeps, left = [], [], size
-    while True:
-        share = inside / lengths[index] if lengths[index] else 0.0
-        taken = min(left, float(lengths[index]) - inside)
-        part = taken / float(lengths[index]) if lengths[index] else 0.0
-        vertices.append(_on(contour, index, share))
-        sweeps.append(float(contour.sweeps[index]) * part)
-        left -= taken
-        if left <= 1e-12 * size:
-            vertices.append(_on(contour, index, share + part))
-            return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
-        index, inside = (index + 1) % len(contour), 0.0
-
-
-def _on(contour: Contour, index: int, share: float) -> complex:
-    """The point of a piece at a share of its length."""
-    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
-    if sweep == 0.0:
-        return start + share * (complex(contour.ends[index]) - start)
-    centre = complex(contour.centres[index])
-    return centre + (start - centre) * cmath.exp(1j * sweep * share)

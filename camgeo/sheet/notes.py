@@ -27,25 +27,15 @@ Length = Callable[[float], str]
 
 def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Length) -> list[str]:
     """The sentences, in the language of the sheet."""
-    words, cam, follower = WORDS[spec.language], product.cam, product.cam.follower
+    words, cam = WORDS[spec.language], product.cam
     name = product.scene.name
-    found = [(words.return_disc if product.position else words.design).format(name=name)]
-    touching = words.flat_face
-    if follower.rolls:
-        radius = follower.roller_radius
-        touching = (
-            words.roller.format(diameter=length(2.0 * radius)) if radius else words.knife_edge
-        )
-    if follower.pivot is None:
-        found.append(words.guided.format(touching=touching, offset=length(follower.offset)))
+    if product.is_pair:
+        found, legend = [words.pair_design.format(name=name)], []
     else:
-        x, y = length(follower.pivot.real), length(follower.pivot.imag)
-        found.append(words.rocking.format(touching=touching, x=x, y=y))
-    base = words.base.format(radius=length(follower.base_radius))
-    if cam.contact.closed_by_form and cam.clearance:
-        base += f"; {words.clearance.format(clearance=length(cam.clearance))}"
-    found[1:] = [f"{found[1]}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"]
-    found += _features(product.scene.part, words, length, spec)
+        found = [(words.return_disc if product.position else words.design).format(name=name)]
+        found.append(_follower(product, spec, words, length))
+        legend = _legend(product, spec, words)
+    found += _features(product.drawn.spec, words, length, spec)
     found += _pair(product.scene.part, words, length)
     sense = words.sense.format(sense=words.ccw if cam.rotation > 0 else words.cw)
     found.append(f"{words.zero} {sense}")
@@ -53,7 +43,34 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
     if spec.language == "de":
         shown = shown.replace(".", ",")
     found.append(words.curve.format(tolerance=shown, unit=product.unit))
-    legend = []
+    found.append(" ".join((*legend, words.reference)))
+    found.append(words.scene.format(scene=product.scene_hash))
+    return found
+
+
+def _follower(product: Product, spec: DrawingSpec, words: Words, length: Length) -> str:
+    """What touches the disc, how it is guided, and the base circle."""
+    cam, follower = product.cam, product.cam.follower
+    touching = words.flat_face
+    if follower.rolls:
+        radius = follower.roller_radius
+        touching = (
+            words.roller.format(diameter=length(2.0 * radius)) if radius else words.knife_edge
+        )
+    if follower.pivot is None:
+        found = words.guided.format(touching=touching, offset=length(follower.offset))
+    else:
+        x, y = length(follower.pivot.real), length(follower.pivot.imag)
+        found = words.rocking.format(touching=touching, x=x, y=y)
+    base = words.base.format(radius=length(follower.base_radius))
+    if cam.contact.closed_by_form and cam.clearance:
+        base += f"; {words.clearance.format(clearance=length(cam.clearance))}"
+    return f"{found}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"
+
+
+def _legend(product: Product, spec: DrawingSpec, words: Words) -> list[str]:
+    """What lines and columns are."""
+    cam, follower, legend = product.cam, product.cam.follower, []
     if follower.has_pitch_curve:
         legend.append(words.pitch)
     if spec.step:
@@ -61,10 +78,7 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
             legend.append(words.polar)
         if follower.has_pitch_curve and (spec.sheet == "A3" or cam.contact.closed_by_form):
             legend.append(words.centre_polar)
-    legend.append(words.reference)
-    found.append(" ".join(legend))
-    found.append(words.scene.format(scene=product.scene_hash))
-    return found
+    return legend
 
 
 def _features(

@@ -138,12 +138,12 @@ def shape_of(part: Part, tolerance: float, effort: str) -> Shape:
 def _covers(section: Sequence[ComplexArray], points: ComplexArray) -> bool:
     """Whether all `points` lie in the material of a layer with these boundaries."""
     some = points[:: max(1, len(points) // 24)]
-    return all(sum(_crossings(ring, point) for ring in section) % 2 == 1 for point in some.tolist())
+    return all(enclosing(section, point) % 2 == 1 for point in some.tolist())
 
 
-def _crossings(ring: ComplexArray, point: complex) -> int:
-    """How often the ray from `point` to the right crosses a closed polygon."""
-    return int(np.count_nonzero(crossings(ring, point.imag) > point.real))
+def enclosing(rings: Sequence[ComplexArray], point: complex) -> int:
+    """How often the ray from `point` to the right crosses closed polygons."""
+    return sum(int(np.count_nonzero(crossings(each, point.imag) > point.real)) for each in rings)
 
 
 def crossings(ring: ComplexArray, y: float) -> FloatArray:

@@ -85,15 +85,17 @@ def sheet_of(product: Product, tolerance: float) -> Sheet:
 
 
 def _sheet_of(product: Product, tolerance: float) -> Sheet:
-    spec = product.scene.drawing
+    spec, whole = product.scene.drawing, is_in_one_piece(product)
+    if product.is_pair:  # the sheets of its discs have their curves
+        spec = replace(spec, step=0, motion=False, scale="")
     size = SIZES[spec.sheet]
     regions, marks = _texts(product, spec, tolerance)
     drawn = drawn_of(product, tolerance)
     scale = _scale(drawn, regions, spec)
     views = _views(drawn, regions, float(scale), product, spec)
     corner = complex(size.width - MARGIN - BLOCK_WIDTH, MARGIN)
-    count = len(product.judgement.cams)
-    numbered = (product.position + 1, count)
+    count = len(product.judgement.cams) + whole
+    numbered = (count if product.is_pair else product.position + 1, count)
     marks += frame(size)
     marks += title_block(corner, spec, spelled(scale), product.unit, numbered)
     if spec.edges:
@@ -103,6 +105,12 @@ def _sheet_of(product: Product, tolerance: float) -> Sheet:
     comma = spec.language == "de"
     dashed = tuple(front.in_dashes(marks, 1.0))
     return Sheet(size.width, size.height, float(scale), product.unit, comma, views, dashed)
+
+
+def is_in_one_piece(product: Product) -> bool:
+    """Whether the disc is one piece with another."""
+    part = product.scene.part
+    return part is not None and part.pair is not None
 
 
 def _texts(product: Product, spec: DrawingSpec, tolerance: float) -> tuple[Region, list[Mark]]:

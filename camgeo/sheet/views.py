@@ -60,14 +60,14 @@ class Drawn:
     ----------
     shape : the part.
     pitch : the pitch curve; None if it is the outline.
-    base_radius : of the base circle [mm].
+    base_radius : of the base circle [mm]; None for a pair in one piece, which has two.
     cut : the marks of the section; empty without thickness.
     unit : of the dimensions.
     """
 
     shape: Shape
     pitch: Contour | None
-    base_radius: float
+    base_radius: float | None
     cut: tuple[Mark, ...]
     unit: LengthUnit
 
@@ -75,7 +75,8 @@ class Drawn:
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all that the front view shows [mm]."""
         contours = [edge.contour for edge in self.shape.edges]
-        contours.append(Contour.circle(self.base_radius))
+        if self.base_radius is not None:
+            contours.append(Contour.circle(self.base_radius))
         if self.pitch is not None:
             contours.append(self.pitch)
         left, right, low, high = (extreme(contours, way) for way in (-1.0, 1.0, -1j, 1j))
@@ -86,10 +87,12 @@ def drawn_of(product: Product, tolerance: float) -> Drawn:
     """What the views of a disc are made of, its curves within `tolerance` [mm]."""
     drawn = product.drawn
     shape = shape_of(drawn.part, tolerance, drawn.effort)
+    cut = tuple(section(shape)) if shape.has_heights else ()
+    if product.is_pair:
+        return Drawn(shape, None, None, cut, product.unit)
     pitch = None
     if drawn.has_pitch_curve:
         pitch = drawn.pitch_contour(SHARE * tolerance).contour
-    cut = tuple(section(shape)) if shape.has_heights else ()
     return Drawn(shape, pitch, drawn.base_radius, cut, product.unit)
 
 
@@ -100,7 +103,8 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
     marks: list[Mark] = []
     if drawn.pitch is not None:
         marks += front.dashed(drawn.pitch, scale, "PITCH_CURVE", front.DASH_DOT)
-    marks.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
+    if drawn.base_radius is not None:
+        marks.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
     marks += _cross(low, high, scale)
     marks += front.hole_centres(shape, scale)
     marks += front.outlines(shape)
@@ -166,7 +170,7 @@ def _reach(drawn: Drawn, first: float, last: float) -> float:
     points = np.concatenate([each.points(0.001 * drawn.shape.size) for each in contours])
     middle, half = 0.5 * (first + last), 0.5 * (last - first)
     near = np.abs(np.angle(points * cmath.exp(-1j * middle))) <= half + 0.02
-    return max(float(np.max(np.abs(points[near]), initial=0.0)), drawn.base_radius)
+    return max(float(np.max(np.abs(points[near]), initial=0.0)), drawn.base_radius or 0.0)
 
 
 def _zero_mark(drawn: Drawn, scale: float) -> list[Mark]:

@@ -52,6 +52,7 @@ class Words:
     counterbore: str
     set_screw: str
     pair: str
+    pair_design: str
     main_disc: str
     other_disc: str
     upper: str
@@ -113,8 +114,9 @@ ENGLISH: Final = Words(
     " %%c{hole}.",
     set_screw="Hole %%c{diameter} for a set screw, radial through the hub at {angle}°, its middle"
     " {height} from the {face} face of the disc (not drawn)",
-    pair="One piece with the other disc of the pair: the zero of the return disc at {angle}° to"
-    " that of the main disc, gap {gap}, spacer %%c{spacer}, {upper} above.",
+    pair="Both discs in one piece: the zero of the return disc at {angle}° to that of the main"
+    " disc, gap {gap}, spacer %%c{spacer}, {upper} above.",
+    pair_design="Design {name}, both discs",
     main_disc="main disc",
     other_disc="return disc",
     upper="upper",
@@ -177,8 +179,9 @@ GERMAN: Final = Words(
     " %%c{hole}.",
     set_screw="Bohrung %%c{diameter} für einen Gewindestift, radial durch die Nabe bei {angle}°,"
     " Mitte {height} von der {face} Fläche der Scheibe (nicht gezeichnet)",
-    pair="Ein Teil mit der anderen Scheibe des Paares: Null der Gegenscheibe unter {angle}° zur"
-    " Null der Hauptscheibe, Abstand {gap}, Zwischenbund %%c{spacer}, {upper} oben.",
+    pair="Beide Scheiben in einem Teil: Null der Gegenscheibe unter {angle}° zur Null der"
+    " Hauptscheibe, Abstand {gap}, Zwischenbund %%c{spacer}, {upper} oben.",
+    pair_design="Entwurf {name}, beide Scheiben",
     main_disc="Hauptscheibe",
     other_disc="Gegenscheibe",
     upper="oberen",

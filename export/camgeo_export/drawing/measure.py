@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 from typing import Final
 
 from camgeo.product.product import Product
@@ -32,8 +33,8 @@ def measure(product: Product, data: bytes) -> float:
     drawing = drawing_of(data)
     if drawing.scale() != MM_PER[product.unit]:
         raise FileError(f"$INSUNITS does not say {product.unit}")
-    layers = {item.layer for item in drawing.items}
-    contours = [each for name in EDGES if name in layers for each in drawing.contours(name)]
+    drawn = tuple(item for item in drawing.items if item.layer in EDGES)
+    contours = replace(drawing, items=drawn).contours(None)  # an edge may be hidden in part
     largest = deviation(contours, product.drawn.part.boundaries)
     for item in drawing.items:
         if item.kind == "DIMENSION":

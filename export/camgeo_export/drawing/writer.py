@@ -36,6 +36,11 @@ def _made(product: Product, tolerance: float) -> tuple[Sheet, Drawing]:
     return made
 
 
+def sheets_of(product: Product) -> tuple[Product, ...]:
+    """What has a sheet each: the disc, and with a main disc the pair that is one piece."""
+    return (product,) if product.pair is None else (product, product.pair)
+
+
 @dataclass(frozen=True, slots=True)
 class PageWriter:
     """Writes the sheet as a picture.
@@ -48,6 +53,10 @@ class PageWriter:
 
     format: Format[None]
     kind: str
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """See `sheets_of`."""
+        return sheets_of(product)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The picture of the whole sheet, at its scale."""
@@ -70,6 +79,10 @@ class DrawingWriter:
 
     format: Format[None]
     companions: tuple[PageWriter, ...]
+
+    def pieces(self, product: Product) -> tuple[Product, ...]:
+        """See `sheets_of`."""
+        return sheets_of(product)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""
