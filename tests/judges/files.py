@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from ezdxf import bbox
 from ezdxf.filemanagement import read
@@ -66,10 +66,22 @@ def scenes(kind: str) -> list[str]:
     return found
 
 
-def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
-    """The files of a kind of all discs of scenes."""
+COMPENSATED: Final[Mapping[str, Any]] = {
+    "print.bore_clearance": 0.2,
+    "print.elephant_foot": {"inset": 0.3, "height": 0.8},
+    "print.shrinkage": {"xy": 0.7, "z": 0.3},
+}
+"""Edits by which bodies are compensated for printing, in a layer of the slicer's height."""
+
+
+def files(
+    folder: Path, kind: str, names: list[str], edits: Mapping[str, Any] | None = None
+) -> Iterator[Given]:
+    """The files of a kind of all discs of scenes, with `edits` of their values."""
     for name in names:
         design = camgeo.load(scene_of(name))
+        if edits is not None:
+            design = Design(design.scene.with_values(edits))
         if kind == "step":
             yield from _steps(folder, design)
             continue
@@ -81,7 +93,7 @@ def files(folder: Path, kind: str, names: list[str]) -> Iterator[Given]:
                 yield Given(path, size=_size(written.data))
             else:
                 volume = float(str(written.facts["volume_mm3"]))
-                yield Given(path, volume=volume, part=product.drawn.part)
+                yield Given(path, volume=volume, part=product.drawn.printed.target)
 
 
 def _steps(folder: Path, design: Design) -> Iterator[Given]:

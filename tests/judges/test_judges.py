@@ -31,7 +31,7 @@ from tests.judges import (
     rs274,
 )
 from tests.judges.__main__ import JUDGES, main
-from tests.judges.files import Given, files, reports, scenes, sheets
+from tests.judges.files import COMPENSATED, Given, files, reports, scenes, sheets
 from tests.judges.paths import difference
 from tests.judges.programs import (
     SIX,
@@ -185,6 +185,13 @@ def test_perimeters_run_along_the_exact_part(tmp_path: Path) -> None:
     other = camgeo.Design(design.scene.with_values(larger)).disc.drawn.part
     with pytest.raises(Refusal, match=r"of the disc is 0\.2"):
         prusa.slice_(replace(given, part=other))
+
+
+@slicer
+def test_perimeters_run_along_the_compensated_part(tmp_path: Path) -> None:
+    """Foot and scale included."""
+    (given,) = files(tmp_path, "3mf", [SIX[0]], COMPENSATED)
+    assert prusa.slice_(given) <= TOLERANCE + prusa.RESOLUTION
 
 
 def test_loops_of_a_sliced_body_are_read() -> None:
