@@ -350,6 +350,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch, crossed: Callable[[WorkingCurve], b
         return (SimpleNamespace(first=1.0, second=2.0),) if crossed(flank) else ()
 
     monkeypatch.setattr("camgeo.outline.crossings.find_crossings", found)
+    monkeypatch.setattr("camgeo.outline.crossings.crosses_itself", crossed)
 
 
 def test_a_limit_that_is_no_root_is_enclosed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.clearance import stays_on_one_side
-from camgeo.outline.crossings import Node, find_crossings
+from camgeo.outline.crossings import Node, crosses_itself, find_crossings
 from camgeo.outline.envelope import KINK, Envelope
 from camgeo.outline.moments import area
 from camgeo.outline.outline import Outline, _unsettled, real_outline
@@ -178,6 +178,17 @@ def test_a_mild_cam_is_left_whole(pitch: PitchCurve, side: int) -> None:
         assert outline.path.is_whole
         assert outline.dropped == ()
         assert outline.lobes == ()
+
+
+@attack
+@given(wild_pitch_curves(), signs())
+def test_the_first_crossing_tells_whether_there_are_any(pitch: PitchCurve, side: int) -> None:
+    flank = flank_of(pitch, side)
+    try:
+        every = find_crossings(flank)
+    except GeometryError:
+        return  # one may be found before what cannot be decided
+    assert crosses_itself(flank) == bool(every)
 
 
 @attack

@@ -89,25 +89,42 @@ def crossings_of(discs: Discs) -> Pairs | None:
     None if there is worse: no mechanism, a cusp, local undercut, a standstill, a roller that
     reaches over the cam axis, or undecidable crossings.
     """
-    from camgeo.outline.outline import require_room  # only regular flanks need it
-
-    least = margin(discs)
-    if least is None or least <= CUSP:
-        return None
-    if any(check_standstill(cam.disc.pitch_curve) for cam in discs):
-        return None
     try:
-        for cam in discs:
-            for flank in flanks_of(cam):
-                require_room(flank)
-        return crossings(discs)
+        return crossings(discs) if _is_regular(discs) else None
     except GeometryError:
         return None
 
 
 def is_intact(discs: Discs) -> bool:
-    """Whether the discs certainly exist without cusp, undercut, crossing or standstill."""
-    return crossings_of(discs) == ()
+    """Whether the discs certainly exist without cusp, undercut, crossing or standstill: whether
+    `crossings_of` them is (), without those beyond the first.
+    """
+    from camgeo.outline.crossings import crosses_itself  # only regular flanks need it
+
+    try:
+        return _is_regular(discs) and not any(
+            crosses_itself(flank) for cam in discs for flank in flanks_of(cam)
+        )
+    except GeometryError:
+        return False
+
+
+def _is_regular(discs: Discs) -> bool:
+    """Whether there is nothing worse than crossings, if they can be decided.
+
+    GeometryError if a roller reaches over the cam axis.
+    """
+    from camgeo.outline.outline import require_room  # only regular flanks need it
+
+    least = margin(discs)
+    if least is None or least <= CUSP:
+        return False
+    if any(check_standstill(cam.disc.pitch_curve) for cam in discs):
+        return False
+    for cam in discs:
+        for flank in flanks_of(cam):
+            require_room(flank)
+    return True
 
 
 def crossings(discs: Discs) -> Pairs:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from camgeo.check.cures.discs import Discs
-from camgeo.check.cures.margin import Pairs, crossings_of, margin
+from camgeo.check.cures.margin import Pairs, crossings_of, is_intact, margin
 from camgeo.check.cures.neck import Neck, followed, narrowest
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
@@ -75,7 +75,10 @@ def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck
         return -1.0 if here is None else here.clearance
 
     def intact(value: float) -> bool:
-        return _pairs(make, value) == ()
+        try:
+            return is_intact(make(value))
+        except GeometryError:
+            return False
 
     if neck is not None and clearance(bad) < 0.0 < clearance(good):
         limit = root(clearance, bad, good)
