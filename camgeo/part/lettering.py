@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
@@ -71,12 +70,27 @@ def lettered(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
     """
     found = tuple(_letters(text, number) for number, text in enumerate(texts, start=1))
     letters = [(number, each) for number, text in enumerate(found, start=1) for each in text]
-    for (_, one), (number, other) in combinations(letters, 2):
-        height = texts[number - 1].height
-        if _apart(one, other) <= APART * height:
+    for first, second in _near([each for _, each in letters]):
+        (_, one), (number, other) = letters[first], letters[second]
+        apart = least_distance(Pieces.around(one.contours), Pieces.around(other.contours))
+        if apart <= APART * texts[number - 1].height:
             message = f"the {other.where} touches the {one.where}"
             raise GeometryError(message, key=f"part.{ENGRAVING}[{number}]")
     return found
+
+
+def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
+    """The pairs of letters that may touch, by their numbers, in order."""
+    places = np.array([each.place for each in letters])
+    reaches = np.array(
+        [
+            max(float(np.max(np.abs(contour.vertices - each.place))) for contour in each.contours)
+            for each in letters
+        ]
+    )
+    near = np.abs(places[:, None] - places) <= FAR * (reaches[:, None] + reaches)
+    pairs: list[tuple[int, int]] = [(one, other) for one, other in np.argwhere(np.triu(near, 1))]
+    return pairs
 
 
 def _letters(text: Engraving, number: int) -> tuple[Letter, ...]:
@@ -163,14 +177,3 @@ def _letter(
         boundaries.append(LetterBoundary(own, around % 2 == 0, outline, coarsest))
     deviation = max(fit.deviation for fit in fits)
     return Letter(character, place, tuple(boundaries), tuple(contours), deviation)
-
-
-def _apart(one: Letter, other: Letter) -> float:
-    """The distance between two letters [mm]; infinite of those that cannot touch."""
-    reach = sum(
-        max(float(np.max(np.abs(each.vertices - letter.place))) for each in letter.contours)
-        for letter in (one, other)
-    )
-    if abs(one.place - other.place) > FAR * reach:
-        return math.inf
-    return least_distance(Pieces.around(one.contours), Pieces.around(other.contours))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,26 +45,59 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
 def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[AnyContour]:
     """The contours of a file in the order of as many `outlines`, approximate polygons of the part.
 
-    The order of the areas distinguishes boundaries that lie inside each other; those of the same
-    size, such as the holes of a bolt circle, lie at different places.
+    The order of the areas distinguishes boundaries that lie inside each other; those of about the
+    same size, such as the holes of a bolt circle and letters, lie at different places.
     """
-    order = sorted(range(len(outlines)), key=lambda k: abs(outlines[k].area))
-    free = sorted(contours, key=lambda each: abs(each.area))
+    wanted, given = _Measured.of(outlines), _Measured.of(contours)
+    order = np.argsort(wanted.areas, kind="stable").tolist()
+    free = np.argsort(given.areas, kind="stable").tolist()
     found: dict[int, AnyContour] = {}
     while order:
-        limit = abs(outlines[order[0]].area) * (1.0 + ALIKE)
-        alike = [k for k in order if abs(outlines[k].area) <= limit]
-        order, ours, free = order[len(alike) :], free[: len(alike)], free[len(alike) :]
-        for k in alike:
-            away = [_apart(each, outlines[k]) for each in ours]
-            found[k] = ours.pop(int(np.argmin(away)))
+        alike = _alike([(wanted.areas[k], wanted.unsure[k]) for k in order])
+        ours, free = free[:alike], free[alike:]
+        for k in order[:alike]:
+            away = np.abs(given.middles[ours] - wanted.middles[k])
+            away += np.abs(np.sqrt(given.areas[ours]) - np.sqrt(wanted.areas[k]))
+            found[k] = contours[ours.pop(int(np.argmin(away)))]
+        order = order[alike:]
     return [found[k] for k in range(len(outlines))]
 
 
-def _apart(contour: AnyContour, outline: Contour) -> float:
-    """How far two contours differ in place and size [mm]."""
-    sizes = math.sqrt(abs(contour.area)) - math.sqrt(abs(outline.area))
-    return abs(_middle(contour) - _middle(outline)) + abs(sizes)
+def _alike(areas: Sequence[tuple[float, float]]) -> int:
+    """How many of the first of ascending areas [mm^2], each with its uncertainty, one cannot tell
+    by their order from the one before.
+    """
+    limit, count = math.inf, 0
+    for area, unsure in areas:
+        if area - unsure > limit:
+            break
+        limit = area * (1.0 + ALIKE) + unsure
+        count += 1
+    return count
+
+
+@dataclass(frozen=True, slots=True)
+class _Measured:
+    """Contours by what tells them apart.
+
+    Attributes
+    ----------
+    areas : (n,) [mm^2].
+    unsure : (n,) [mm^2] by which the areas of approximate ones may be off.
+    middles : (n,) complex [mm].
+    """
+
+    areas: FloatArray
+    unsure: FloatArray
+    middles: ComplexArray
+
+    @classmethod
+    def of(cls, contours: Sequence[AnyContour]) -> _Measured:
+        return cls(
+            np.array([abs(each.area) for each in contours]),
+            np.array([TOPOLOGY_TOLERANCE * each.length for each in contours]),
+            np.array([_middle(each) for each in contours]),
+        )
 
 
 def _middle(contour: AnyContour) -> complex:

@@ -36,3 +36,18 @@ def test_a_hole_that_was_moved_stays_that_hole() -> None:
     """The others keep theirs, so that one deviation is reported and not two."""
     moved = [Contour.circle(3.0, 31.0 + 0j), *HOLES[1:]]
     assert paired(moved, [polygon(each) for each in HOLES]) == moved
+
+
+def test_small_contours_are_told_apart_by_their_places() -> None:
+    """Their areas are no better known than a tolerance for the whole drawing allows, so their order
+    is another one in the file.
+    """
+    sizes = [0.30 + 0.004 * k for k in range(12)]
+    wanted = [Contour.circle(size, 20.0 * cmath.exp(0.3j * k)) for k, size in enumerate(sizes)]
+    off = [0.009 if k % 2 else -0.009 for k in range(12)]
+    contours = [
+        Contour.circle(size + more, 20.0 * cmath.exp(0.3j * k))
+        for k, (size, more) in enumerate(zip(sizes, off, strict=True))
+    ]
+    big = Contour.circle(50.0)
+    assert paired([big, *contours[::-1]], [*wanted, big]) == [*contours, big]
