@@ -55,6 +55,7 @@ JOBS: Final = (
     ("moved_clamps", "clamps: one makes room for a strap through the bore"),
     ("bolt_circle", "screws through three holes of a round blank, whose bore is reamed"),
     ("onion_skin", "onion-skin: plastic on a vacuum table"),
+    ("engraved_zero", "fixture: the zero of a cam engraved beside its timing mark"),
     ("groove_flanks", "none is needed: a groove, roughed, and both flanks finished"),
 )
 
