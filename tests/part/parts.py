@@ -112,3 +112,45 @@ def specs(draw: st.DrawFn) -> PartSpec:
         bolt_circle=bolts,
         lightening_holes=light,
     )
+
+
+GAPS: Final = (0.0, 1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 2e-3, 0.01, 0.03, 0.1, 0.3)
+"""Between walls [mm]."""
+
+
+@st.composite
+def tight_specs(draw: st.DrawFn) -> PartSpec:
+    """Specifications of parts whose features nearly touch each other or a flank, or do."""
+    gap = st.sampled_from(GAPS).map(lambda each: 2.0 * each)
+    bore = draw(st.sampled_from([12.0, 20.0]))
+    hub = bore + draw(gap | _share(0.01, 20.0))
+    hole = draw(st.sampled_from([0.05, 1.0, 4.0]))
+    count = draw(st.sampled_from([1, 2, 7, 30]))
+    neighbours = (hole + draw(gap)) / math.sin(math.pi / max(count, 2))
+    circle = draw(
+        st.sampled_from([bore + hole, hub - hole, hub + hole, 64.0 - hole, neighbours])
+    ) + draw(st.sampled_from([-1.0, 1.0])) * draw(gap)
+    light = Holes(count, circle, hole, draw(_angles)) if circle > 0.0 else None
+    bolts = draw(st.none() | _holes())
+    if bolts is not None:
+        bolts = replace(bolts, counterbore=Counterbore(bolts.hole + draw(gap) + 1e-9, 3.0))
+    keyway = None
+    if draw(st.booleans()):
+        width = bore * draw(st.sampled_from([1e-4, 0.3, 0.999]))
+        keyway = Keyway(width, draw(st.sampled_from([1e-6, 0.01, 3.0])), draw(_angles))
+    mark = None
+    if draw(st.booleans()):
+        wide = draw(st.sampled_from([0.1, 2.0]))
+        radius = draw(st.sampled_from([hub, bore, 64.0, 94.0])) / 2.0 + wide / 2.0 + draw(gap)
+        mark = Mark(radius, wide, 0.5, None, draw(_angles))
+    return PartSpec(
+        thickness=10.0,
+        bore=bore,
+        keyway=keyway,
+        rim=126.1,
+        groove_depth=5.0,
+        hub=Hub(hub, 4.0, draw(st.sampled_from(SIDES))) if hub > bore else None,
+        mark=mark,
+        bolt_circle=bolts,
+        lightening_holes=light,
+    )

@@ -22,6 +22,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.part.part import Boundary, Level, Part
 from camgeo.reading import FACETS
 from camgeo.wording import counted
+from camgeo_export.apart import of_polygons, require_apart
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
@@ -62,8 +63,8 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
     `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
-    the key of a height that the scene does not give or that is within the tolerance, and FileError
-    if the body would have more facets than `camgeo.reading` allows.
+    the key of a height that the scene does not give or that is within the tolerance, or with "part"
+    if walls are; FileError if the body would have more facets than `camgeo.reading` allows.
     """
     part.require_steps(tolerance)
     levels, bands = part.levels, part.bands
@@ -71,6 +72,7 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     for each in part.boundaries:
         rings |= _rings(each, part, tolerance, rounding)
     _limit(sum(2 * len(rings[band.wall.name]) for band in bands), "at least ")
+    require_apart(part, of_polygons(rings, tolerance), tolerance)
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
     for _, group in groupby(bands, lambda band: (band.z0, band.z1)):

@@ -17,6 +17,7 @@ from camgeo.reading import INSTANCES
 from camgeo.units import MM_PER
 from camgeo.wording import counted
 from camgeo.writing.writer import Written
+from camgeo_export.apart import of_contours, require_apart
 from camgeo_export.errors import FileError
 from camgeo_export.part21.measure import measure
 from camgeo_export.step.frame import END, add_context, add_product, header
@@ -39,7 +40,8 @@ class StepWriter:
         """The solid, in the unit of the product, within `tolerance` [mm].
 
         Raises GeometryError with the key of a height that the scene does not give or that is within
-        the tolerance, and FileError if the file would be larger than `camgeo.reading` allows.
+        the tolerance, or with "part" if walls are; FileError if the file would be larger
+        than `camgeo.reading` allows.
         """
         part = product.drawn.part
         part.require_steps(tolerance)
@@ -48,6 +50,8 @@ class StepWriter:
             if bevel.edge.name not in rings:
                 rings[bevel.edge.name] = edge_of(bevel, rings[bevel.boundary.name])
         _limit(sum(len(rings[band.wall.name].strands) for band in part.bands))
+        contours = {name: ring.contour for name, ring in rings.items()}
+        require_apart(part, of_contours(contours, tolerance), tolerance)
         file = Entities()
         shape = add_product(file, title_of(product))
         context = add_context(file, product.unit)
