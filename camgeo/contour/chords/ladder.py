@@ -33,8 +33,8 @@ SHORT = 12
 """Bends of fewer pieces may get single pieces more than by the formula: it is asymptotic, and gives
 too few between inflections close to each other."""
 
-LAYOUTS = 250
-"""Most layouts tried; usually the first or second suffices."""
+LAYOUTS, LAID = 250, 1_000_000
+"""Most layouts tried, and most pieces in all of them; usually the first or second suffices."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,8 +82,12 @@ class Ladder:
                 heapq.heappush(waiting, (int(np.sum(counts)), -plain, key, rung, plain))
 
         wait(self._counts(rung), rung, plain=True)
+        pieces = 0
         for _ in range(LAYOUTS):
+            if pieces > LAID:
+                break
             number, _, key, rung, plain = heapq.heappop(waiting)
+            pieces += number
             if number > most_pieces:
                 raise too_many(most_pieces, "straight pieces", most)
             counts = np.frombuffer(key, dtype=np.intp)

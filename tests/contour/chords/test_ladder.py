@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from camgeo.contour.chords import ladder as ladder_module
+from camgeo.contour.chords.evened import Evened, evened
 from camgeo.contour.chords.ladder import Ladder
 from camgeo.contour.chords.two_sided import Stretched, StretchTable, stretch_table
 from camgeo.curve.working_curve import WorkingCurve
@@ -62,6 +67,22 @@ def test_a_layout_does_not_depend_on_the_tolerance(most: float) -> None:
         same = laid.setdefault(len(chords.worst), chords.vertices)
         assert np.array_equal(same, chords.vertices)
     assert 1 < len(laid) < 12
+
+
+def test_layouts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    laid: list[int] = []
+
+    def off(*arguments: Any) -> Evened:
+        found = evened(*arguments)
+        laid.append(len(found.chords.worst))
+        return replace(found, chords=replace(found.chords, worst=10.0 * found.chords.worst))
+
+    monkeypatch.setattr(ladder_module, "evened", off)
+    monkeypatch.setattr(ladder_module, "LAID", 1_000)
+    with pytest.raises(ToleranceError):
+        Ladder.of(stretched(flank("vorschub", -1))).fewest(1e-3, SHARE, MANY)
+    assert 1 < len(laid) < ladder_module.LAYOUTS
+    assert sum(laid[:-1]) <= 1_000
 
 
 @some
