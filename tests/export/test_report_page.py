@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import json
 import re
 from dataclasses import replace
@@ -13,13 +14,16 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import trimesh
 
 from camgeo.answers.report import Report, report
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.figure.marks import Text
 from camgeo.scene.load import load_scene
+from camgeo.scene.scene import Scene
 from camgeo_export.report.page import DIGITS, render
 from tests.long_form import LONG
 
@@ -85,7 +89,8 @@ def test_the_page_of_setzhub_has_everything_in_one_small_file() -> None:
     found = Found(page)
     identifiers = [each["id"] for _, each in found.elements if each.get("id")]
     assert len(set(identifiers)) == len(identifiers)
-    assert {"mechanism", "prices", "chart-0", "certificate-section"} <= set(identifiers)
+    wanted = {"mechanism", "prices", "chart-0", "solid-0", "certificate-section"}
+    assert wanted <= set(identifiers)
     if LONG:
         assert render(report(Design(load_scene(SCENES / "setzhub.toml")))) == page
 
@@ -153,6 +158,28 @@ def test_each_chart_has_its_place_sentence_and_table() -> None:
             chart.sentence in each for each in Found(page).texts
         )
     assert text.count("Extremes as a table") == len(found.charts)
+
+
+def test_the_solid_is_that_of_the_stl_file() -> None:
+    """All corners, in single floats, as a body within the coarse tolerance has them."""
+    found = made("setzhub")
+    ((name, stl),) = found.solids.items()
+    assert name == "setzhub.stl"
+    (drawn,) = data(render(found))["solids"]
+    places = np.frombuffer(base64.b64decode(drawn["places"]), "<f4").reshape(-1, 3)
+    mesh = trimesh.load_mesh(io.BytesIO(stl), file_type="stl")
+    assert len(places) == 3 * len(mesh.faces)
+    assert np.array_equal([places.min(axis=0), places.max(axis=0)], mesh.bounds.astype("<f4"))
+
+
+def test_a_part_without_thickness_has_no_solid_and_says_so() -> None:
+    scene = load_scene(SCENES / "setzhub.toml")
+    part = {key: value for key, value in scene.values["part"].items() if key != "thickness"}
+    kept = {key: value for key, value in scene.values.items()
+            if key in ("camgeo", "name", "cam", "motion", "follower", "linkage")}  # fmt: skip
+    found = report(Design(Scene({**kept, "part": part})), quick=True)
+    assert not found.solids
+    assert any(each.startswith("solid: ") and "thickness" in each for each in found.left_out)
 
 
 def test_numbers_of_diagrams_are_exact_enough_to_be_drawn() -> None:

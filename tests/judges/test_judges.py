@@ -226,13 +226,17 @@ def test_a_browser_shows_a_report_and_turns_its_cam(tmp_path: Path) -> None:
 def test_a_browser_refuses_a_report_that_is_wrong(tmp_path: Path) -> None:
     (page,) = reports(tmp_path, ["setzhub"])
     text = page.read_text("utf-8")
-    assert text.count('"animation":') == 1
-    page.write_text(text.replace('"animation":', '"animations":'), "utf-8")
-    with pytest.raises(Refusal, match="the cam does not turn"):
+    for good, changed in (
+        ('"animation":', '"animations":'),
+        ("<main>", "<main><script>1</script><figure></figure>"),
+    ):
+        assert good in text
+        text = text.replace(good, changed)
+    page.write_text(text, "utf-8")
+    with pytest.raises(Refusal) as refused:
         chromium.judge_report(page)
-    page.write_text(text.replace("<main>", "<main><script>1</script>"), "utf-8")
-    with pytest.raises(Refusal, match=r"Content Security Policy.*elements that are not its own"):
-        chromium.judge_report(page)
+    for fault in ("the cam does not turn", "a figure is blank", "not its own"):
+        assert fault in str(refused.value)
 
 
 @browser

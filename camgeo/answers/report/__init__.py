@@ -31,6 +31,9 @@ STEP: Final = 5
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4)
 """Of the price list [mm]."""
 
+FACETS, LEAST = 5e-4, 1e-3
+"""Tolerance of the solid, relative to the base radius, and the least [mm]: finer than is seen."""
+
 TOGETHER: Final = 6
 """Most panels of effects in a diagram: as many as fit on a sheet."""
 
@@ -88,6 +91,8 @@ class Report(Answer):
     table : the value table, a row every STEP degrees; None if it cannot be computed.
     prices : what accuracy costs in pieces, bytes and milling time; None if it was not asked for or
         there is no disc.
+    solids : binary STL files of the bodies, coarser than they are made, by their names; empty if
+        the part has no thickness.
     certificate : of the files that the scene asks for, as it would be beside them; None likewise.
     left_out : what the page lacks, and why.
     """
@@ -101,6 +106,7 @@ class Report(Answer):
     charts: tuple[Chart, ...]
     table: Table | None
     prices: Survey | None
+    solids: Mapping[str, bytes]
     certificate: Mapping[str, Any] | None
     left_out: tuple[str, ...]
 
@@ -153,6 +159,9 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         if (figure := tried(what, make)) is not None
     ]
     table = tried("value table", lambda: design.tabulated.written(STEP))
+    solids: dict[str, bytes] = {}
+    if turn is not None:
+        solids = tried("solid", lambda: _solids(design, progress)) or {}
     prices = certificate = None
     if quick:
         left_out.append("price list of accuracy and certificate: --quick leaves them out")
@@ -167,6 +176,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         tuple(charts),
         table,
         prices,
+        solids,
         certificate,
         tuple(left_out),
     )
@@ -220,6 +230,14 @@ def _prices(design: Design, progress: Progress) -> Survey:
 
     rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress)
     return Survey(tuple(rows), (), (), knee_of(rows))
+
+
+def _solids(design: Design, progress: Progress) -> dict[str, bytes]:
+    from camgeo.writing.write import CERTIFICATE, make_files
+
+    coarse = max(FACETS * design.cam.follower.base_radius, LEAST)
+    contents, _ = make_files(design.discs, ("stl",), coarse, progress=progress)
+    return {name: data for name, data in contents.items() if name != CERTIFICATE}
 
 
 def _certificate(design: Design, progress: Progress) -> dict[str, Any]:

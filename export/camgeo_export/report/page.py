@@ -13,10 +13,12 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any, Final
+
+import numpy as np
 
 from camgeo import __version__
 from camgeo.accuracy.knee import advice
@@ -28,6 +30,7 @@ from camgeo.figure import accuracy
 from camgeo.figure.model import data_of
 from camgeo.product.value_table import Table
 from camgeo.wording import counted
+from camgeo_export.stl.writer import FACET, PREFIX
 
 DIGITS: Final = 6
 """Significant digits of coordinates in diagrams: finer than a printed line."""
@@ -39,11 +42,27 @@ SPEEDS: Final = (30, 15, 8, 4, 2)
 SPEED: Final = 8
 """Seconds of a turn that can be chosen, and those at first."""
 
-SCRIPTS: Final = ("figure.js", "report.js")
+VIEWS: Final = (
+    ("left", "Left"), ("right", "Right"), ("up", "Up"), ("down", "Down"),
+    ("closer", "Closer"), ("farther", "Farther"), ("back", "Back"),
+)  # fmt: skip
+"""Ways to look at a solid, with their names."""
 
-NAMES: Final = {"mechanism": "Mechanism", "findings": "Findings", "diagrams": "Diagrams",
-                "table": "Value table", "prices": "Price list of accuracy",
-                "certificate": "Certificate", "left-out": "Left out"}  # fmt: skip
+CANVAS: Final = (1280, 800)
+"""Pixels of a solid's picture."""
+
+SCRIPTS: Final = ("figure.js", "solid.js", "report.js")
+
+NAMES: Final = {
+    "mechanism": "Mechanism",
+    "findings": "Findings",
+    "diagrams": "Diagrams",
+    "solid": "Solid",
+    "table": "Value table",
+    "prices": "Price list of accuracy",
+    "certificate": "Certificate",
+    "left-out": "Left out",
+}
 """Headings by the identifiers of the sections."""
 
 
@@ -55,6 +74,7 @@ def render(report: Report) -> bytes:
         "mechanism": _mechanism(report),
         "findings": _findings(report),
         "diagrams": _diagrams(report.charts),
+        "solid": _solids(report.solids),
         "table": "" if report.table is None else _values(report.table),
         "prices": "" if report.prices is None else _prices(report.prices),
         "certificate": _certificate(report),
@@ -124,6 +144,7 @@ def _data(report: Report) -> str:
             {"figure": data_of(chart.figure), "sentence": chart.sentence} for chart in report.charts
         ],
         "prices": prices,
+        "solids": [{"places": _singles(data)} for data in report.solids.values()],
     }
     text = json.dumps(_rounded(found), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     for each in "<>&\u2028\u2029":
@@ -216,6 +237,26 @@ def _readings(chart: Chart) -> str:
         rows.append(f"<tr><td>{escape(plain(each.name))}</td>{_numbers(numbers)}"
                     f"<td>{escape(limits)}</td></tr>")  # fmt: skip
     return f"<details><summary>Extremes as a table</summary>{_table(heads, rows)}</details>"
+
+
+def _solids(found: Mapping[str, bytes]) -> str:
+    """A canvas for each body, with buttons for what dragging does."""
+    buttons = "".join(
+        f'<button type="button" value="{value}">{name}</button>' for value, name in VIEWS
+    )
+    return "".join(
+        f'<figure id="solid-{number}"><canvas width="{CANVAS[0]}" height="{CANVAS[1]}" role="img"'
+        f' aria-label="The solid of {escape(name)}"></canvas><div class="views" role="group"'
+        f' aria-label="View of {escape(name)}">{buttons}</div><figcaption>{escape(name)}, as camgeo'
+        " build makes it, coarser. Drag to turn it.</figcaption></figure>"
+        for number, name in enumerate(found)
+    )
+
+
+def _singles(stl: bytes) -> str:
+    """Three coordinates [mm] of three corners of each triangle of a binary STL, as base 64."""
+    corners = np.frombuffer(stl, FACET, offset=PREFIX)["corners"]
+    return base64.b64encode(np.ascontiguousarray(corners).tobytes()).decode()
 
 
 def _values(table: Table) -> str:

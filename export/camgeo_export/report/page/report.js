@@ -203,6 +203,8 @@ if (data.prices) {
   document.getElementById("prices").prepend(svg);
 }
 
+data.solids.forEach((found, k) => solid(document.getElementById(`solid-${k}`), found));
+
 const state = document.getElementById("state");
 let told = 0;
 listeners.push((at, said) => {
