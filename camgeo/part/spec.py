@@ -323,7 +323,8 @@ class PartSpec:
         """
         if self.pair is None:
             return self
-        own = replace(self, pair=None, hub=None, set_screw=None)
+        chamfers = None if self.chamfers is None else replace(self.chamfers, hub=None)
+        own = replace(self, pair=None, hub=None, set_screw=None, chamfers=chamfers)
         if disc == self.pair.upper:
             return own
         bolts = self.bolt_circle

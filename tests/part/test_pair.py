@@ -21,6 +21,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.build import build_part
+from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.engraving import Engraving
 from camgeo.part.features import bore_outline
 from camgeo.part.mass import solid
@@ -136,6 +137,22 @@ def test_bolts_go_in_from_above_and_texts_can_be_read() -> None:
     written = replace(PLAIN, engraving=(Engraving("I", 3.0, 0.5, radius=24.0),))
     texts = [(name, z0, z1) for name, z0, z1 in _walls(paired(written)) if "engraving" in name]
     assert [heights for _, *heights in texts] == [[-0.5, 0.0]]
+
+
+def test_the_hub_takes_its_chamfer_along() -> None:
+    """A disc alone has no such edge; in the pair, those of the outlines are at all four faces."""
+    chamfers = Chamfers(outline=Chamfer(0.5), hub=Chamfer(1.0))
+    spec = replace(PLAIN, hub=Hub(30.0, 6.0), chamfers=chamfers)
+    for name, path in zip(DISCS, PATHS, strict=True):
+        disc = build_part(Contact.INNER, path, path, spec.alone(name), 0.01)
+        assert [each.boundary.name for each in disc.bevels] == ["outline"] * 2
+    bevels = paired(spec).bevels
+    found = [(each.boundary.name, each.z) for each in bevels]
+    assert sorted(found) == [
+        ("hub", 6.0),
+        *(("outline", z) for z in (-10.0, 0.0)),
+        *(("return outline", z) for z in (-27.0, -17.0)),
+    ]
 
 
 def test_holes_within_the_spacer_go_through_it() -> None:
