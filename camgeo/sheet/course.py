@@ -17,7 +17,7 @@ from camgeo.sheet.marks import Chain, Label, Mark, line, rectangle
 from camgeo.sheet.words import Words
 from camgeo.units import MM_PER, TURN
 
-ROW: Final = 3.9
+ROW: Final = 3.6
 """Height of a row of the table [mm]."""
 
 HEAD: Final = 12.0
@@ -129,7 +129,7 @@ def table_marks(table: Table, title: str, top: complex, width: float, number: in
                 Label(head, left + complex(0.5 * wide, -4.3), LETTER, "centre", width=wide - 1.0)
             )
             for row, cells in enumerate(own):
-                at = left + complex(wide - 1.2, -6.0 - ROW * (row + 1) + 0.7)
+                at = left + complex(wide - 1.2, -6.0 - ROW * (row + 1) + 0.5 * (ROW - LETTER))
                 marks.append(Label(cells[index], at, LETTER, "right", width=wide - 1.6))
         for row in range(5, len(own), 5):
             level = corner - 1j * (6.0 + ROW * row)

@@ -1,43 +1,86 @@
-"""The dimensions of a part: definition points on its edges, and numbers that are measured."""
+"""The dimensions of a part: definition points on its edges, and numbers that are measured.
+
+Each function gives the places that a dimension may have, for `placing` to choose from.
+"""
 
 from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count, takewhile
+from typing import Final
 
 import numpy as np
 
 from camgeo.formats.drawing import DrawingSpec
 from camgeo.numeric.arrays import phase
-from camgeo.sheet.marks import Chain, Diameter, Distance, Mark
-from camgeo.sheet.placing import LETTERS, LIFTED, has_room, placed
-from camgeo.sheet.shape import COARSE, Edge, Shape, crossings, extreme
+from camgeo.sheet.ink import number_of, shelf_of
+from camgeo.sheet.marks import Diameter, Distance, Mark, moved
+from camgeo.sheet.placing import Option, Options, has_arrows_outside, placed
+from camgeo.sheet.shape import Edge, Shape, extreme
+from camgeo.sheet.symbols import datum
 from camgeo.units import LengthUnit
 
-EXACT: dict[LengthUnit, int] = {"mm": 4, "inch": 5}
+EXACT: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 5}
 """Decimals of lengths that the scene states."""
 
-AUXILIARY: dict[LengthUnit, int] = {"mm": 2, "inch": 3}
+AUXILIARY: Final[dict[LengthUnit, int]] = {"mm": 2, "inch": 3}
 """Decimals of auxiliary dimensions, in brackets, of what follows from the curve."""
 
-STEP = 9.0
-"""Between dimension lines, and from the part to the first [mm of paper]."""
+STEP: Final = 9.0
+"""From an edge to the nearest dimension line [mm of paper]."""
 
-BEYOND = 10.0
-"""From the bottom of a keyway to the dimension of its width [mm of paper]."""
+FINER: Final = 3.0
+"""Between places that are tried, away from there [mm of paper]."""
 
-UPRIGHT = 0.5
-"""Cosine of the direction of a keyway below which it counts as upright."""
+FARTHER: Final = 0.1
+"""What each millimetre farther away costs: twenty are as bad as to cross an edge."""
 
-OUTSIDE = 8.0
-"""From a circle to the middle of its diameter outside [mm of paper]."""
+TURNED: Final = 0.2
+"""What each direction costs that is tried after others."""
 
-SHELF = 0.5 * LETTERS + LIFTED
-"""From there down to the line below the text [mm of paper]."""
+BEYOND: Final = 24.0
+"""How far beyond a view dimensions may stand [mm of paper]."""
 
-DIAMETER = "%%c"
-"""The diameter sign, as every CAD program knows it."""
+FIRST_LEADER: Final = 8.0
+"""Shortest leader [mm of paper]."""
+
+SLANTED: Final = math.radians(-60.0)
+"""Direction of the leader to a circle about the cam axis where there is room."""
+
+LEANING: Final = 0.06
+"""By which leaders that would be upright are turned [rad]: texts are where they lean to."""
+
+MOST_HOLES: Final = 12
+"""Of a pattern, at which its dimension may stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What places depend on.
+
+    Attributes
+    ----------
+    spec : what the scene states.
+    unit : of the dimensions.
+    scale : millimetres of paper for each of the part.
+    reach : distance from the cam axis within which the view is [mm of the part].
+    """
+
+    spec: DrawingSpec
+    unit: LengthUnit
+    scale: float
+    reach: float
+
+    def places(self, start: float) -> Iterator[tuple[float, float]]:
+        """Distances from the cam axis [mm of the part], `STEP` of paper after `start` and more,
+        and what they cost.
+        """
+        far = (self.reach + BEYOND / self.scale - start) * self.scale
+        steps = takewhile(lambda each: each <= max(far, STEP), count(STEP, FINER))
+        return ((FARTHER * (each - STEP), start + each / self.scale) for each in steps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,15 +100,6 @@ class Keyway:
     far: complex
     outward: complex
     radius: float
-
-    @property
-    def datum(self) -> tuple[complex, complex]:
-        """The corner of its bottom where its datum stands, and the unit vector to there: away from
-        the frame of the flank, which is on the upper left.
-        """
-        if self.outward.real < -UPRIGHT:
-            return self.right, -1j * self.outward
-        return self.left, 1j * self.outward
 
     @property
     def bottom(self) -> float:
@@ -88,66 +122,94 @@ def keyway_of(edge: Edge) -> Keyway | None:
     return Keyway(corners[1], corners[0], circle[0] - circle[1] * outward, outward, circle[1])
 
 
-def of_keyway(key: Keyway, spec: DrawingSpec, unit: LengthUnit, scale: float) -> list[Mark]:
-    """Width and depth of a keyway; the depth is measured through the bore."""
-    across = phase(key.outward) + 0.5 * math.pi
-    beyond = key.outward * (key.bottom + BEYOND / scale)
-    below = _beside(key.outward)
-    aside = below * (key.radius + 8.0 / scale)
-    near = key.right if (key.right * below.conjugate()).real > 0.0 else key.left
-    suffix = f" {spec.keyway_fit}" if spec.keyway_fit else ""
-    width = Distance(key.right, key.left, beyond, across, suffix=suffix, decimals=EXACT[unit])
-    depth = Distance(key.far, near, aside, phase(key.outward), decimals=EXACT[unit])
-    return [
-        *placed(width, scale, unit, -key.datum[1]),
-        *placed(depth, scale, unit, -key.outward),
-    ]
-
-
-def _beside(outward: complex) -> complex:
-    """On which side of a bore the depth of its keyway is, as a unit vector: below, or on the left
-    of an upright one, on whose right the diameter is.
+def with_datum(option: Option, name: str, scale: float) -> Iterator[Option]:
+    """The option's dimension with a datum at either end of its line where no text is, in place of
+    an arrow that would be there.
     """
-    upright = abs(outward.real) < UPRIGHT
-    aside = -1j * outward
-    return min(aside, -aside, key=lambda way: way.real if upright else way.imag)
+    price, (mark, *rest) = option
+    assert isinstance(mark, Distance)
+    along = cmath.rect(1.0, mark.angle)
+    for bare, end, way in ((1, mark.first, -along), (2, mark.second, along)):
+        if mark.aside and (mark.aside > 0.0) == (bare == 2):
+            continue
+        foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
+        own = replace(mark, bare=bare) if has_arrows_outside(mark, scale) else mark
+        yield price, (own, *rest, *moved(datum(0j, way, name), foot, scale))
 
 
-def of_flat(edge: Edge, unit: LengthUnit, scale: float) -> list[Mark]:
+def keyway_width(key: Keyway, bench: Bench) -> Options:
+    """The width of a keyway, with the datum B if there are datums."""
+    across = phase(key.outward) + 0.5 * math.pi
+    suffix = f" {bench.spec.keyway_fit}" if bench.spec.keyway_fit else ""
+    for price, beyond in bench.places(key.bottom):
+        mark = Distance(key.right, key.left, key.outward * beyond, across, suffix=suffix,
+                        decimals=EXACT[bench.unit])  # fmt: skip
+        for more, marks in placed(mark, bench.scale, bench.unit, 1j * key.outward):
+            option = price + more, marks
+            if bench.spec.flank_tolerance is None:
+                yield option
+            else:
+                yield from with_datum(option, "B", bench.scale)
+
+
+def keyway_depth(key: Keyway, bench: Bench) -> Options:
+    """The depth of a keyway, measured through the bore."""
+    ends = {1.0: key.left, -1.0: key.right}
+    for sense, near in ends.items():
+        aside = sense * 1j * key.outward
+        upper = TURNED if aside.imag > 0.0 else 0.0
+        for price, place in bench.places(key.radius):
+            mark = Distance(key.far, near, aside * place, phase(key.outward),
+                            decimals=EXACT[bench.unit])  # fmt: skip
+            for more, marks in placed(mark, bench.scale, bench.unit, -key.outward):
+                yield price + more + upper, marks
+
+
+def of_flat(edge: Edge, bench: Bench) -> Options:
     """The size across the flat of a bore for a D-shaft; nothing without one."""
     contour, circle = edge.contour, edge.circle
     flats = np.flatnonzero(contour.sweeps == 0.0)
     if circle is None or len(flats) != 1:
-        return []
+        return
     ends = [complex(each[flats[0]]) for each in (contour.vertices, contour.ends)]
     middle = 0.5 * (ends[0] + ends[1]) - circle[0]
     outward = middle / abs(middle)
-    below = _beside(outward)
-    near = max(ends, key=lambda end: (end * below.conjugate()).real)
-    far, line = circle[0] - circle[1] * outward, below * (circle[1] + 8.0 / scale)
-    mark = Distance(far, near, line, phase(outward), decimals=EXACT[unit])
-    return list(placed(mark, scale, unit, -outward))
+    far = circle[0] - circle[1] * outward
+    for aside in (1j * outward, -1j * outward):
+        near = max(ends, key=lambda end: (end * aside.conjugate()).real)
+        upper = TURNED if aside.imag > 0.0 else 0.0
+        for price, place in bench.places(circle[1]):
+            mark = Distance(far, near, aside * place, phase(outward), decimals=EXACT[bench.unit])
+            for more, marks in placed(mark, bench.scale, bench.unit, -outward):
+                yield price + more + upper, marks
 
 
-def overall(
-    shape: Shape, box: tuple[complex, complex], unit: LengthUnit, scale: float
-) -> list[Mark]:
-    """Width and height of an outermost boundary that is no circle, in brackets."""
-    edge = shape.outermost
-    if edge.circle is not None:
-        return []
-    contours = (edge.contour,)
-    low, _ = box
-    decimals = AUXILIARY[unit]
-    below, aside = low.imag - 2.0 * STEP / scale, low.real - 1.4 * STEP / scale
-    width = Distance(
-        extreme(contours, -1.0), extreme(contours, 1.0), 1j * below, 0.0, "(", ")", decimals
-    )
-    height = Distance(
-        extreme(contours, -1j), extreme(contours, 1j), complex(aside), 0.5 * math.pi, "(", ")",
-        decimals,
-    )  # fmt: skip
-    return [*placed(width, scale, unit, 1.0), *placed(height, scale, unit, 1j)]
+def overall(shape: Shape, box: tuple[complex, complex], bench: Bench) -> Iterator[Options]:
+    """Width and height of a part whose outermost boundary is no circle, in brackets."""
+    if shape.outermost.circle is not None:
+        return
+    contours = tuple(edge.contour for edge in shape.edges)
+    decimals = AUXILIARY[bench.unit]
+    low, high = box
+    for way, down, near, far in (
+        (1.0, -1j, -low.imag, high.imag),
+        (1j, -1.0, -low.real, high.real),
+    ):
+        ends = extreme(contours, -way), extreme(contours, way)
+        yield _along(ends, way, (down, near), (-down, far), decimals, bench)
+
+
+def _along(
+    ends: tuple[complex, complex], way: complex, near: tuple[complex, float],
+    far: tuple[complex, float], decimals: int, bench: Bench,
+) -> Options:  # fmt: skip
+    """The distance of two ends along `way`, beyond the view on one side or the other."""
+    for later, (aside, edge) in enumerate((near, far)):
+        for number in range(8):
+            place = aside * (edge + (STEP + FINER * number) / bench.scale)
+            mark = Distance(*ends, place, phase(way), "(", ")", decimals)
+            for more, marks in placed(mark, bench.scale, bench.unit, way):
+                yield FARTHER * FINER * number + 2.0 * later + more, marks
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +221,11 @@ class Turned:
     z0: float
     z1: float
     keyway: Keyway | None
+
+    @property
+    def is_bore(self) -> bool:
+        """Whether it is the bore, which centres the part on its shaft."""
+        return self.edge.boundary.name == "bore"
 
 
 def turned(shape: Shape) -> list[Turned]:
@@ -180,117 +247,74 @@ def in_section(each: Turned) -> bool:
     return all(each.edge.has(end) for end in (1j * each.radius, -1j * each.radius))
 
 
-def of_diameters(
-    rounds: list[Turned], thickness: float, spec: DrawingSpec, unit: LengthUnit, scale: float
-) -> list[Mark]:
-    """The diameters beside the section, the smallest nearest."""
-    marks: list[Mark] = []
-    for number, each in enumerate(each for each in rounds if in_section(each)):
-        place = thickness + STEP * (number + 1) / scale
-        height = 1j * each.radius
-        mark = Distance(
-            each.z1 - height, each.z1 + height, complex(place), 0.5 * math.pi,
-            DIAMETER, fit(each, spec), EXACT[unit],
-        )  # fmt: skip
-        marks += placed(mark, scale, unit, 1j)
-    return marks
-
-
 def fit(each: Turned, spec: DrawingSpec) -> str:
     """The tolerance class behind a diameter, empty without one."""
-    is_bore = each.edge.boundary.name == "bore"
-    return f" {spec.bore_fit}" if is_bore and spec.bore_fit else ""
+    return f" {spec.bore_fit}" if each.is_bore and spec.bore_fit else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Height:
-    """How high a wall stands that the section cuts: from `z0` to `z1`, where y is `place` [mm]."""
-
-    z0: float
-    z1: float
-    place: float
-
-
-def heights(shape: Shape, unit: LengthUnit, scale: float) -> tuple[tuple[Height, ...], ...]:
-    """The heights of the walls that the section cuts, in rows without overlap, the smallest first;
-    that of the whole part is not among them, nor those of letters, of which notes speak. One whose
-    text stands outside has its own row.
-    """
-    base, size = shape.part.layers[0].z0, shape.size
-    found: dict[tuple[float, float], Height] = {}
-    for wall in shape.part.walls:
-        edge = shape.edge(wall.boundary)
-        if edge.is_letter:
+def of_round(each: Turned, bench: Bench) -> Options:
+    """A diameter about the cam axis in the front view, with the datum A at that of the bore."""
+    has_datum = each.is_bore and bench.spec.flank_tolerance is not None
+    text = fit(each, bench.spec)
+    ways = [SLANTED + math.radians(each) for each in (0, 15, -15, 30, -30, 105, 120, 180, 225, 240)]
+    for price, mark in leaders(0j, each.radius, ways, text, bench):
+        if not has_datum:
+            yield price, (mark,)
             continue
-        ring = edge.contour.points(COARSE * size)
-        cut = crossings(1j * ring.conj(), 0.0)
-        span = wall.z0 - base, wall.z1 - base
-        if len(cut) and span != (0.0, shape.part.thickness):
-            place = max(float(np.max(cut)), found[span].place if span in found else -math.inf)
-            found[span] = Height(*span, place)
-    rows: list[list[Height]] = []
-    alone: list[list[Height]] = []
-    for each in sorted(found.values(), key=lambda height: (height.z1 - height.z0, height.z0)):
-        start, end = complex(each.z0, each.place), complex(each.z1, each.place)
-        if not has_room(Distance(start, end, start, decimals=EXACT[unit]), scale, unit):
-            alone.append([each])
-            continue
-        free = (row for row in rows if all(each.z1 <= o.z0 or each.z0 >= o.z1 for o in row))
-        row = next(free, None)
-        if row is None:
-            rows.append([each])
-        else:
-            row.append(each)
-    return tuple(tuple(row) for row in (*alone, *rows))
+        yield price, (mark, *moved(datum(0j, -1j, "A"), _shelf(mark, bench), bench.scale))
 
 
-def of_heights(
-    shape: Shape, drawn: list[Mark], box: tuple[complex, complex], unit: LengthUnit, scale: float
-) -> list[Mark]:
-    """The thickness below the section `drawn`, and the heights of its walls above it."""
-    layers, decimals = shape.part.layers, EXACT[unit]
-    base = layers[0].z0
-    low = _lowest(drawn, 0.0, layers[0].z1 - base)
-    last = _lowest(drawn, layers[-1].z0 - base, shape.part.thickness)
-    place = complex(0.0, box[0].imag - STEP / scale)
-    start, end = complex(0.0, low), complex(shape.part.thickness, last)
-    marks = [*placed(Distance(start, end, place, decimals=decimals), scale, unit, -1.0)]
-    for number, row in enumerate(heights(shape, unit, scale)):
-        place = complex(0.0, box[1].imag + STEP * (number + 1) / scale)
-        for each in row:
-            start, end = complex(each.z0, each.place), complex(each.z1, each.place)
-            marks += placed(Distance(start, end, place, decimals=decimals), scale, unit, -1.0)
-    return marks
+def _shelf(mark: Diameter, bench: Bench) -> complex:
+    """The middle of the line below the text of a diameter [mm of the part]."""
+    tip = mark.centre + cmath.rect(mark.radius, mark.angle)
+    knee = tip + cmath.rect(mark.reach / bench.scale, mark.angle)
+    half = 0.5 * shelf_of(number_of(mark, bench.unit)) / bench.scale
+    return knee + (half if knee.real > tip.real else -half)
 
 
-def _lowest(drawn: list[Mark], z0: float, z1: float) -> float:
-    """Lowest y [mm] of the edges of a section along the layer from `z0` to `z1`."""
-    found = []
-    for mark in drawn:
-        if isinstance(mark, Chain) and mark.vertices[0].imag == mark.vertices[1].imag:
-            start, end = sorted(mark.vertices.real.tolist())
-            if start <= z0 and end >= z1:
-                found.append(float(mark.vertices[0].imag))
-    return min(found, default=0.0)
+def leaders(
+    centre: complex, radius: float, ways: Sequence[float], suffix: str, bench: Bench
+) -> Iterator[tuple[float, Diameter]]:
+    """A diameter with leaders in some directions, the better ones first, and of many lengths."""
+    outside = (bench.reach - abs(centre) - radius) * bench.scale + BEYOND
+    for number, way in enumerate(ways):
+        angle = way if abs(math.cos(way)) > 0.5 * LEANING else way + LEANING
+        for length in takewhile(lambda each: each <= outside, count(FIRST_LEADER, FINER)):
+            price = TURNED * number + FARTHER * (length - FIRST_LEADER)
+            yield price, Diameter(centre, radius, angle, length, 1, suffix, EXACT[bench.unit])
 
 
-def of_holes(shape: Shape, unit: LengthUnit) -> list[Mark]:
-    """Round holes off the cam axis: one of each kind, with their number, and each pitch circle."""
-    kinds: dict[tuple[float, float], list[tuple[complex, float]]] = {}
+def of_holes(shape: Shape, bench: Bench) -> Iterator[Options]:
+    """Round holes off the cam axis: one of each kind, after their number, and each pitch circle."""
+    kinds: dict[tuple[float, float], list[complex]] = {}
     for edge in shape.edges:
-        if edge.circle is None or abs(edge.circle[0]) <= 1e-9 * shape.size:
-            continue
-        centre, radius = edge.circle
-        kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append((centre, radius))
-    marks: list[Mark] = []
-    circles: set[float] = set()
-    for number, ((_, circle), found) in enumerate(kinds.items()):
-        # Holes of another size at the same places are dimensioned at the next of them.
-        centre, radius = found[number % len(found) if circle in circles else 0]
-        count = f" ({len(found)}x)" if len(found) > 1 else ""
-        marks.append(Diameter(centre, radius, phase(centre), count, EXACT[unit]))
-        if len(found) > 1 and circle not in circles:
-            circles.add(circle)
-            aside = phase(centre * cmath.exp(0.3j))
-            marks.append(Diameter(0j, abs(centre), aside, decimals=EXACT[unit]))
-    return marks
+        if edge.circle is not None and abs(edge.circle[0]) > 1e-9 * shape.size:
+            centre, radius = edge.circle
+            kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append(edge.circle[0])
+    for (radius, _), found in kinds.items():
+        yield _of_hole(found, radius, bench)
+    circles = {size: found for (_, size), found in reversed(kinds.items()) if len(found) > 1}
+    for found in circles.values():
+        yield _of_circle(found, bench)
+
+
+def _of_hole(found: Sequence[complex], radius: float, bench: Bench) -> Options:
+    """The diameter of one of equal holes, after their number."""
+    for number, centre in enumerate(found[:MOST_HOLES]):
+        ways = [phase(centre) + math.radians(each) for each in (0, 30, -30, 60, -60, 90, -90)]
+        for price, mark in leaders(centre, radius, ways, "", bench):
+            yield price + TURNED * number, (replace(mark, count=len(found)),)
+
+
+def _of_circle(found: Sequence[complex], bench: Bench) -> Options:
+    """The diameter of the circle through the middles of holes, between two of them."""
+    between = math.pi / len(found)
+    first = [phase(centre) for centre in found[:MOST_HOLES]]
+    ways = [each + share * between for share in (1.0, 0.6, 1.4) for each in first]
+    for price, mark in leaders(0j, abs(found[0]), ways, "", bench):
+        yield price, (mark,)
+
+
+def single(marks: Sequence[Mark]) -> Options:
+    """Marks that have one place only."""
+    return ((0.0, tuple(marks)),)

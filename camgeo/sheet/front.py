@@ -90,6 +90,28 @@ def dashed(
         place += size
 
 
+def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
+    """Lines and arcs end to end in dashes, a closed chain with a whole number of patterns around
+    it, an open one with a dash at each end; what is too short for a gap stays as it is.
+    """
+    contour = Contour.through(mark.vertices, mark.sweeps)
+    if mark.closed:
+        yield from dashed(contour, scale, mark.layer, pattern)
+        return
+    length = float(np.sum(contour.lengths[:-1]))
+    count = round((length * scale - pattern[0]) / sum(pattern))
+    if count < 1:
+        yield mark
+        return
+    share = length / (count * sum(pattern) + pattern[0])
+    place = 0.0
+    for number in range(count * len(pattern) + 1):
+        size = pattern[number % len(pattern)] * share
+        if number % 2 == 0:
+            yield cut_out(contour, place, min(size, length - place), mark.layer)
+        place += size
+
+
 def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
     """A straight line that begins and ends with a dash; a short one is one dash."""
     start, end = (complex(each) for each in mark.vertices)

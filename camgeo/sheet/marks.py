@@ -7,8 +7,9 @@ are in millimetres of the part. Heights of texts are always those on paper.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final, Literal
 
 import numpy as np
 
@@ -23,6 +24,9 @@ Layer = Literal[
 cut, EDGES what is visible behind it and other wide lines, ENGRAVING the outlines of letters."""
 
 Across = Literal["left", "centre", "right"]
+
+DIAMETER: Final = "%%c"
+"""The diameter sign, as every CAD program knows it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +110,7 @@ class Distance:
     prefix, suffix : around the measured number, which is never stated itself.
     decimals : that are written at most; zeros at the end are not.
     aside : how far the text is from the middle, along the line [mm of paper].
+    bare : which end has no arrow, for a datum stands in its place: 1 or 2, or 0 for neither.
     """
 
     first: complex
@@ -116,6 +121,7 @@ class Distance:
     suffix: str = ""
     decimals: int = 3
     aside: float = 0.0
+    bare: int = 0
 
     @property
     def measure(self) -> float:
@@ -126,15 +132,31 @@ class Distance:
 
 @dataclass(frozen=True, slots=True)
 class Diameter:
-    """A dimension: the diameter of a circle, its line through the centre at `angle` [rad]; the text
-    is outside, on the side of the angle, after a diameter sign.
+    """A dimension: the diameter of a circle. A leader on a ray from the centre ends at the circle;
+    the text stands on a shelf at its other end, after a diameter sign.
+
+    Attributes
+    ----------
+    centre, radius : of the circle [mm].
+    angle : of the ray [rad].
+    reach : length of the leader [mm of paper].
+    count : how many such circles there are.
+    suffix : after the measured number, which is never stated itself.
+    decimals : that are written at most; zeros at the end are not.
     """
 
     centre: complex
     radius: float
     angle: float
+    reach: float = 8.0
+    count: int = 1
     suffix: str = ""
     decimals: int = 3
+
+    @property
+    def prefix(self) -> str:
+        """Before the number: how many there are, and the diameter sign."""
+        return f"{self.count}x {DIAMETER}" if self.count > 1 else DIAMETER
 
     @property
     def measure(self) -> float:
@@ -212,3 +234,18 @@ def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float
     """An arrowhead of `size` that points along the unit vector `direction`."""
     back, side = tip - size * direction, size / 6.0 * 1j * direction
     return Filled((tip, back + side, back - side), layer)
+
+
+def moved(marks: Sequence[Mark], at: complex, scale: float) -> list[Mark]:
+    """Marks of paper as marks of a view, their origin at the place `at` of the part [mm]."""
+    found: list[Mark] = []
+    for mark in marks:
+        if isinstance(mark, Chain):
+            found.append(replace(mark, vertices=at + mark.vertices / scale))
+        elif isinstance(mark, Round):
+            found.append(replace(mark, centre=at + mark.centre / scale, radius=mark.radius / scale))
+        elif isinstance(mark, Label):
+            found.append(replace(mark, at=at + mark.at / scale))
+        elif isinstance(mark, Filled):
+            found.append(replace(mark, corners=tuple(at + each / scale for each in mark.corners)))
+    return found

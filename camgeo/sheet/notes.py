@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from typing import Final
 
 from camgeo.formats.drawing import DrawingSpec
 from camgeo.part.faces import LOWER
@@ -13,28 +14,43 @@ from camgeo.product.product import Product
 from camgeo.product.relation import ANGLE
 from camgeo.sheet.lettering import wrapped
 from camgeo.sheet.marks import Label, Mark
+from camgeo.sheet.views import Drawn
 from camgeo.sheet.words import WORDS, Words
 from camgeo.units import MM_PER
 
 LETTER = 2.5
 
-STEP = 3.9
+STEP = 3.6
 """From line to line [mm]."""
+
+SPARING: Final = 0.96
+"""How much of a line is used: fonts that programs take in place of ours may be wider."""
 
 Length = Callable[[float], str]
 """Writes a length [mm] in the unit of the drawing."""
 
 
-def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Length) -> list[str]:
-    """The sentences, in the language of the sheet."""
+def notes_of(
+    product: Product,
+    spec: DrawingSpec,
+    tolerance: float,
+    length: Length,
+    *,
+    apart: bool,
+    drawn: Drawn,
+) -> list[str]:
+    """The sentences, in the language of the sheet; `apart` says that the table is on the next one,
+    `drawn` which curves there are and whether dimensions are in brackets.
+    """
     words, cam = WORDS[spec.language], product.cam
     name = product.scene.name
     if product.is_pair:
-        found, legend = [words.pair_design.format(name=name)], []
+        found = [words.pair_design.format(name=name)]
+        legend: list[str] = []
     else:
         found = [(words.return_disc if product.position else words.design).format(name=name)]
         found.append(_follower(product, spec, words, length))
-        legend = _legend(product, spec, words)
+        legend = _legend(product, spec, words, apart=apart, drawn=drawn)
     found += _features(product.drawn.spec, words, length, spec)
     found += _pair(product.scene.part, words, length)
     sense = words.sense.format(sense=words.ccw if cam.rotation > 0 else words.cw)
@@ -43,7 +59,10 @@ def notes_of(product: Product, spec: DrawingSpec, tolerance: float, length: Leng
     if spec.language == "de":
         shown = shown.replace(".", ",")
     found.append(words.curve.format(tolerance=shown, unit=product.unit))
-    found.append(" ".join((*legend, words.reference)))
+    if drawn.shape.outermost.circle is None:
+        legend.append(words.reference)
+    if legend:
+        found.append(" ".join(legend))
     found.append(words.scene.format(scene=product.scene_hash))
     return found
 
@@ -68,16 +87,21 @@ def _follower(product: Product, spec: DrawingSpec, words: Words, length: Length)
     return f"{found}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"
 
 
-def _legend(product: Product, spec: DrawingSpec, words: Words) -> list[str]:
+def _legend(
+    product: Product, spec: DrawingSpec, words: Words, *, apart: bool, drawn: Drawn
+) -> list[str]:
     """What lines and columns are."""
-    cam, follower, legend = product.cam, product.cam.follower, []
-    if follower.has_pitch_curve:
-        legend.append(words.pitch)
+    cam, follower = product.cam, product.cam.follower
+    legend = [words.pitch if drawn.pitch is not None else words.base_circle]
+    if drawn.base_radius is None:
+        legend = [words.left_out]
     if spec.step:
         if not cam.contact.closed_by_form:
             legend.append(words.polar)
-        if follower.has_pitch_curve and (spec.sheet == "A3" or cam.contact.closed_by_form):
+        if follower.has_pitch_curve and (spec.sheet == "A3" or apart or cam.contact.closed_by_form):
             legend.append(words.centre_polar)
+    if apart:
+        legend.append(words.next_sheet)
     return legend
 
 
@@ -146,14 +170,14 @@ def lines_of(notes: list[str], width: float) -> list[tuple[str, bool]]:
     """The notes in lines at most `width` [mm] wide, and whether each begins a note."""
     found = []
     for note in notes:
-        first, *rest = wrapped(note, LETTER, width - 6.0)
+        first, *rest = wrapped(note, LETTER, SPARING * (width - 6.0))
         found += [(first, True), *((text, False) for text in rest)]
     return found
 
 
 def height_of(lines: list[tuple[str, bool]]) -> float:
     """Height of the notes with their heading [mm]."""
-    return 8.0 + STEP * len(lines)
+    return 7.0 + STEP * len(lines)
 
 
 def marks_of(lines: list[tuple[str, bool]], heading: str, top: complex, width: float) -> list[Mark]:

@@ -21,7 +21,7 @@ COARSE = 1e-5
 CORNER = 0.1
 """Smallest turn of a contour's direction that is seen as an edge from the side [rad]."""
 
-FLANKS = frozenset(("outline", "inner flank", "outer flank"))
+FLANKS = frozenset(("outline", "return outline", "inner flank", "outer flank"))
 """Boundaries on which a follower runs."""
 
 ROUND = 1e-9

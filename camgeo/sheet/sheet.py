@@ -2,79 +2,54 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Final
 
-import numpy as np
-
 from camgeo.errors import GeometryError, SceneError
-from camgeo.formats.drawing import DrawingSpec, SheetName
+from camgeo.formats.drawing import DrawingSpec
 from camgeo.product.product import Product
-from camgeo.sheet import course, dimensions, front, notes
+from camgeo.sheet import front
 from camgeo.sheet.frame import (
-    BLOCK_HEIGHT,
     BLOCK_WIDTH,
-    LEFT,
     MARGIN,
     SIZES,
     block_place,
     frame,
     title_block,
 )
-from camgeo.sheet.marks import Chain, Diameter, Distance, Mark, Sheet, View
+from camgeo.sheet.ink import ink_of
+from camgeo.sheet.marks import Diameter, Distance, Mark, Sheet, View
 from camgeo.sheet.scales import scale_of, scales, spelled
-from camgeo.sheet.symbols import edges, texture
-from camgeo.sheet.views import (
-    Drawn,
-    drawn_of,
-    flank_marks,
-    frame_level,
-    front_view,
-    section_view,
-)
-from camgeo.sheet.words import WORDS
-from camgeo.units import MM_PER
+from camgeo.sheet.symbols import edges, others, texture, texture_width
+from camgeo.sheet.texts import Region, Texts
+from camgeo.sheet.views import Drawn, drawn_of, front_view, section_view
 
-ASIDE: Final = 22.0
-"""Left of the front view, for its height [mm]."""
+BETWEEN: Final = 6.0
+"""Between front view and section, with all that belongs to them, and farther where there is room,
+up to `SPREAD` [mm]."""
 
-BETWEEN: Final = 26.0
-"""Between front view and section, with the zero mark [mm]."""
+SPREAD: Final = 20.0
 
-ABOVE: Final = 20.0
-"""Above the views: letters of the cutting plane, title of the section, a tolerance frame [mm]."""
+DWARFED: Final = 4
+"""How many times larger a part is without pitch curve and base circle for them to be left out."""
 
-BELOW: Final = 22.0
-"""Below the views: dimensions, letters of the cutting plane [mm]."""
-
-DIAGRAM: Final[dict[SheetName, float]] = {"A3": 48.0, "A4": 36.0}
-"""Height of the motion diagram [mm]."""
+EDGE: Final = 1.5
+"""Around the views [mm]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Region:
-    """A rectangle of the sheet by two corners [mm]."""
-
-    low: complex
-    high: complex
-
-    @property
-    def size(self) -> complex:
-        """Width and height."""
-        return self.high - self.low
-
-
-def sheet_of(product: Product, tolerance: float) -> Sheet:
-    """The sheet of a disc, whose edges lie within `tolerance` [mm].
+def sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
+    """The sheets of a disc, whose edges lie within `tolerance` [mm]: the views are on the first
+    one, and a table that does not fit there is on the next.
 
     Raises
     ------
     SceneError
-        With the key of `[drawing]` that is at fault, if not all of it fits on the sheet.
+        With the key of `[drawing]` that is at fault, if not all of it fits.
     """
     try:
-        return _sheet_of(product, tolerance)
+        return _sheets_of(product, tolerance)
     except GeometryError as error:
         if not error.key.startswith("drawing."):
             raise
@@ -84,27 +59,29 @@ def sheet_of(product: Product, tolerance: float) -> Sheet:
         raise SceneError([fault], scene.source.file) from error
 
 
-def _sheet_of(product: Product, tolerance: float) -> Sheet:
-    spec, whole = product.scene.drawing, is_in_one_piece(product)
+def _sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
+    spec = product.scene.drawing
+    each = 2 if Texts(product, spec).is_apart else 1
     if product.is_pair:  # the sheets of its discs have their curves
         spec = replace(spec, step=0, motion=False, scale="")
-    size = SIZES[spec.sheet]
-    regions, marks = _texts(product, spec, tolerance)
     drawn = drawn_of(product, tolerance)
-    scale = _scale(drawn, regions, spec)
-    views = _views(drawn, regions, float(scale), product, spec)
-    corner = complex(size.width - MARGIN - BLOCK_WIDTH, MARGIN)
-    count = len(product.judgement.cams) + whole
-    numbered = (count if product.is_pair else product.position + 1, count)
-    marks += frame(size)
-    marks += title_block(corner, spec, spelled(scale), product.unit, numbered)
-    if spec.edges:
-        marks += edges(corner + block_place("edges"), spec.edges)
-    if spec.surface:
-        marks += texture(corner + block_place("surface"), spec.surface, 2.0)
-    comma = spec.language == "de"
-    dashed = tuple(front.in_dashes(marks, 1.0))
-    return Sheet(size.width, size.height, float(scale), product.unit, comma, views, dashed)
+    texts = Texts(product, spec)
+    regions, marks = texts.beside(tolerance, drawn)
+    scale, views = _fitted(drawn, regions, product, spec)
+    if not spec.scale and _may_fit(drawn.alone, regions, DWARFED * float(scale)):
+        bare, bare_marks = texts.beside(tolerance, drawn.alone)
+        larger, bare_views = _fitted(drawn.alone, bare, product, spec)
+        if larger >= DWARFED * scale:
+            scale, views, marks = larger, bare_views, bare_marks
+    contents = [(views, marks)]
+    if texts.is_apart:
+        contents.append(((), texts.table_apart()))
+    last = len(product.judgement.cams) * each + is_in_one_piece(product)
+    first = last if product.is_pair else product.position * each + 1
+    return tuple(
+        _sheet(product, spec, scale, own, drawn_on, (first + number, last))
+        for number, (own, drawn_on) in enumerate(contents)
+    )
 
 
 def is_in_one_piece(product: Product) -> bool:
@@ -113,122 +90,100 @@ def is_in_one_piece(product: Product) -> bool:
     return part is not None and part.pair is not None
 
 
-def _texts(product: Product, spec: DrawingSpec, tolerance: float) -> tuple[Region, list[Mark]]:
-    """The region left for the views, and the marks of notes, table and diagram."""
-    size, words = SIZES[spec.sheet], WORDS[spec.language]
-    low = complex(LEFT, MARGIN)
-    high = complex(size.width - MARGIN, size.height - MARGIN)
-    wide = spec.sheet == "A3"
-    column = complex(high.real - BLOCK_WIDTH, low.imag + BLOCK_HEIGHT)
-    width = BLOCK_WIDTH - 4.0
+def _sheet(
+    product: Product, spec: DrawingSpec, scale: Fraction, views: tuple[View, ...],
+    marks: list[Mark], numbered: tuple[int, int],
+) -> Sheet:  # fmt: skip
+    """A sheet with its frame and title block."""
+    size = SIZES[spec.sheet]
+    corner = complex(size.width - MARGIN - BLOCK_WIDTH, MARGIN)
+    all_marks = [*marks, *frame(size)]
+    all_marks += title_block(corner, spec, spelled(scale), product.unit, numbered)
+    if spec.edges:
+        all_marks += edges(corner + block_place("edges"), spec.edges)
+    if spec.surface:
+        at = corner + block_place("surface")
+        all_marks += texture(at, spec.surface, 2.0)
+        if spec.flank_surface:
+            all_marks += others(at + texture_width(spec.surface, 2.0) + 4.0, 2.0)
+    dashed = tuple(front.in_dashes(all_marks, 1.0))
     comma = spec.language == "de"
-
-    def written(value: float, decimals: int) -> str:
-        text = f"{value + 0.0:.{decimals}f}"
-        text = text.removeprefix("-") if float(text) == 0.0 else text
-        return text.replace(".", ",") if comma else text
-
-    def length(value: float) -> str:
-        decimals = 4 if product.unit == "mm" else 5
-        text = written(value / MM_PER[product.unit], decimals).rstrip("0")
-        return text.rstrip(".,")
-
-    lines = notes.lines_of(notes.notes_of(product, spec, tolerance, length), width)
-    top = column + complex(2.0, notes.height_of(lines) + 2.0)
-    marks = notes.marks_of(lines, words.notes, top, width)
-    left = Region(low, complex(column.real, high.imag)) if wide else Region(low, high)
-    floor = top.imag + 2.0
-    if spec.step:
-        table = course.table_of(product, words, spec.step, written, centre=wide)
-        groups = 2 if wide else 3
-        needed = table.height(groups)
-        if not wide and len(table.rows) > 36:
-            raise GeometryError(
-                'must be at least 10 on a sheet A4, for the table to fit; or sheet = "A3"',
-                key="drawing.step", value=f"{spec.step}",
-            )  # fmt: skip
-        upper = high.imag - 2.0 if wide else floor + needed
-        marks += course.table_marks(table, words.table, complex(column.real + 2.0, upper), width,
-                                    groups)  # fmt: skip
-        floor += needed
-    bottom = low.imag + 5.0 if wide else floor
-    if spec.has_motion:
-        corner = complex(low.real + 3.0, bottom)
-        across = left.size.real - 6.0
-        room = complex(across, DIAGRAM[spec.sheet])
-        marks += course.diagram(product, words, corner, room, written)
-        bottom += room.imag
-    return Region(complex(low.real, bottom), left.high), marks
+    return Sheet(size.width, size.height, float(scale), product.unit, comma, views, dashed)
 
 
-def _needed(drawn: Drawn, scale: float, spec: DrawingSpec) -> complex:
-    """Width and height that the views need at a scale [mm of paper]."""
-    low, high = drawn.box
-    above = ABOVE + (
-        dimensions.STEP * len(dimensions.heights(drawn.shape, drawn.unit, scale))
-        if drawn.cut
-        else 0.0
-    )
-    if spec.flank_tolerance is not None or spec.flank_surface:
-        above = max(above, frame_level(drawn, scale) - high.imag * scale + 14.0)
-    size = (high - low) * scale + complex(_aside(drawn, scale, spec), above + BELOW)
-    return size + _section_width(drawn, scale)
+@dataclass(frozen=True, slots=True)
+class _Laid:
+    """Views at a scale, by their origins: the first one's at 0 [mm of paper].
+
+    Attributes
+    ----------
+    views : the front view, and of a part with thickness the section to its right, as near as may
+        be.
+    low, high : corners of all that they show.
+    """
+
+    views: tuple[View, ...]
+    low: complex
+    high: complex
+
+    def fits(self, region: Region) -> bool:
+        """Whether they fit in a region."""
+        spare = self.spare(region)
+        return spare.real >= 0.0 and spare.imag >= 0.0
+
+    def spare(self, region: Region) -> complex:
+        """What a region is larger."""
+        return region.size - (self.high - self.low) - complex(2.0 * EDGE, 2.0 * EDGE)
+
+    def placed(self, region: Region) -> tuple[View, ...]:
+        """The views in the middle of a region, the section farther away if there is room."""
+        spare = self.spare(region)
+        apart = min(spare.real / 3.0, SPREAD) if len(self.views) > 1 else 0.0
+        aside = 0.5 * (spare.real - apart)
+        at = region.low - self.low + complex(EDGE + aside, EDGE + 0.5 * spare.imag)
+        return tuple(replace(each, at=each.at + at + number * apart)
+                     for number, each in enumerate(self.views))  # fmt: skip
 
 
-def _aside(drawn: Drawn, scale: float, spec: DrawingSpec) -> float:
-    """Width left of the front view [mm of paper]: its height, and the frame of its flank."""
-    end = min((_left_of(mark) for mark in flank_marks(drawn, scale, spec)), default=0.0)
-    return max(ASIDE, (drawn.box[0].real - end) * scale + 3.0)
-
-
-def _left_of(mark: Mark) -> float:
-    """The leftmost x of a mark of lines; of others 0 [mm]."""
-    return float(np.min(mark.vertices.real)) if isinstance(mark, Chain) else 0.0
-
-
-def _section_width(drawn: Drawn, scale: float) -> float:
-    """Width of the section with what is beside it [mm of paper]."""
-    if not drawn.cut:
-        return 18.0
-    rounds = [each for each in dimensions.turned(drawn.shape) if dimensions.in_section(each)]
-    beside = dimensions.STEP * (len(rounds) + 0.8)
-    return BETWEEN + drawn.shape.part.thickness * scale + beside
-
-
-def _scale(drawn: Drawn, region: Region, spec: DrawingSpec) -> Fraction:
-    room = region.size
-    fitting = []
-    for scale in scales():
-        needed = _needed(drawn, float(scale), spec)
-        if needed.real <= room.real and needed.imag <= room.imag:
-            fitting.append(scale)
-    if not spec.scale:
-        if not fitting:
-            message = "leaves no room for the views; leave out table or diagram, or take A3"
-            raise GeometryError(message, key="drawing.sheet", value=spec.sheet)
-        return fitting[0]
-    asked = scale_of(spec.scale)
-    if asked not in fitting:
-        found = f'at most "{spelled(fitting[0])}"' if fitting else "no scale"
-        raise GeometryError(
-            f"does not fit on the sheet: {found} does", key="drawing.scale", value=spec.scale
-        )
-    return asked
-
-
-def _views(
-    drawn: Drawn, region: Region, scale: float, product: Product, spec: DrawingSpec
-) -> tuple[View, ...]:
-    """The front view and, of a part with thickness, the section to its right."""
-    low, high = drawn.box
-    spare = region.size - _needed(drawn, scale, spec)
-    aside = _aside(drawn, scale, spec)
-    place = region.low + complex(aside + 0.5 * spare.real, BELOW + 0.5 * spare.imag) - low * scale
-    views = [View(place, tuple(front_view(drawn, scale, product, spec)))]
+def _laid(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) -> _Laid:
+    marks = tuple(front_view(drawn, scale, product, spec))
+    low, high = ink_of(marks, scale, product.unit).extent
+    views = [View(0j, marks)]
     if drawn.cut:
-        beside = place + high.real * scale + BETWEEN
-        views.append(View(beside, tuple(section_view(drawn, scale, product, spec))))
-    return tuple(views)
+        cut = tuple(section_view(drawn, scale, product, spec))
+        left, right = ink_of(cut, scale, product.unit).extent
+        at = high.real + BETWEEN - left.real
+        views.append(View(complex(at), cut))
+        low = complex(low.real, min(low.imag, left.imag))
+        high = complex(at + right.real, max(high.imag, right.imag))
+    return _Laid(tuple(views), low, high)
+
+
+def _fitted(
+    drawn: Drawn, regions: Sequence[Region], product: Product, spec: DrawingSpec
+) -> tuple[Fraction, tuple[View, ...]]:
+    """The stated scale, or the largest standard one at which the views fit, and the views."""
+    asked = scale_of(spec.scale) if spec.scale else None
+    tried = scales() if asked is None else (asked,)
+    for scale in tried:
+        if _may_fit(drawn, regions, float(scale)):
+            laid = _laid(drawn, float(scale), product, spec)
+            for region in filter(laid.fits, regions):
+                return scale, laid.placed(region)
+    if asked is None:
+        message = "leaves no room for the views; leave out table or diagram, or take A3"
+        raise GeometryError(message, key="drawing.sheet", value=spec.sheet)
+    largest, _ = _fitted(drawn, regions, product, replace(spec, scale=""))
+    message = f'does not fit on the sheet: at most "{spelled(largest)}" does'
+    raise GeometryError(message, key="drawing.scale", value=spec.scale)
+
+
+def _may_fit(drawn: Drawn, regions: Sequence[Region], scale: float) -> bool:
+    """Whether the part itself fits, without anything around it."""
+    low, high = drawn.box
+    size = high - low + (drawn.shape.part.thickness if drawn.cut else 0.0)
+    rooms = [region.size / scale for region in regions]
+    return any(size.real <= room.real and size.imag <= room.imag for room in rooms)
 
 
 def measured(sheet: Sheet) -> tuple[Distance | Diameter, ...]:

@@ -19,16 +19,16 @@ SINK = 0.5 * (CELL - LETTER)
 
 def first_angle(middle: complex) -> list[Mark]:
     """The symbol of first-angle projection (ISO 5456-2), about 16 wide and 8 high."""
-    left, right = middle - 7.0, middle - 0.5
+    left, right = middle - 6.5, middle - 0.5
     cone = (left - 1.5j, right - 3.0j, right + 3.0j, left + 1.5j)
-    rings = middle + 5.0
+    rings = middle + 4.5
     return [
         path(cone, "SYMBOL", closed=True),
         Round(rings, 1.5, "SYMBOL"),
         Round(rings, 3.0, "SYMBOL"),
-        line(left - 1.0, right + 1.0, "CENTRE"),
-        line(rings - 4.0, rings + 4.0, "CENTRE"),
-        line(rings - 4.0j, rings + 4.0j, "CENTRE"),
+        line(left - 0.8, right + 0.8, "CENTRE"),
+        line(rings - 3.8, rings + 3.8, "CENTRE"),
+        line(rings - 3.8j, rings + 3.8j, "CENTRE"),
     ]
 
 
@@ -81,6 +81,25 @@ def texture(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
         path((left, at, top, end), "SYMBOL"),
         line(left, level, "SYMBOL"),
         Label(text, top + complex(1.0, -1.5 * letter), letter, layer="SYMBOL"),
+    ]
+
+
+def texture_width(text: str, letter: float = 2.5) -> float:
+    """From the tip of that symbol to its right end [mm]."""
+    return 3.0 * letter * math.tan(math.pi / 6.0) + width_of(text, letter) + 1.5
+
+
+def others(at: complex, letter: float = 2.5) -> list[Mark]:
+    """The basic symbol in brackets, behind the texture of all surfaces: some state another one. Its
+    tip is at `at`.
+    """
+    aside = 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
+    end = at + 2.6 * letter * complex(math.tan(math.pi / 6.0), 1.0)
+    low = at + 0.3j * letter
+    return [
+        path((at - aside.conjugate(), at, end), "SYMBOL"),
+        Label("(", low - 1.2 * letter, 1.6 * letter, "right", "SYMBOL"),
+        Label(")", low + 1.8 * letter, 1.6 * letter, "left", "SYMBOL"),
     ]
 
 

@@ -64,9 +64,12 @@ class Words:
     curve: str
     polar: str
     centre_polar: str
+    next_sheet: str
     reference: str
     scene: str
     pitch: str
+    base_circle: str
+    left_out: str
 
 
 ENGLISH: Final = Words(
@@ -129,9 +132,12 @@ ENGLISH: Final = Words(
     " {unit}. Manufacture from the CAD or NC data of the same scene.",
     polar="r: point of contact on the flank.",
     centre_polar="R: centre of the roller.",
+    next_sheet="Table of polar coordinates: next sheet.",
     reference="Dimensions in brackets are auxiliary.",
     scene="Scene SHA-256 {scene}",
     pitch="Pitch curve: long-dashed dotted line; base circle: double-dotted.",
+    base_circle="Base circle: long-dashed double-dotted line.",
+    left_out="Pitch curve and base circle are far larger than the part and are not drawn.",
 )
 
 GERMAN: Final = Words(
@@ -195,9 +201,13 @@ GERMAN: Final = Words(
     " {unit} genau. Fertigung nach den CAD- oder NC-Daten derselben Szene.",
     polar="r: Berührpunkt auf der Flanke.",
     centre_polar="R: Rollenmittelpunkt.",
+    next_sheet="Tabelle der Polarkoordinaten: nächstes Blatt.",
     reference="Eingeklammerte Maße sind Hilfsmaße.",
     scene="Szene SHA-256 {scene}",
     pitch="Rollenmittelpunktsbahn: Strichpunktlinie; Grundkreis: Strich-Zweipunktlinie.",
+    base_circle="Grundkreis: Strich-Zweipunktlinie.",
+    left_out="Rollenmittelpunktsbahn und Grundkreis, viel größer als das Teil, sind nicht"
+    " gezeichnet.",
 )
 
 WORDS: Final[dict[Language, Words]] = {"en": ENGLISH, "de": GERMAN}

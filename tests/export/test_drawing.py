@@ -6,6 +6,7 @@ import io
 import re
 import zlib
 from functools import cache
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -20,15 +21,28 @@ from camgeo.errors import FileError
 from camgeo.part.engraving import text_of
 from camgeo.product.product import disc_of
 from camgeo.scene.load import load_scene, parse_scene
-from camgeo.sheet.marks import Distance
-from camgeo.sheet.placing import number_of
-from camgeo.sheet.sheet import measured
+from camgeo.sheet.ink import number_of
+from camgeo.sheet.marks import Diameter, Distance
+from camgeo.sheet.sheet import measured, sheets_of
 from camgeo.units import MM_PER
 from camgeo.verifying.verification import Reading
 from camgeo_export.drawing.document import LAYERS
+from camgeo_export.drawing.strokes import GRAIN
 from camgeo_export.drawing.writer import PDF, SVG, WRITER
 from camgeo_export.verify.dxf import VERIFIER
-from tests.sheet.sheets import FIXTURES, FULL, HUBBED, TOLERANCE, edited, products, sheets
+from tests.sheet.sheets import (
+    FIXTURES,
+    FULL,
+    HUBBED,
+    TOLERANCE,
+    edited,
+    enters,
+    part,
+    products,
+    room,
+    sheets,
+    text_boxes,
+)
 
 SCENES = [("setzhub", "A4", "de"), ("groove", "A4", "en"), ("inch", "A3", "en")]
 
@@ -64,7 +78,7 @@ def test_the_sheet_is_measured_and_sound(kind: tuple[str, str, str]) -> None:
     product, data = products(*kind)[0], written(*kind)
     assert WRITER.measure(product, data) <= TOLERANCE
     facts = WRITER.write(product, TOLERANCE).facts
-    assert facts["scale"] == ("1:1" if kind[1] == "A3" else "1:5" if kind[0] == "groove" else "1:2")
+    assert facts["scale"] == ("1:2" if kind[0] == "groove" else "1:1")
     drawing = read(*kind)
     audit = drawing.audit()
     assert not audit.errors
@@ -168,37 +182,132 @@ def test_a_changed_dimension_or_edge_is_found() -> None:
     assert WRITER.measure(product, moved.encode()) > 0.05
 
 
+def streams(data: bytes) -> list[str]:
+    """The operators of each page of a PDF."""
+    found = re.findall(rb"stream\n(.*?)\nendstream", data, re.DOTALL)
+    return [zlib.decompress(each).decode("ascii") for each in found]
+
+
 def test_a_page_has_the_true_size() -> None:
     """The frame of an A4 sheet is 180 mm by 277 mm, and a stretch of 100 mm is 100 mm long."""
     product = products("setzhub", "A4", "de")[0]
     data = PDF.write(product, TOLERANCE).data
     assert PDF.write(product, TOLERANCE).data == data
-    assert b"CreationDate" not in data
+    assert b"Date" not in data
+    assert len(data) < 120_000
     media = re.search(rb"/MediaBox \[ ?([0-9. ]+)\]", data)
     assert media is not None
     size = [float(each) * POINT for each in media[1].split()][2:]
     assert size == pytest.approx([210.0, 297.0], abs=0.02)
-    stream = b"".join(
-        zlib.decompress(each) for each in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S)
-        if each[:1] == b"x"
-    )  # fmt: skip
-    widths = re.split(rb"([0-9.]+) w 0 G\n", stream)
+    (stream,) = streams(data)
+    grain = float(stream.split()[0]) * POINT
+    assert grain == pytest.approx(GRAIN, rel=1e-6)
+    widths = re.split(r"([0-9]+) w\n", stream)
     widest = max(range(1, len(widths), 2), key=lambda k: float(widths[k]))
-    assert float(widths[widest]) * POINT == pytest.approx(0.7, abs=1e-3)
-    ends = re.findall(rb"([0-9.-]+) ([0-9.-]+) [ml]\b", widths[widest + 1])
-    points = np.array(ends, dtype=np.float64) * POINT
+    assert float(widths[widest]) * grain == pytest.approx(0.7)
+    ends = re.findall(r"([0-9-]+) ([0-9-]+) [ml]\b", widths[widest + 1].partition("S\n")[0])
+    points = np.array(ends, dtype=np.float64) * grain
     frame = points.max(axis=0) - points.min(axis=0)
     # with the centring marks, 5 mm long on each side
-    assert frame * 100.0 / (190.0, 287.0) == pytest.approx([100.0, 100.0], abs=0.05)
+    assert frame == pytest.approx([190.0, 287.0], abs=GRAIN)
+
+
+def test_curves_of_a_page_are_those_of_the_sheet() -> None:
+    """The rim and all other edges lie within a grain of their own arcs, ends and middles alike."""
+    product = products("groove", "A4", "en")[0]
+    (stream,) = streams(PDF.write(product, TOLERANCE).data)
+    sheet = sheets("groove", "A4", "en")[0]
+    wide = re.split(r"[0-9]+ w\n", stream)[-2]  # the frame is wider
+    rim = next(each for each in product.drawn.part.boundaries if each.name == "rim")
+    radius = float(np.abs(rim.arcs(TOLERANCE, "fast").contour.vertices[0])) * sheet.scale
+    found = np.array(re.findall(" ".join(["(-?[0-9]+)"] * 6) + " c", wide), dtype=np.float64)
+    control = (found[:, ::2] + 1j * found[:, 1::2]) * GRAIN - sheet.views[0].at
+    on_rim = np.abs(np.abs(control[:, 2]) - radius) <= GRAIN
+    assert np.count_nonzero(on_rim) == 8
+    start = np.roll(control[on_rim, 2], 1)[1:]
+    first, second, end = control[on_rim].T
+    middle = 0.125 * start + 0.375 * (first + second)[1:] + 0.125 * end[1:]
+    assert np.abs(middle) == pytest.approx(radius, abs=2.0 * GRAIN)
 
 
 def test_a_picture_has_the_size_of_the_sheet() -> None:
     product = products("setzhub", "A4", "de")[0]
     data = SVG.write(product, TOLERANCE).data
-    head = data[: data.index(b"viewBox") + 400]
-    found = re.findall(rb'(?:width|height)="([0-9.]+)pt"', head)
-    sizes = sorted(float(each) * POINT for each in found)
-    assert sizes == pytest.approx([210.0, 297.0], abs=0.02)
+    assert len(data) < 160_000
+    assert SVG.write(product, TOLERANCE).data == data
+    root = ET.fromstring(data)
+    assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
+    box = [float(each) * GRAIN for each in str(root.get("viewBox")).split()]
+    assert box == pytest.approx([0.0, 0.0, 210.0, 297.0])
+    names = {each.get("id") for each in root.iter() if each.get("id")}
+    used = [str(each.get("href"))[1:] for each in root.iter() if each.get("href")]
+    assert set(used) == names
+    assert len(used) > 5 * len(names)
+
+
+def test_a_further_sheet_is_a_page_and_is_beside_the_first() -> None:
+    """In PDF, SVG and DXF; the part keeps its place."""
+    product = part("hub", 0, sheet="A4", step=5)
+    pages = streams(PDF.write(product, TOLERANCE).data)
+    assert len(pages) == 2
+    root = ET.fromstring(SVG.write(product, TOLERANCE).data)
+    assert root.get("width") == "440mm"  # with 20 mm between them
+    data = WRITER.write(product, TOLERANCE).data
+    drawing = parsed(io.StringIO(data.decode("utf-8")))
+    box = extents(drawing.modelspace())
+    assert box.size.x == pytest.approx(440.0)
+    assert WRITER.measure(product, data) <= TOLERANCE
+    texts = [each.dxf.text for each in drawing.modelspace().query("TEXT")]
+    assert {"1/2", "2/2", "355"} <= set(texts)
+
+
+def test_lines_have_the_widths_of_one_group() -> None:
+    """Group 0.5 of ISO 128: wide and narrow lines 2 : 1; the frame is that of ISO 5457, and letters
+    are finer than all else.
+    """
+    widths = {layer: width for layer, (_, _, width) in LAYERS.items()}
+    assert widths.pop("FRAME") == 70
+    assert widths.pop("ENGRAVING") == 18
+    assert set(widths.values()) == {25, 50}
+    wide = {layer for layer, width in widths.items() if width == 50}
+    assert wide == {"OUTLINE", "SECTION", "EDGES", "DIAGRAM"}
+
+
+def test_the_number_of_holes_stands_before_their_diameter() -> None:
+    product = part("bolts", 30, language="de")
+    drawing = parsed(io.StringIO(WRITER.write(product, TOLERANCE).data.decode("utf-8")))
+    (found,) = (each for each in dimensions(drawing) if "6x" in printed(each))
+    assert printed(found) == "6x Ø5"
+    assert found.dxf.text == "<>"
+    assert found.override().get("dimpost") == "6x %%c<>"
+
+
+@pytest.mark.parametrize("angle", [30, 255])
+def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(angle: int) -> None:
+    """By the lines and texts that ezdxf draws: nothing goes through what a dimension says."""
+    product = part("hub and bolts", angle, sheet="A3")
+    (sheet,) = sheets_of(product, TOLERANCE)
+    drawing = parsed(io.StringIO(WRITER.write(product, TOLERANCE).data.decode("utf-8")))
+    marks = [(view, mark) for view in sheet.views for mark in view.marks
+             if isinstance(mark, Distance | Diameter)]  # fmt: skip
+    rooms = [room(mark, sheet, view.at, sheet.scale) for view, mark in marks]
+    origin = sheet.views[0].at
+    for own, dimension in zip(rooms, dimensions(drawing), strict=True):
+        block = dimension.get_geometry_block()
+        assert block is not None
+        (text,) = block.query("MTEXT")
+        middle = origin + sheet.scale * complex(text.dxf.insert.x, text.dxf.insert.y)
+        assert middle == pytest.approx(own.middle, abs=1e-6)
+    texts = text_boxes(sheet)
+    for dimension in dimensions(drawing):
+        block = dimension.get_geometry_block()
+        assert block is not None
+        for each in block.query("LINE"):
+            ends = [
+                origin + sheet.scale * complex(p.x, p.y) for p in (each.dxf.start, each.dxf.end)
+            ]
+            pieces = np.array([ends[0]]), np.array([ends[1]]), np.zeros(1)
+            assert [own.text for own in texts if enters(pieces, own)] == []
 
 
 def test_files_of_a_pair_are_verified() -> None:

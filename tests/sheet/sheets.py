@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import cmath
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from camgeo.design import Design
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.product.product import Product
-from camgeo.scene.load import load_scene
+from camgeo.scene.load import load_scene, parse_scene
 from camgeo.sheet.lettering import squeeze, width_of
-from camgeo.sheet.marks import Distance, Label, Sheet
-from camgeo.sheet.placing import Box, box_of
-from camgeo.sheet.sheet import sheet_of
+from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Sheet
+from camgeo.sheet.sheet import sheets_of
+from camgeo.units import MM_PER
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -42,6 +46,9 @@ FULL = {
     "flank_tolerance": 0.02,
 }
 """A scene's table [drawing] with all that it can state."""
+
+EDGES = ("OUTLINE", "HIDDEN", "SECTION", "EDGES", "SYMBOL", "DIMENSION")
+"""Layers of the lines that no text is written across."""
 
 HUBBED = """\
 camgeo = 1
@@ -85,37 +92,70 @@ def products(name: str, sheet: str = "A3", language: str = "en") -> tuple[Produc
 @cache
 def sheets(name: str, sheet: str = "A3", language: str = "en") -> tuple[Sheet, ...]:
     """Their sheets."""
-    return tuple(sheet_of(each, TOLERANCE) for each in products(name, sheet, language))
+    return tuple(sheets_of(each, TOLERANCE)[0] for each in products(name, sheet, language))
 
 
-def label_box(mark: Label) -> Box:
-    """The room of a text on the sheet [mm of paper]."""
-    wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
-    shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
-    return Box(mark.at + shift + 0.5j * mark.height, 1.0, 0.5 * wide, 0.5 * mark.height)
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A text: its middle, a unit vector along it, and half its sizes [mm of paper]."""
+
+    text: str
+    middle: complex
+    along: complex
+    half_width: float
+    half_height: float
+
+    @property
+    def corners(self) -> list[complex]:
+        """Its corners, in order."""
+        signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        sides = (complex(i * self.half_width, j * self.half_height) for i, j in signs)
+        return [self.middle + self.along * side for side in sides]
 
 
-def text_boxes(sheet: Sheet) -> list[tuple[str, Box]]:
-    """All texts of a sheet with their rooms [mm of paper]."""
-    found = [(m.text, label_box(m)) for m in sheet.marks if isinstance(m, Label)]
+def text_of(mark: Distance | Diameter, sheet: Sheet) -> str:
+    """What a dimension says, from what it measures."""
+    number = f"{mark.measure / MM_PER[sheet.unit]:.{mark.decimals}f}".rstrip("0").rstrip(".")
+    return f"{mark.prefix}{number}{mark.suffix}"
+
+
+def room(mark: Label | Distance | Diameter, sheet: Sheet, at: complex, scale: float) -> Room:
+    """Where the text of a mark stands whose origin is `at` [mm of paper]."""
+    if isinstance(mark, Label):
+        wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
+        along = cmath.rect(1.0, mark.angle)
+        shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
+        middle = at + scale * mark.at + along * (shift + 0.5j * mark.height)
+        return Room(mark.text, middle, along, 0.5 * wide, 0.5 * mark.height)
+    text = text_of(mark, sheet)
+    wide = width_of(text, 3.5)
+    if isinstance(mark, Distance):
+        along = cmath.rect(1.0, mark.angle)
+        middle = 0.5 * (mark.first + mark.second)
+        off = ((mark.line - middle) * (1j * along).conjugate()).real
+        foot = at + scale * (middle + off * 1j * along) + mark.aside * along
+        return Room(text, foot + 2.55j * along, along, 0.5 * wide, 1.75)
+    tip = at + scale * (mark.centre + cmath.rect(mark.radius, mark.angle))
+    knee = tip + cmath.rect(mark.reach, mark.angle)
+    shelf = 2.8 * len(text.replace("%%c", "O"))
+    half = 0.5 * shelf if knee.real > tip.real else -0.5 * shelf
+    return Room(text, knee + half + 2.55j, 1.0, 0.5 * wide, 1.75)
+
+
+def text_boxes(sheet: Sheet) -> list[Room]:
+    """All texts of a sheet with their rooms."""
+    kinds = (Label, Distance, Diameter)
+    found = [room(mark, sheet, 0j, 1.0) for mark in sheet.marks if isinstance(mark, kinds)]
     for view in sheet.views:
-        for mark in view.marks:
-            if isinstance(mark, Label):
-                box = label_box(mark)
-                at = view.at + mark.at * sheet.scale + (box.middle - mark.at)
-                found.append((mark.text, Box(at, 1.0, box.half_width, box.half_height)))
-            elif isinstance(mark, Distance):
-                box = box_of(mark, sheet.scale, sheet.unit)
-                size = box.half_width * sheet.scale, box.half_height * sheet.scale
-                at = view.at + box.middle * sheet.scale
-                found.append((f"{mark.measure:g}", Box(at, box.along, *size)))
+        found += [room(mark, sheet, view.at, sheet.scale) for mark in view.marks
+                  if isinstance(mark, kinds)]  # fmt: skip
     return found
 
 
-def overlap(one: Box, other: Box) -> bool:
+def overlap(one: Room, other: Room) -> bool:
     """Whether two rooms overlap: no line along or across either separates them."""
-    for box in (one, other):
-        for axis in (box.along, 1j * box.along):
+    for own in (one, other):
+        for axis in (own.along, 1j * own.along):
             apart = abs(((one.middle - other.middle) * axis.conjugate()).real)
             reach = sum(
                 each.half_width * abs((each.along * axis.conjugate()).real)
@@ -127,19 +167,116 @@ def overlap(one: Box, other: Box) -> bool:
     return True
 
 
-def corners(box: Box) -> list[complex]:
-    """The corners of a room."""
-    sides = (complex(i * box.half_width, j * box.half_height) for i in (-1, 1) for j in (-1, 1))
-    return [box.middle + box.along * side for side in sides]
-
-
-def overlaps(texts: list[tuple[str, Box]]) -> list[tuple[str, str]]:
+def overlaps(texts: list[Room]) -> list[tuple[str, str]]:
     """The pairs of texts that are drawn across each other."""
-    places = np.array([[(c.real, c.imag) for c in corners(box)] for _, box in texts])
+    places = np.array([[(c.real, c.imag) for c in each.corners] for each in texts])
     low, high = places.min(axis=1), places.max(axis=1)
     near = np.all((low[:, None] < high[None]) & (low[None] < high[:, None]), axis=2)
     return [
-        (texts[one][0], texts[other][0])
+        (texts[one].text, texts[other].text)
         for one, other in np.argwhere(np.triu(near, 1)).tolist()
-        if overlap(texts[one][1], texts[other][1])
+        if overlap(texts[one], texts[other])
     ]
+
+
+def crossed(texts: list[Room], sheet: Sheet, layers: tuple[str, ...]) -> list[tuple[str, str]]:
+    """The texts that lines or arcs of a sheet's views are drawn across, with their layers."""
+    found = []
+    for layer in layers:
+        marks = [(view, mark) for view in sheet.views for mark in view.marks
+                 if isinstance(mark, Chain) and mark.layer == layer]  # fmt: skip
+        if marks:
+            sets = zip(
+                *(pieces_of(mark, view.at, sheet.scale) for view, mark in marks), strict=True
+            )
+            starts, ends, sweeps = (np.concatenate(each) for each in sets)
+            for own in texts:
+                near = close(starts, ends, sweeps, own)
+                if np.any(near) and enters((starts[near], ends[near], sweeps[near]), own):
+                    found.append((own.text, layer))
+    return found
+
+
+Pieces = tuple[ComplexArray, ComplexArray, FloatArray]
+"""Starts, ends, and angles that are turned [rad]: 0 is a line."""
+
+
+def close(starts: ComplexArray, ends: ComplexArray, sweeps: FloatArray, own: Room) -> BoolArray:
+    """Which pieces may be in a room: up to a half circle is within its chord of the middle."""
+    chords = np.abs(ends - starts)
+    apart = np.abs(0.5 * (starts + ends) - own.middle)
+    half = abs(complex(own.half_width, own.half_height))
+    found: BoolArray = (apart <= chords + half) | (np.abs(sweeps) > 3.2)
+    return found
+
+
+def pieces_of(mark: Chain, at: complex, scale: float) -> Pieces:
+    """The lines and arcs of a chain on the sheet [mm of paper]."""
+    starts = at + scale * mark.vertices
+    ends = np.roll(starts, -1)
+    stop = None if mark.closed else -1
+    return starts[:stop], ends[:stop], mark.sweeps[:stop]
+
+
+def enters(pieces: Pieces, own: Room) -> bool:
+    """Whether a line or an arc has a point inside a room: an end, or a crossing of a side; exact
+    for arcs.
+    """
+    starts, ends = ((each - own.middle) / own.along for each in pieces[:2])
+    sweeps = pieces[2]
+    half = np.array([own.half_width, own.half_height]) - 1e-9
+    inside = (np.abs(starts.real) < half[0]) & (np.abs(starts.imag) < half[1])
+    if np.any(inside):
+        return True
+    for axis in (0, 1):
+        for level in (-half[axis], half[axis]):
+            turn = 1.0 if axis == 0 else 1j
+            a, b = starts / turn, ends / turn  # the side is where the real part is the level
+            across = half[1 - axis]
+            for points in _at_level(a, b, sweeps, level):
+                if np.any(np.abs(points.imag) < across):
+                    return True
+    return False
+
+
+def _at_level(
+    starts: ComplexArray, ends: ComplexArray, sweeps: FloatArray, level: float
+) -> Iterator[ComplexArray]:
+    """Points of lines and arcs whose real part is the level."""
+    bent = sweeps != 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (level - starts.real) / (ends.real - starts.real)
+        lines = starts + share * (ends - starts)
+        yield lines[~bent & (share >= 0.0) & (share <= 1.0)]
+        centres = 0.5 * (starts + ends) + 0.5j * (ends - starts) / np.tan(0.5 * sweeps)
+        rise = np.sqrt(np.abs(starts - centres) ** 2 - (level - centres.real) ** 2)
+        for sign in (1.0, -1.0):
+            points = level + 1j * (centres.imag + sign * rise)
+            turned = np.angle((points - centres) / (starts - centres)) * np.sign(sweeps)
+            yield points[bent & (turned % (2.0 * np.pi) <= np.abs(sweeps))]
+
+
+PARTS = {
+    "plain": "bore = 16\nKEYWAY",
+    "hub": 'bore = 16\nKEYWAY\nhub = { diameter = 30, height = 12, side = "upper" }',
+    "bolts": "bore = 16\nKEYWAY\nbolt_circle = { count = 6, circle = 44, hole = 5, angle = 10 }",
+    "hub and bolts": 'bore = 16\nKEYWAY\nhub = { diameter = 28, height = 12, side = "both" }\n'
+    "bolt_circle = { count = 4, circle = 50, hole = 6 }\n"
+    "mark = { radius = 25, width = 2, depth = 1, angle = 30 }",
+    "lightened": "bore = 16\nKEYWAY\n"
+    "lightening_holes = { count = 3, circle = 44, hole = 14, angle = 20 }",
+    "flat": "bore = 16\nd_shaft = { across = 14, angle = ANGLE }\n"
+    "bolt_circle = { count = 6, circle = 44, hole = 4 }",
+    "small": "bore = 8\nkeyway = { width = 2, depth = 1, angle = ANGLE }",
+    "thick": "bore = 22\nkeyway = { width = 6.6, depth = 3.3, angle = ANGLE }\n"
+    "bolt_circle = { count = 3, circle = 50, hole = 8 }",
+}
+"""Features of parts, with a keyway or a flat that may point anywhere."""
+
+
+def part(name: str, angle: float, **keys: Any) -> Product:
+    """A disc with some of these features; a key that is None is not stated."""
+    features = PARTS[name].replace("KEYWAY", "keyway = { width = 5, depth = 2.3, angle = ANGLE }")
+    text = HUBBED.partition("bore =")[0] + features.replace("ANGLE", f"{angle}")
+    stated = {name: value for name, value in {**FULL, **keys}.items() if value is not None}
+    return Design(parse_scene(text).with_values(edited(stated))).disc

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camgeo.contour.contour import Contour
-from camgeo.sheet.front import DASH_DOT, DASH_DOTS, dashed, in_dashes
+from camgeo.sheet.front import DASH_DOT, DASH_DOTS, dashed, dashed_stretch, in_dashes
 from camgeo.sheet.marks import Chain, Label, Mark, line
 
 
@@ -45,3 +45,16 @@ def test_a_line_begins_and_ends_with_a_dash() -> None:
 def test_short_lines_and_other_layers_stay_as_they_are() -> None:
     marks: list[Mark] = [line(0j, 5 + 0j, "CENTRE"), line(0j, 500 + 0j, "OUTLINE"), Label("A", 0j)]
     assert list(in_dashes(marks, 1.0)) == marks
+
+
+@pytest.mark.parametrize("sweep", [0.0, 0.3, -2.0])
+def test_a_stretch_begins_and_ends_with_a_dash(sweep: float) -> None:
+    """Of lines and arcs: its ends are those of the outer dashes, and the gaps are between."""
+    whole = Chain(np.array([0j, 30 + 0j, 60 + 10j]), np.array([0.0, sweep, 0.0]), "HIDDEN")
+    found = list(dashed_stretch(whole, 1.0, (4.2, 1.05)))
+    assert found[0].vertices[0] == 0j
+    assert found[-1].vertices[-1] == pytest.approx(60 + 10j)
+    share = sum(map(length, found)) / length(whole)
+    assert share == pytest.approx(4.2 / 5.25, abs=0.02)
+    short = Chain(np.array([0j, 3 + 0j]), np.zeros(2), "HIDDEN")
+    assert list(dashed_stretch(short, 1.0, (4.2, 1.05))) == [short]

@@ -14,8 +14,8 @@ from camgeo.product.product import Product
 from camgeo.sheet.hidden import chains_of
 from camgeo.sheet.marks import Chain
 from camgeo.sheet.shape import Edge, Shape, shape_of
-from camgeo.sheet.sheet import sheet_of
-from camgeo_export.drawing.writer import WRITER, sheets_of
+from camgeo.sheet.sheet import measured, sheets_of
+from camgeo_export.drawing.writer import WRITER, with_pair
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 
@@ -88,12 +88,18 @@ def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
     design = camgeo.Design(pair.scene.with_values({"drawing.scale": "1:1", "drawing.step": 20}))
     main, other = design.discs
     assert main.pair is not None
-    assert [sheets_of(each) for each in (main, other)] == [(main, main.pair), (other,)]
-    sheet = sheet_of(main.pair, TOLERANCE)
+    assert [with_pair(each) for each in (main, other)] == [(main, main.pair), (other,)]
+    (sheet,) = sheets_of(main.pair, TOLERANCE)
     assert sheet.scale <= 1.0
     layers = {getattr(mark, "layer", "") for view in sheet.views for mark in view.marks}
     assert {"OUTLINE", "HIDDEN"} <= layers
     assert not {"PITCH_CURVE", "BASE_CIRCLE"} & layers
+    points = [
+        each.contour.points(1e-4) for each in shape_of(pair_with().drawn.part, 1e-4, "fast").edges
+    ]
+    wide = np.ptp(np.concatenate(points).real)
+    found = [each.measure for each in measured(sheet) if each.prefix == "("]
+    assert min(abs(each - wide) for each in found) < 0.01  # of both outlines
 
 
 def test_it_is_read_back_within_the_tolerance() -> None:

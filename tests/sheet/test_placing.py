@@ -9,26 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.sheet.ink import boxes, number_of
 from camgeo.sheet.marks import Chain, Distance, line
-from camgeo.sheet.placing import Box, cleared, number_of, placed
+from camgeo.sheet.placing import cleared, placed
 
-BOX = Box(10 + 0j, 1.0 + 0j, 3.0, 1.0)
-
-
-def test_a_box_cuts_a_line() -> None:
-    assert BOX.span(0j, 20 + 0j) == pytest.approx((0.35, 0.65))
-    assert BOX.span(10 - 4j, 10 + 4j) == pytest.approx((0.375, 0.625))
-    assert BOX.span(2j, 20 + 2j) is None
-    assert BOX.span(0j, 5 + 0j) is None
+BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
 
 
 def test_lines_are_interrupted_at_texts_and_nothing_else_is() -> None:
-    wide = BOX.around(-0.7)
-    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], [wide], ("CENTRE",), 1.0))
+    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], [BOX], ("CENTRE",), 1.0))
     ends = [[complex(end) for end in each.vertices] for each in found if isinstance(each, Chain)]
     assert ends == [[0j, pytest.approx(7)], [pytest.approx(13), 20 + 0j]]
-    outline = [line(0j, 20 + 0j, "OUTLINE")]
-    assert list(cleared(outline, [wide], ("CENTRE",), 1.0)) == outline
+    away = line(5j, 20 + 5j, "CENTRE")
+    outline = line(0j, 20 + 0j, "OUTLINE")
+    assert list(cleared([away, outline], [BOX], ("CENTRE",), 1.0)) == [away, outline]
 
 
 @given(
@@ -39,12 +33,13 @@ def test_placing_changes_no_measure_and_keeps_texts_upright(
 ) -> None:
     along = cmath.rect(1.0, turn)
     mark = Distance(3 + 4j, 3 + 4j + size * along, 5 + 5j, turn)
-    first, *rest = placed(mark, scale, "mm", along)
-    assert isinstance(first, Distance)
-    assert first.measure == pytest.approx(size, rel=1e-9)
-    assert -0.5 * math.pi < first.angle <= 0.5 * math.pi + 1e-9
-    assert {first.first, first.second} == {mark.first, mark.second}
-    assert bool(first.aside) == bool(rest)
+    for price, (first, *rest) in placed(mark, scale, "mm", along):
+        assert isinstance(first, Distance)
+        assert first.measure == pytest.approx(size, rel=1e-9)
+        assert -0.5 * math.pi < first.angle <= 0.5 * math.pi + 1e-9
+        assert {first.first, first.second} == {mark.first, mark.second}
+        assert bool(first.aside) == bool(rest)
+        assert price >= 0.0
 
 
 @pytest.mark.parametrize(

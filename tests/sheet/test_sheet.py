@@ -15,19 +15,21 @@ from camgeo.scene.load import parse_scene
 from camgeo.sheet.frame import LEFT, MARGIN
 from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
 from camgeo.sheet.scales import scales
-from camgeo.sheet.sheet import measured, sheet_of
+from camgeo.sheet.sheet import measured, sheets_of
 from tests.sheet.sheets import (
+    EDGES,
     FIXTURES,
     FULL,
     HUBBED,
     SCENES,
     TOLERANCE,
-    corners,
+    crossed,
     edited,
     overlaps,
     products,
     sheets,
     text_boxes,
+    text_of,
 )
 
 KINDS = [
@@ -77,13 +79,14 @@ def test_all_is_inside_the_frame_and_no_text_is_across_another(
         assert low.imag < points.imag.min()
         assert points.imag.max() < high.imag
         texts = text_boxes(sheet)
-        for text, box in texts:
-            if re.fullmatch(r"[1-8A-F]", text):
+        for own in texts:
+            if re.fullmatch(r"[1-8A-F]", own.text):
                 continue  # of the grid
-            for corner in corners(box):
-                assert low.real <= corner.real <= high.real, text
-                assert low.imag <= corner.imag <= high.imag, text
+            for corner in own.corners:
+                assert low.real <= corner.real <= high.real, own.text
+                assert low.imag <= corner.imag <= high.imag, own.text
         assert overlaps(texts) == []
+        assert crossed(texts, sheet, EDGES) == []
 
 
 @pytest.mark.parametrize(("name", "size", "language"), KINDS)
@@ -139,7 +142,7 @@ def test_the_scale_is_a_standard_one(name: str) -> None:
 
 def test_hubs_and_marks_are_drawn() -> None:
     scene = parse_scene(HUBBED).with_values(edited({**FULL, "language": "de"}))
-    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
     found = [each.measure for each in measured(sheet)]
     for length in (30.0, 12.0, 10.0, 34.0, 16.0, 5.0, 18.3):
         assert min(abs(each - length) for each in found) < 1e-9, length
@@ -151,41 +154,23 @@ def test_hubs_and_marks_are_drawn() -> None:
     assert any("3 x 8, 1 tief, Mitte auf Radius 25 bei 30°" in each for each in texts)
 
 
-@pytest.mark.parametrize("size", ["A3", "A4"])
-@pytest.mark.parametrize(
-    ("angle", "bore", "width", "depth"),
-    [(0, 16, 5, 2.3), (90, 10.9, 3.27, 1.64), (180, 22, 6.6, 3.3), (270, 20.2, 6.07, 3.04)],
-)
-def test_keyways_may_point_anywhere(
-    angle: int, bore: float, width: float, depth: float, size: str
-) -> None:
-    """Also where the drawing is small: nothing is written across its dimensions and datum."""
-    text = HUBBED.partition("hub =")[0].replace("bore = 16", f"bore = {bore}")
-    text = text.replace("thickness = 10", "thickness = 22")
-    keyway = f"width = {width}, depth = {depth}, angle = {angle}"
-    text = text.replace("width = 5, depth = 2.3, angle = 90", keyway)
-    keys = edited({**FULL, "sheet": size})
-    sheet = sheet_of(Design(parse_scene(text).with_values(keys)).disc, TOLERANCE)
-    assert overlaps(text_boxes(sheet)) == []
-
-
 def test_flats_and_holes_are_dimensioned() -> None:
     text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }",
                           "d_shaft = { across = 14, angle = 20 }\n"
                           "bolt_circle = { count = 6, circle = 56, hole = 4 }")  # fmt: skip
     scene = parse_scene(text.replace("angle = 30 }", "angle = 20 }")).with_values(edited(FULL))
-    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
     assert overlaps(text_boxes(sheet)) == []
     found = measured(sheet)
-    for length, suffix in ((16.0, " H7"), (14.0, ""), (4.0, " (6x)"), (56.0, "")):
-        assert any(abs(m.measure - length) < 1e-9 and m.suffix == suffix for m in found), length
+    texts = {text_of(each, sheet) for each in found}
+    assert {"%%c16 H7", "14", "6x %%c4", "%%c56"} <= texts
 
 
 def test_what_no_layer_has_is_a_note() -> None:
     """Of all files only the sheet has the hole of a set screw."""
     screw = "set_screw = { diameter = 4, height = 6, angle = 45 }\nhub ="
     scene = parse_scene(HUBBED.replace("hub =", screw)).with_values(edited({}))
-    sheet = sheet_of(Design(scene).disc, TOLERANCE)
+    (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
     texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
     assert "Hole %%c4 for a set screw, radial through the hub at 45°, its middle 6 from" in texts
 
@@ -195,11 +180,11 @@ def test_counterbores_are_dimensioned_and_noted() -> None:
 counterbore = { diameter = 7.5, depth = 4.25 } }
 hub ="""
     scene = parse_scene(HUBBED.replace("hub =", bolts.replace("\n", " ", 1)))
-    sheet = sheet_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
+    (sheet,) = sheets_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
     assert overlaps(text_boxes(sheet)) == []
-    found = [(round(m.measure, 9), m.suffix) for m in measured(sheet)]
-    assert {(4.0, " (4x)"), (7.5, " (4x)")} <= set(found)
-    assert found.count((52.0, "")) == 1  # one pitch circle of both
+    found = [text_of(each, sheet) for each in measured(sheet)]
+    assert {"4x %%c4", "4x %%c7.5"} <= set(found)
+    assert found.count("%%c52") == 1  # one pitch circle of both
     texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
     assert "Counterbores %%c7.5, 4.25 deep from the upper end of the holes %%c4." in texts
 
@@ -208,13 +193,13 @@ def test_the_example_of_the_page_is_a_table() -> None:
     page = (FIXTURES.parent / "docs" / "drawing.md").read_text("utf-8")
     table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]
     assert table.keys() >= FULL.keys()
-    sheet_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
+    sheets_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
 
 
 def test_nothing_is_invented() -> None:
     """A scene without [drawing] has empty fields, and no tolerance or symbol."""
     design = Design(parse_scene(HUBBED).with_values({"output.fit": "fast"}))
-    sheet = sheet_of(design.disc, TOLERANCE)
+    (sheet,) = sheets_of(design.disc, TOLERANCE)
     texts = " ".join(
         mark.text for mark in (*sheet.marks, *sheet.views[0].marks) if isinstance(mark, Label)
     )
@@ -224,7 +209,7 @@ def test_nothing_is_invented() -> None:
 
 def test_a_part_without_thickness_has_one_view() -> None:
     text = HUBBED.partition("[part]")[0] + "[part]\nbore = 16\n"
-    sheet = sheet_of(Design(parse_scene(text)).disc, TOLERANCE)
+    (sheet,) = sheets_of(Design(parse_scene(text)).disc, TOLERANCE)
     assert len(sheet.views) == 1
     assert [each.measure for each in measured(sheet) if isinstance(each, Diameter)] == [16.0]
 
@@ -233,13 +218,49 @@ def test_a_part_without_thickness_has_one_view() -> None:
     ("keys", "message"),
     [
         ({"scale": "10:1"}, r'drawing\.scale = "10:1": does not fit .*: at most "1:1" does'),
-        ({"sheet": "A4", "step": 5}, r"drawing\.step = 5: must be at least 10 on a sheet A4"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_its_key(keys: dict[str, object], message: str) -> None:
     design = Design(parse_scene(HUBBED).with_values(edited(keys)))
     with pytest.raises(SceneError, match=message):
-        sheet_of(design.disc, TOLERANCE)
+        sheets_of(design.disc, TOLERANCE)
+
+
+def test_a_long_table_has_a_sheet_of_its_own() -> None:
+    """Every 5 degrees on A4: nothing is lost, and the first sheet says where it is."""
+    scene = parse_scene(HUBBED).with_values(edited({**FULL, "sheet": "A4", "step": 5}))
+    views, table = sheets_of(Design(scene).disc, TOLERANCE)
+    first, second = (
+        [mark.text for mark in sheet.marks if isinstance(mark, Label)] for sheet in (views, table)
+    )
+    assert views.views
+    assert not table.views
+    assert "1/2" in first
+    assert "2/2" in second
+    assert {str(angle) for angle in range(0, 360, 5)} <= set(second)
+    assert "Polar coordinates" in second
+    assert any("Table of polar coordinates: next sheet." in text for text in first)
+    assert overlaps(text_boxes(table)) == []
+
+
+def test_only_a_sheet_with_brackets_explains_them() -> None:
+    for name, explained in (("setzhub", True), ("ring", False)):
+        for sheet in sheets(name):
+            found = any("in brackets" in mark.text for mark in sheet.marks
+                        if isinstance(mark, Label))  # fmt: skip
+            assert found == explained
+            assert found == any(mark.prefix == "(" for mark in measured(sheet))
+
+
+def test_curves_far_larger_than_the_part_are_left_out_with_a_note() -> None:
+    """What remains of a lobe is a tenth of its pitch curve, and is drawn ten times larger."""
+    for name, scale, drawn in (("cut_lobe", 5.0, False), ("setzhub", 1.0, True)):
+        (sheet,) = sheets(name)
+        assert sheet.scale == scale
+        layers = {mark.layer for mark in sheet.views[0].marks if isinstance(mark, Chain)}
+        assert ({"PITCH_CURVE", "BASE_CIRCLE"} <= layers) == drawn
+        texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
+        assert ("far larger than the part and are not drawn" in texts) == (not drawn)
 
 
 def test_the_sheets_of_a_pair_are_numbered() -> None:

@@ -8,6 +8,7 @@ programs show no other.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import singledispatchmethod
 from typing import Final
 
@@ -18,9 +19,10 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
-from camgeo.sheet.dimensions import OUTSIDE
+from camgeo.sheet.ink import ARROW, BEFORE, BEHIND, LETTERS, LIFTED, number_of
 from camgeo.sheet.lettering import NARROWED, squeeze
 from camgeo.sheet.marks import (
+    DIAMETER,
     Chain,
     Diameter,
     Distance,
@@ -56,13 +58,13 @@ LAYERS: Final[dict[Layer, tuple[int, str, int]]] = {
     "CENTRE": (1, "CONTINUOUS", 25),
     "PITCH_CURVE": (3, "CONTINUOUS", 25),
     "BASE_CIRCLE": (5, "CONTINUOUS", 25),
-    "HATCH": (8, "CONTINUOUS", 18),
+    "HATCH": (8, "CONTINUOUS", 25),
     "DIMENSION": (7, "CONTINUOUS", 25),
     "SYMBOL": (7, "CONTINUOUS", 25),
     "TEXT": (7, "CONTINUOUS", 25),
     "FRAME": (7, "CONTINUOUS", 70),
     "GRID": (7, "CONTINUOUS", 25),
-    "DIAGRAM": (7, "CONTINUOUS", 35),
+    "DIAGRAM": (7, "CONTINUOUS", 50),
     "ENGRAVING": (7, "CONTINUOUS", 18),
 }
 """Colour, line type and width [1/100 mm] of each layer."""
@@ -77,31 +79,46 @@ ANSI31: Final = 3.175
 """The same of the pattern of that name at scale 1, for programs that have patterns of their own."""
 
 SIZES: Final = {
-    "dimtxt": 3.5,
-    "dimasz": 3.0,
-    "dimexe": 1.5,
-    "dimexo": 0.8,
-    "dimgap": 0.8,
+    "dimtxt": LETTERS,
+    "dimasz": ARROW,
+    "dimexe": BEHIND,
+    "dimexo": BEFORE,
+    "dimgap": LIFTED,
 }
 """Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
+
+APART: Final = 20.0
+"""Between sheets side by side [mm of paper]."""
 
 JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
 
 
-def document_of(sheet: Sheet) -> Drawing:
-    """The document; to be made and written with `fixed_metadata`."""
-    document = new("R2010", units=INSUNITS[sheet.unit])
-    document.header["$MEASUREMENT"] = MEASUREMENT[sheet.unit]
-    drawing = _Drawing(document, sheet)
+def document_of(sheets: Sequence[Sheet]) -> Drawing:
+    """The document of sheets side by side; to be made and written with `fixed_metadata`."""
+    first = sheets[0]
+    document = new("R2010", units=INSUNITS[first.unit])
+    document.header["$MEASUREMENT"] = MEASUREMENT[first.unit]
+    drawing = _Drawing(document, first)
     drawing.tables()
-    for view in sheet.views:
-        shift = (view.at - sheet.views[0].at) / sheet.scale
-        for mark in view.marks:
-            drawing.add(mark, 1.0, shift)
-    for mark in sheet.marks:
-        drawing.add(mark, 1.0 / sheet.scale, -sheet.views[0].at / sheet.scale)
-    drawing.extents()
+    for sheet, at in zip(sheets, corners(sheets), strict=True):
+        for view in sheet.views:
+            shift = at + view.at / sheet.scale
+            for mark in view.marks:
+                drawing.add(mark, 1.0, shift)
+        for mark in sheet.marks:
+            drawing.add(mark, 1.0 / sheet.scale, at)
+    drawing.extents(len(sheets))
     return document
+
+
+def corners(sheets: Sequence[Sheet]) -> list[complex]:
+    """Lower left corners of sheets side by side [mm of the part]: the origin is that of the first
+    one's first view.
+    """
+    first = sheets[0]
+    origin = first.views[0].at if first.views else 0j
+    step = first.width + APART
+    return [(number * step - origin) / first.scale for number in range(len(sheets))]
 
 
 class _Drawing:
@@ -139,13 +156,16 @@ class _Drawing:
         style.dxf.dimlunit = 2  # decimal
         style.dxf.dimtad = 1  # text above its line,
         style.dxf.dimtih = style.dxf.dimtoh = 0  # and along it
+        style.dxf.dimtix = 1  # nowhere but where it was placed,
         style.dxf.dimtofl = 1  # the line also between arrows that are outside
         style.dxf.dimlwd = style.dxf.dimlwe = 25
 
-    def extents(self) -> None:
-        """What programs show when the drawing is opened: the whole sheet."""
-        low = self._xy(0j, 1.0 / self._sheet.scale, -self._sheet.views[0].at / self._sheet.scale)
-        wide, high = self._sheet.width * self._paper, self._sheet.height * self._paper
+    def extents(self, count: int) -> None:
+        """What programs show when the drawing is opened: all sheets."""
+        sheet = self._sheet
+        low = self._xy(0j, 1.0 / sheet.scale, corners([sheet])[0])
+        wide = (count * (sheet.width + APART) - APART) * self._paper
+        high = sheet.height * self._paper
         corner = (low[0] + wide, low[1] + high)
         self._space.reset_extents((*low, 0.0), (*corner, 0.0))
         self._space.reset_limits(low, corner)
@@ -225,6 +245,10 @@ class _Drawing:
     @_add.register
     def _(self, mark: Distance) -> None:
         override = self._override(mark.prefix, mark)
+        if mark.bare:
+            names = ["", ""]
+            names[mark.bare - 1] = "NONE"
+            override |= {"dimsah": 1, "dimblk1": names[0], "dimblk2": names[1]}
         drawn = self._space.add_linear_dim(
             base=self._at(mark.line),
             p1=self._at(mark.first),
@@ -240,8 +264,10 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Diameter) -> None:
-        override = {**self._override("", mark), "dimtmove": 1, "dimtoh": 1, "dimtad": 1}
-        reach = self._length(mark.radius) + OUTSIDE * self._paper
+        text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
+        own = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
+        override = {**self._override(mark.prefix, mark), **own}
+        reach = self._length(mark.radius) + mark.reach * self._paper
         centre = self._at(mark.centre)
         way = (math.cos(mark.angle), math.sin(mark.angle))
         drawn = self._space.add_diameter_dim(
@@ -249,11 +275,13 @@ class _Drawing:
             radius=self._length(mark.radius),
             angle=math.degrees(mark.angle),
             location=(centre[0] + reach * way[0], centre[1] + reach * way[1]),
+            text=text.replace(".", ",") if self._sheet.comma else text,
             dimstyle=STYLE,
             override=override,
             dxfattribs={"layer": "DIMENSION"},
         )
         self._state(drawn, mark)
+        drawn.dimension.dxf.text = "<>"  # ezdxf would write a second sign before the number
 
     def _state(self, drawn: DimStyleOverride, mark: Distance | Diameter) -> None:
         """Draw a dimension, and state what it measures, which ezdxf does not."""
