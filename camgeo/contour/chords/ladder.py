@@ -33,7 +33,7 @@ SHORT = 12
 """Bends of fewer pieces may get single pieces more than by the formula: it is asymptotic, and gives
 too few between inflections close to each other."""
 
-LAYOUTS, LAID = 250, 1_000_000
+LAYOUTS, LAID = 250, 250_000
 """Most layouts tried, and most pieces in all of them; usually the first or second suffices."""
 
 
