@@ -15,6 +15,9 @@ from tests.fuzz.invariants import Failure, Outcome
 from tests.fuzz.minimise import minimised
 from tests.fuzz.worker import Worker
 
+SCENES = ("scenes", "extremes")
+"""Kinds whose cases are scenes."""
+
 
 @dataclass
 class Report:
@@ -40,7 +43,7 @@ class Report:
     @property
     def text(self) -> str:
         """The counts, a line each."""
-        scenes = self.cases["scenes"]
+        scenes = sum(self.cases[kind] for kind in SCENES)
         counts = ", ".join(f"{count} {kind}" for kind, count in self.cases.items())
         seconds, number, step = self.slowest
         lines = [
@@ -107,7 +110,7 @@ def _count(report: Report, kind: str, number: int, case: Case, outcome: Outcome)
     report.cpu += outcome.cpu
     if outcome.slowest > report.slowest[0]:
         report.slowest = (outcome.slowest, number, outcome.slowest_step)
-    if kind == "scenes":
+    if kind in SCENES:
         report.accepted += outcome.accepted
         report.builds += any(step[0] == "build" for step in case.steps)
         report.built += outcome.built
