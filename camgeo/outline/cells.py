@@ -146,6 +146,8 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
 
     GeometryError if there are more than `MOST` and `MORE` allow.
     """
+    if not len(cells):
+        return cells
     if len(cells) > MOST + MORE * len(envelope.borders):
         raise unresolved(envelope, cells.low[np.argsort(cells.high - cells.low)])
     middle = 0.5 * (cells.low + cells.high)

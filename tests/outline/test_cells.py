@@ -95,3 +95,9 @@ def test_cells_without_end_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("camgeo.outline.cells.MORE", 0)
     with pytest.raises(GeometryError, match="more tightly than can be resolved"):
         halved(envelope, cells)
+
+
+def test_no_cells_have_no_halves() -> None:
+    envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
+    cells = cells_of(envelope, 4)
+    assert len(halved(envelope, cells.some(np.zeros(len(cells), dtype=np.bool_)))) == 0
