@@ -174,12 +174,11 @@ def _measures(dimensions: Sequence[Dimension], sketch: MechanismSketch, scale: f
         way = each.end - each.start
         if frozenset((each.start, each.end)) not in links:
             marks.append(Line(plane([each.start, each.end]), MEASURE, layer=4.5))
-        long = abs(way) * scale
-        if long < SHORT:
-            shares = tuple((long + step * BEYOND) / long for step in (1.0, 2.5, 4.0))
+        if abs(way) * scale < SHORT:
+            along = way / abs(way) if way else 1.0 + 0.0j
+            places = [each.end + step * BEYOND / scale * along for step in (1.0, 2.5, 4.0)]
         else:
-            shares = SHARES
-        places = [each.start + share * way for share in shares]
+            places = [each.start + share * way for share in SHARES]
 
         def room(place: complex) -> float:
             return min((abs(place - other) for other in taken), default=math.inf) * scale

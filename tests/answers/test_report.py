@@ -18,6 +18,7 @@ from camgeo.design import Design
 from camgeo.figure.marks import Line, Style, over
 from camgeo.figure.model import Axis, Figure, Panel
 from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import Scene
 from camgeo.units import TURN
 from tests.answers.documents import FIXTURES, document
 
@@ -83,6 +84,17 @@ def test_what_is_infinite_is_said_to_be() -> None:
     assert "∞" in motion.sentence
     assert document(found)["charts"][0]["readings"][2]["high"] is None
     assert any("no follower" in each for each in found.left_out)
+
+
+def test_what_is_left_out_is_told_in_a_line() -> None:
+    scene = load_scene(FIXTURES / "scenes" / "groove.toml")
+    values = {key: scene.values[key] for key in ("camgeo", "name", "cam", "motion", "follower")}
+    part = {"bore": 10, "rim": scene.values["part"]["rim"]}
+    found = report(Design(Scene({**values, "part": part})), quick=True)
+    (solid,) = [each for each in found.left_out if each.startswith("solid: ")]
+    assert "thickness" in solid
+    assert "groove_depth" in solid
+    assert "\n" not in solid
 
 
 def test_a_sentence_names_the_first_curves_and_how_many_more() -> None:

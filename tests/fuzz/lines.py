@@ -29,7 +29,7 @@ NAMES: Final = ("CUT", "0", "polynomial-345", "laws", "cams", "outlines", *FAMIL
 
 BY_METAVAR: Final = {
     "SCENE": (SCENE,),
-    "FILE": ("o.svg", "o.png", "o.csv", "o.toml", "o.json", "o.pdf", "sub/o.svg", "o"),
+    "FILE": ("o.svg", "o.png", "o.csv", "o.toml", "o.json", "o.pdf", "o.html", "sub/o.svg", "o"),
     "DIR": ("out", ".", "a/b/c"),
     "FORMATS": (
         "dxf",

@@ -60,6 +60,7 @@ def _others(rng: Random) -> list[Step]:
         ("explain", SCENE, rng.choice(tuple(GOALS))),
         ("replay", SCENE, "--step", "1"),
         ("setup", SCENE, "-o", "setup.html"),
+        ("report", SCENE, "--quick", "-o", "report.html"),
     ]
 
 

@@ -12,7 +12,7 @@ from camgeo.answers.answer import Answer
 from camgeo.answers.check import Check, check
 from camgeo.answers.report.readings import Reading, readings, sentence
 from camgeo.answers.report.steps import next_step
-from camgeo.errors import CamgeoError
+from camgeo.errors import CamgeoError, SceneError
 from camgeo.figure import diagrams, effects, motion
 from camgeo.figure.animation import Animation, animation
 
@@ -143,7 +143,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         try:
             return make()
         except CamgeoError as error:
-            left_out.append(f"{what}: {error}")
+            left_out.append(f"{what}: {_reason(error)}")
             return None
 
     turn = None
@@ -180,6 +180,12 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         certificate,
         tuple(left_out),
     )
+
+
+def _reason(error: CamgeoError) -> str:
+    """The error in a line."""
+    several = error.faults if isinstance(error, SceneError) else (error,)
+    return " ".join("; ".join(map(str, several)).split())
 
 
 def _motion(design: Design) -> Figure:

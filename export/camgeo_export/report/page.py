@@ -212,7 +212,7 @@ def _findings(report: Report) -> str:
     heads = ("verdict", "of", "finding", "in words", "next step")
     cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in report.check.cures]
     listed = f"<p>Any one of these cures the undercut:</p>{_items(cures)}" if cures else ""
-    return _table(heads, rows) + listed
+    return _table("Table of findings", heads, rows) + listed
 
 
 def _diagrams(charts: Sequence[Chart]) -> str:
@@ -236,7 +236,8 @@ def _readings(chart: Chart) -> str:
         )  # fmt: skip
         rows.append(f"<tr><td>{escape(plain(each.name))}</td>{_numbers(numbers)}"
                     f"<td>{escape(limits)}</td></tr>")  # fmt: skip
-    return f"<details><summary>Extremes as a table</summary>{_table(heads, rows)}</details>"
+    table = _table(f"Extremes, {chart.title}", heads, rows)
+    return f"<details><summary>Extremes as a table</summary>{table}</details>"
 
 
 def _solids(found: Mapping[str, bytes]) -> str:
@@ -270,7 +271,8 @@ def _values(table: Table) -> str:
             f"<tr>{_numbers(f'{value + 0.0:.{DIGITS}g}' for value in row[columns])}</tr>"
             for row in table.values
         ]
-        blocks.append(_table((first, *names), rows, long=True))
+        label = f"Values from {names[0]} to {names[-1]}"
+        blocks.append(_table(label, (first, *names), rows, long=True))
     return (
         f"<p>A row every {STEP}°; <code>camgeo table</code> has any step.</p><details><summary>"
         f"{counted(len(table.values), 'row')}</summary>{''.join(blocks)}</details>"
@@ -295,7 +297,7 @@ def _prices(survey: Survey) -> str:
     sentence = f"Advice: {advice(survey.knee)}."
     return (
         f'<figure class="chart" id="prices"><figcaption>{escape(sentence)}</figcaption></figure>'
-        f"{_table(heads, rows)}"
+        f"{_table('Pieces, bytes and times', heads, rows)}"
     )
 
 
@@ -315,19 +317,21 @@ def _certificate(report: Report) -> str:
         digest = f'<td class="hash">{escape(each["sha256"])}</td>'
         rows.append(f"<tr>{names}{_numbers(numbers)}{digest}</tr>")
     text = escape(json.dumps(found, indent=2, ensure_ascii=False))
+    table = _table("Table of files", heads, rows)
     return (
         "<p>The files that the scene asks for were made, read back and measured; <code>camgeo"
-        f" build</code> writes the same, with this certificate.</p>{_table(heads, rows)}"
+        f" build</code> writes the same, with this certificate.</p>{table}"
         f'<details><summary>certificate.json</summary><pre class="wide" tabindex="0">{text}'
         "</pre></details>"
     )
 
 
-def _table(heads: Sequence[str], rows: Iterable[str], *, long: bool = False) -> str:
+def _table(label: str, heads: Sequence[str], rows: Iterable[str], *, long: bool = False) -> str:
+    """A table; no other on the page has its `label`."""
     head = "".join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     kind = "wide long" if long else "wide"
     return (
-        f'<div class="{kind}" tabindex="0" role="region" aria-label="{escape(heads[0])} and more">'
+        f'<div class="{kind}" tabindex="0" role="region" aria-label="{escape(label)}">'
         f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
     )
 

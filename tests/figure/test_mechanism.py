@@ -1,0 +1,54 @@
+"""The picture of a mechanism: its lengths are numbered, listed by their keys, and can be read."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.figure import mechanism
+from camgeo.figure.marks import Text
+from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from tests.long_form import some
+
+SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
+
+
+@pytest.mark.parametrize("scene", some(SCENES, of=4, first=1), ids=lambda path: path.stem)
+def test_each_number_of_a_length_stands_in_the_list(scene: Path) -> None:
+    product = camgeo.load(scene).disc
+    figure = mechanism.figure(product)
+    first, second = figure.panels
+    numbers = [mark for mark in first.marks if isinstance(mark, Text)]
+    assert not any(isinstance(mark, Text) for mark in second.marks)
+    _, *listed = figure.texts
+    assert [mark.text for mark in numbers] == [text.text.split()[0] for text in listed]
+    dimensions = product.pictured.mechanism_sketch(0.0).dimensions
+    for each, text in zip(dimensions, listed, strict=True):
+        assert f"  {each.key} = " in text.text
+        assert text.text.endswith(f" {product.unit}")
+    # They lie in the panel, and on the page below it.
+    (left, right), (low, high) = first.x.limits, first.y.limits
+    for mark in numbers:
+        assert left <= mark.at[0] <= right
+        assert low <= mark.at[1] <= high
+    assert all(0.0 < text.at[1] < first.frame[1] for text in listed)
+    scale = (first.frame[2] - first.frame[0]) * figure.size[0] / (right - left)
+    for one, other in itertools.combinations(numbers, 2):
+        assert math.dist(one.at, other.at) * scale >= 0.5 * mechanism.APART
+
+
+def test_a_length_of_nothing_has_its_number_beside_it() -> None:
+    """As that of a pivot so near to the cam axis that a picture shows them as one."""
+    places = [0j, 1e-300 + 0j, 1.0 + 0.0j]
+    dimensions = [Dimension("arm", 0j, each) for each in places]
+    scale = 0.05
+    marks = mechanism._measures(dimensions, MechanismSketch(), scale)
+    numbers = [mark for mark in marks if isinstance(mark, Text)]
+    assert [mark.text for mark in numbers] == ["1", "2", "3"]
+    for mark, place in zip(numbers, places, strict=True):
+        away = abs(complex(*mark.at) - place) * scale
+        assert mechanism.BEYOND * (1.0 - 1e-9) <= away <= 4.0 * mechanism.BEYOND * (1.0 + 1e-9)
