@@ -18,7 +18,7 @@ from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import PartSpec
 from camgeo.printing.drawn_in import drawn_in
-from camgeo.printing.scaled import ScaledBoundary, scaled
+from camgeo.printing.scaled import scaled
 from camgeo.printing.spec import Foot, PrintSpec
 
 TOLERANCE: Final = 1e-3
@@ -74,7 +74,7 @@ def compensated(part: Part, spec: PrintSpec) -> Part:
     """
     part = _scaled(part, spec.scale_xy, spec.scale_z)
     foot = spec.elephant_foot
-    return part if foot is None else _on_foot(part, foot, spec.scale_xy)
+    return part if foot is None else _on_foot(part, foot)
 
 
 def _scaled(part: Part, xy: float, z: float) -> Part:
@@ -100,7 +100,7 @@ def _scaled(part: Part, xy: float, z: float) -> Part:
     return Part(tuple(larger(each) for each in part.layers), bevels)
 
 
-def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
+def _on_foot(part: Part, foot: Foot) -> Part:
     """The part with its lowest layer drawn in, step by step."""
     lowest, *others = part.layers
     part.require_heights()
@@ -121,8 +121,7 @@ def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
     ):
         try:
             drawn = tuple(
-                _within(each, inset, f"{each.name} at step {step}", scale)
-                for each in lowest.boundaries
+                drawn_in(each, inset, f"{each.name} at step {step}") for each in lowest.boundaries
             )
             _require_alike(drawn, lowest.boundaries)
         except GeometryError as error:
@@ -131,14 +130,6 @@ def _on_foot(part: Part, foot: Foot, scale: float) -> Part:
         layers.append(Layer(low, high, drawn, FOOT))
     rest = replace(lowest, z0=heights[-1])
     return replace(part, layers=(*layers, rest, *others))
-
-
-def _within(boundary: Boundary, distance: float, name: str, scale: float) -> Boundary:
-    """A boundary of a scaled part drawn in."""
-    if isinstance(boundary, ScaledBoundary):
-        own = drawn_in(boundary.unscaled, distance / scale, name)
-        return scaled(own, scale)
-    return drawn_in(boundary, distance, name)
 
 
 def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) -> None:

@@ -17,6 +17,7 @@ from camgeo.outline.outline import real_outline
 from camgeo.outline.path import Path
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
+from camgeo.printing.scaled import ScaledBoundary, scaled
 from camgeo.units import TURN
 
 SMOOTH: Final = 1e-9
@@ -30,14 +31,17 @@ def drawn_in(boundary: Boundary, distance: float, name: str) -> Boundary:
     ------
     GeometryError
         If nothing, or not one piece, is left of what it bounds, or if it is neither the outline of
-        a flank nor lines and arcs.
+        a flank nor lines and arcs, at any scale.
     """
+    if isinstance(boundary, ScaledBoundary):
+        own = drawn_in(boundary.unscaled, distance / boundary.factor, name)
+        return scaled(own, boundary.factor)
     if isinstance(boundary, ExactBoundary):
         exact = boundary.exact.counter_clockwise()
-        moved = parallel(exact, distance if boundary.hole else -distance)
         try:
+            moved = parallel(exact, distance if boundary.hole else -distance)
             require_simple(moved, boundary.name)
-        except UndercutError:
+        except (GeometryError, UndercutError):
             raise _gone(boundary.name, distance) from None
         return ExactBoundary(name, boundary.hole, moved)
     if isinstance(boundary, CurveBoundary):

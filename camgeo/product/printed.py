@@ -53,8 +53,9 @@ class PrintedDisc(Pickled):
             return part
         from camgeo.printing.compensation import fault_of_clearance, with_clearance
 
+        wider = with_clearance(self.stated, self.spec)
         try:
-            return self.part_by(with_clearance(self.stated, self.spec))
+            return self.part_by(wider)
         except GeometryError as error:
             raise fault_of_clearance(self.spec, error) from None
 

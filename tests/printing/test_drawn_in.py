@@ -16,6 +16,7 @@ from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.features import bore_outline, flattened, mark_outline
+from camgeo.part.letter_boundary import LetterBoundary
 from camgeo.part.part import Boundary
 from camgeo.part.spec import DShaft, Keyway, Mark
 from camgeo.printing.drawn_in import drawn_in, parallel
@@ -66,9 +67,21 @@ def test_a_flank_of_which_nothing_is_left() -> None:
 
 
 def test_only_outlines_and_lines_and_arcs_are_drawn_in() -> None:
-    scaled = ScaledBoundary(_flank("tappet"), 2.0)
-    with pytest.raises(GeometryError, match="the outline cannot be drawn in"):
-        drawn_in(scaled, 0.1, "moved")
+    corners = np.array([0.0, 8.0, 8.0j])
+    middles = 0.5 * (corners + np.roll(corners, -1))
+    pieces = np.column_stack((corners, middles, np.roll(corners, -1)))
+    letter = LetterBoundary("letter", True, pieces, 0.01)
+    with pytest.raises(GeometryError, match="the letter cannot be drawn in"):
+        drawn_in(letter, 0.1, "moved")
+
+
+def test_what_is_scaled_is_drawn_in_by_as_much() -> None:
+    found = drawn_in(ScaledBoundary(_flank("tappet"), 2.0), 0.3, "moved")
+    assert isinstance(found, ScaledBoundary)
+    assert (found.name, found.factor) == ("moved", 2.0)
+    own = drawn_in(_flank("tappet"), 0.15, "own")
+    assert found.farthest()[0] == 2.0 * own.farthest()[0]
+    assert found.nearest() == 2.0 * own.nearest()
 
 
 HOLES = {
@@ -112,5 +125,5 @@ def test_circles_and_squares_exactly() -> None:
     [("circle", -10.0), ("keyway", -3.0), ("d", -9.5), ("slot", -1.0), ("polygon", -4.0)],
 )
 def test_what_vanishes_is_refused(name: str, by: float) -> None:
-    with pytest.raises(GeometryError, match="nothing is left"):
+    with pytest.raises(GeometryError, match=f"nothing is left of the {name}"):
         drawn_in(ExactBoundary(name, False, HOLES[name]), -by, name)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import camgeo
+from camgeo.errors import GeometryError
 from camgeo.product.judged_part import findings_on, poor_in
 from camgeo.product.printed import COMPENSATED
 from tests.contour.cams import SCENES
@@ -56,3 +57,14 @@ def test_walls_are_those_beside_the_clearance() -> None:
 def test_a_compensation_without_room_is_found_by_a_check(values: dict[str, Any]) -> None:
     found, _ = _found(values)
     assert found == {COMPENSATED: "broken"}
+
+
+def test_why_there_is_no_room_is_said_once() -> None:
+    """Of a keyway that the clearance eats, and of a bore that reaches the outline."""
+    scene = camgeo.load(SCENES / "hub_and_holes.toml").scene
+    for clearance in (6.0, 10.0, 60.0):
+        asked = scene.with_values({"print.bore_clearance": clearance})
+        with pytest.raises(GeometryError, match="no room for it") as caught:
+            _ = camgeo.Design(asked).disc.drawn.printed.fitted
+        assert caught.value.key == "print.bore_clearance"
+        assert caught.value.message.count("no room for it") == 1
