@@ -12,6 +12,7 @@ import camgeo
 from camgeo.cli.main import main
 from camgeo.product.product import disc_of, with_pair
 from camgeo.sheet.notes import notes_of
+from camgeo.sheet.views import drawn_of
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 
@@ -75,5 +76,12 @@ def test_sheets_of_both_discs_tell_the_angle(language: str) -> None:
     for pair, count in ((scene.values["part"]["pair"], 1), (None, 0)):
         design = camgeo.Design(scene.with_values({"part.pair": pair}))
         for disc in design.discs:
-            notes = notes_of(disc, design.scene.drawing, 0.01, lambda value: f"{value:g}")
+            notes = notes_of(
+                disc,
+                design.scene.drawing,
+                0.01,
+                lambda value: f"{value:g}",
+                apart=False,
+                drawn=drawn_of(disc, 0.01),
+            )
             assert sum(said[language] in note for note in notes) == count
