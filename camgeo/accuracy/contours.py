@@ -13,7 +13,7 @@ from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
 from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
-from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
+from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
 from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
@@ -203,8 +203,10 @@ def without_fits(product: Product, tolerance: float) -> Product:
     return product
 
 
-def reason(error: ToleranceError | GeometryError | EffectError | SceneError) -> str:
+def reason(error: ToleranceError | GeometryError | EffectError | SceneError | FileError) -> str:
     """Why a row has no value, in one short sentence."""
+    if isinstance(error, FileError):
+        return str(error)
     if isinstance(error, SceneError):
         return "; ".join(fault.message for fault in error.faults)
     return error.reason if isinstance(error, ToleranceError) else error.message

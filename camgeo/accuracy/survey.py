@@ -12,13 +12,13 @@ from camgeo.accuracy.knee import Knee, knee_of
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
 from camgeo.accuracy.tables import STEPS, table_rows
 from camgeo.design import Design
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.errors import FileError, GeometryError, ToleranceError
 
 TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """Default tolerances [mm]. One more decade multiplies straight pieces and triangles by 3.16, and
 with them the time of the survey: two thirds of it would go into files of some 7 MB."""
 
-SOLIDS: Final = ("stl", "3mf")
+SOLIDS: Final = ("stl", "3mf", "step")
 """Names of the writers of solids."""
 
 
@@ -92,7 +92,7 @@ def solid_rows(
             progress(f"{name}, {tolerance:g} mm")
             try:
                 rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
-            except (ToleranceError, GeometryError) as error:
+            except (ToleranceError, GeometryError, FileError) as error:
                 rows.append(SolidRow(name, tolerance, fault=reason(error)))
     return tuple(rows)
 

@@ -31,7 +31,9 @@ COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline"
 
 MARKERS: Final[dict[Form, str]] = {"polyline": "s", "arcs": "o", "spline": "^"}
 
-SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {"stl": ("x", "#808080"), "3mf": ("+", "#404040")}
+SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {
+    "stl": ("x", "#808080"), "3mf": ("+", "#404040"), "step": ("^", "#404040"),
+}  # fmt: skip
 
 EFFECT_MARKERS: Final = "osD^vP*X"
 """Colours of the effects in order, repeated if there are more effects."""

@@ -189,3 +189,19 @@ def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.Monkey
     assert "too coarse" in fine.fault
     assert reported == ["stl, 0.01 mm", "stl, 1e-07 mm"]
     assert math.isfinite(coarse.file.write_seconds)
+
+
+def test_solids_are_of_all_formats_and_one_that_is_too_large_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A groove within 1e-6 mm ended the whole survey."""
+    monkeypatch.setattr("camgeo_export.solid.prism.FACETS", 100)
+    rows = survey.solid_rows(load("setzhub"), (0.01,), progress=lambda _: None)
+    found = {row.format: row for row in rows}
+    assert list(found) == ["stl", "3mf", "step"]
+    for name in ("stl", "3mf"):
+        assert found[name].file is None
+        assert "at most 100 are allowed" in found[name].fault
+    step = found["step"].file
+    assert step is not None
+    assert int(step.facts["faces"]) > 10

@@ -33,7 +33,7 @@ CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
     "proof", "write", "read", "round", "shortest",
 )  # fmt: skip
-SOLIDS: Final = ("solid", "tolerance", "triangles", "deviation", "bytes", "write", "read")
+SOLIDS: Final = ("solid", "tolerance", "faces", "deviation", "bytes", "write", "read")
 EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off", "figure")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
 
@@ -104,7 +104,8 @@ def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
     file, cells = row.file, [row.format, f"{row.tolerance:g}"]
     if file is None:
         return [*cells, *[NONE] * 5], row.fault
-    cells += [f"{file.facts['triangles']:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
+    faces = file.facts.get("triangles") or file.facts["faces"]
+    cells += [f"{faces:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
     cells += [_seconds(file.write_seconds), _seconds(file.read_seconds)]
     return cells, row.fault
 
