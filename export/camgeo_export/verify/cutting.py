@@ -104,7 +104,7 @@ def _of_cut(
             "plunge feed", cut.name, ((each.feed, each.line) for each in straight), sinking,
             "mm/min", rounding,
         ),
-        _feeds(cut, others, rounding, tolerance),
+        _feeds(cut, others, rounding, tolerance, program.step),
     ]  # fmt: skip
     slope = 0.0
     for move in moves:
@@ -146,7 +146,9 @@ def _drops(move: CutterMove) -> bool:
     return move.z_end < move.z_start
 
 
-def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: float) -> Check:
+def _feeds(
+    cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: float, step: float
+) -> Check:
     """That the contact of each move runs at the tool's feed, no faster and no slower: the centre is
     slowed where the wall lies around its arc, and on the way down.
     """
@@ -154,7 +156,7 @@ def _feeds(cut: Cut, moves: Sequence[CutterMove], rounding: float, tolerance: fl
     worst, line, value, wanted = 0.0, 0, tool.feed, tool.feed
     back = _on_the_way_back(cut, moves)
     for move, free in zip(moves, back, strict=True):
-        least, most = _allowed(cut, move, tolerance)
+        least, most = _allowed(cut, move, tolerance, step)
         most = tool.feed if free else most
         off = max(least - move.feed, move.feed - most, 0.0)
         off = max(0.0, off - SLOWED * most) if move.feed < tool.feed else off
@@ -182,12 +184,13 @@ def _on_the_way_back(cut: Cut, moves: Sequence[CutterMove]) -> list[bool]:
     ]
 
 
-def _allowed(cut: Cut, move: CutterMove, tolerance: float) -> tuple[float, float]:
+def _allowed(cut: Cut, move: CutterMove, tolerance: float, step: float) -> tuple[float, float]:
     """The least and the largest feed [mm/min] that a move may have, one and the same on an arc.
 
     The wall lies around an arc that turns to the free side, and around each one between two walls.
     A line may stand for a piece of an arc that is flat within `tolerance` [mm]; then its feed is
-    slowed for any radius from the least one that is as flat.
+    slowed for any radius from the least one that is as flat. Both ends of a ramp are printed in
+    steps of `step` [mm], so a piece of few of them may slope otherwise than the ramp.
     """
     tool, length = cut.tool, move.course.length
     radius = move.course.radius if move.sweep else length * length / (8.0 * tolerance)
@@ -199,9 +202,13 @@ def _allowed(cut: Cut, move: CutterMove, tolerance: float) -> tuple[float, float
         feeds = (slow, slow)
     if not _drops(move):
         return feeds
-    drop = move.z_start - move.z_end
-    most = tool.plunge_feed * math.hypot(length, drop) / drop
-    return min(feeds[0], most), min(feeds[1], most)
+    drop, reach = move.z_start - move.z_end, math.sqrt(2.0) * step
+    steepest, flattest = max(length - reach, 0.0) / (drop + step), math.inf
+    if drop > step:
+        flattest = (length + reach) / (drop - step)
+    most = (tool.plunge_feed * math.hypot(1.0, each) for each in (steepest, flattest))
+    least, largest = (min(feed, each) for feed, each in zip(feeds, most, strict=True))
+    return least, largest
 
 
 def _same(
