@@ -62,7 +62,7 @@ def fault_of_clearance(spec: PrintSpec, error: GeometryError) -> GeometryError:
     """Why a part has no room for its clearance, as a fault of the key that asks for it."""
     key = "bore_clearance" if spec.bore_clearance else "key_clearance"
     value = getattr(spec, key)
-    message = f"the part has no room for it: {error.message}"
+    message = f"the part has no room for it: {error}"
     return GeometryError(message, key=f"print.{key}", value=f"{value:g}")
 
 

@@ -75,12 +75,17 @@ class PrintedDisc(Pickled):
         """The compensation as certificates state it; empty if there is none."""
         if self.spec is None or not self.spec.compensates:
             return {}
-        return {**self.spec.facts, "compensation": f"{self.text}; {SWITCH_OFF}"}
+        return {**self.spec.facts, "compensation": self.advice}
 
     @property
     def text(self) -> str:
         """The compensation in words; empty if there is none."""
         return "" if self.spec is None else self.spec.text
+
+    @property
+    def advice(self) -> str:
+        """The compensation in words, and what whoever prints has to do; empty if there is none."""
+        return self.text and f"{self.text}; {SWITCH_OFF}"
 
     def findings(self, file: str) -> tuple[Finding, ...]:
         """What whoever prints the `file` has to watch."""

@@ -71,7 +71,8 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     rings: dict[str, ComplexArray] = {}
     for each in part.boundaries:
         rings |= _rings(each, part, tolerance, rounding)
-    _limit(sum(2 * len(rings[band.wall.name]) for band in bands), "at least ")
+    least = sum(2 * len(rings[band.wall.name]) for band in bands)
+    limit_facets(least, "the body would have at least")
     require_apart(part, of_polygons(rings, tolerance), tolerance)
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
@@ -95,12 +96,12 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     return mesh.close()
 
 
-def _limit(facets: int, least: str = "") -> None:
-    """Raise FileError if a body of so many facets would not be read back."""
+def limit_facets(facets: int, has: str = "the body would have") -> None:
+    """Raise FileError if a file of so many facets would not be read back."""
     if facets > FACETS:
         raise FileError(
-            f"the body would have {least}{counted(facets, 'facet')}; at most {FACETS:,} are allowed"
-            " in a file that is read; a larger tolerance needs fewer"
+            f"{has} {counted(facets, 'facet')}; at most {FACETS:,} are allowed in a file that is"
+            " read; a larger tolerance needs fewer"
         )
 
 
@@ -238,7 +239,7 @@ class _Mesh:
         """
         vertices = np.concatenate(self.points)
         triangles = np.concatenate(self.faces)
-        _limit(len(triangles))
+        limit_facets(len(triangles))
         mesh = manifold3d.Mesh64(vertices, np.ascontiguousarray(triangles, dtype=np.uint64))
         solid = manifold3d.Manifold(mesh)
         if solid.status() != manifold3d.Error.NoError or not solid.volume() > 0.0:

@@ -16,14 +16,11 @@ from camgeo.formats.threemf import FORMAT
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.part import Part
 from camgeo.product.plate import Piece, plate_of
-from camgeo.product.printed import SWITCH_OFF
 from camgeo.product.product import Product, bodies_of, title_of
-from camgeo.reading import FACETS
-from camgeo.wording import counted
 from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.solid.measure import measure
-from camgeo_export.solid.prism import Body, body
+from camgeo_export.solid.prism import Body, body, limit_facets
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 CONTENT_TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
@@ -97,9 +94,7 @@ class ThreeMfWriter:
         items = items_of(product)
         bodies = [body(each.part, tolerance, _exact) for each in items]
         triangles = sum(len(each.triangles) for each in bodies)
-        if triangles > FACETS:
-            found, most = counted(triangles, "facet"), f"at most {FACETS:,} are allowed"
-            raise FileError(f"the bodies would have {found}; {most} in a file that is read")
+        limit_facets(triangles, "the bodies would have")
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
             _store(package, CONTENT_TYPES_PATH, _xml(_content_types()))
@@ -197,8 +192,8 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
         "camgeo:tolerance": f"{tolerance!r} mm",
     }
     printed = product.drawn.printed
-    if printed.text:
-        metadata["Description"] = f"Compensated for printing: {printed.text}; {SWITCH_OFF}"
+    if printed.advice:
+        metadata["Description"] = f"Compensated for printing: {printed.advice}"
     for name, value in metadata.items():
         ET.SubElement(root, "metadata", {"name": name}).text = value
     resources = ET.SubElement(root, "resources")

@@ -61,11 +61,14 @@ def body_checks(
     extent, checks = product.drawn.base_radius, compensation_checks(product)
     try:
         part = product.drawn.printed.target
-        part.require_heights()
     except GeometryError as error:
-        message = f"there is none to compare it with: {error.message}"
-        return [*checks, failed("body", message)]
+        return [*checks, no_body(error)]
     return checks + checks_of_body(part, extent, vertices, triangles, tolerance)
+
+
+def no_body(error: GeometryError) -> Check:
+    """The failed check of a file whose scene has no such body."""
+    return failed("body", f"there is none to compare it with: {error.message}")
 
 
 def compensation_checks(product: Product) -> list[Check]:
@@ -81,11 +84,15 @@ def checks_of_body(
 
     Parameters
     ----------
-    part : that it should be, with known heights.
+    part : that it should be.
     extent : size of the part [mm], for limits.
     vertices, triangles : (n, 3) [mm] and (m, 3), as in the file.
     tolerance : [mm].
     """
+    try:
+        part.require_heights()
+    except GeometryError as error:
+        return [no_body(error)]
     if not len(triangles) or not np.abs(vertices).max(initial=0.0) <= COORDINATE:  # or NaN
         message = f"there are none, or a coordinate is not finite, or beyond {COORDINATE:g} mm"
         return [failed("facets", message)]

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
-from camgeo.errors import GeometryError
 from camgeo.product.plate import Piece
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.threemf.parts import packed
@@ -44,10 +43,6 @@ def plate_checks(
 
 
 def _checks(piece: Piece, data: bytes, scale: float, tolerance: float) -> list[Check]:
-    try:
-        piece.part.require_heights()
-    except GeometryError as error:
-        return [failed("body", f"there is none to compare it with: {error.message}")]
     mesh = mesh_in(data, scale)
     if isinstance(mesh, Check):
         return [mesh]

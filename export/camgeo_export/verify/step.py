@@ -17,7 +17,7 @@ from camgeo_export.part21.model import Model
 from camgeo_export.part21.solid import solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.verify.bevels import slopes_of
-from camgeo_export.verify.body import level_checks, slope_checks
+from camgeo_export.verify.body import level_checks, no_body, slope_checks
 from camgeo_export.verify.contents import contents_check, header_of
 from camgeo_export.verify.inclined import slope_contours
 from camgeo_export.verify.shell import bounds_of, gap, levels, shell_checks, volume_of
@@ -65,7 +65,7 @@ class StepVerifier:
         try:
             part.require_heights()
         except GeometryError as error:
-            return (*checks, failed("body", f"there is none to compare it with: {error.message}"))
+            return (*checks, no_body(error))
         if reading.ours:
             checks.append(contents_check(exchange, model, solid, part, title_of(product)))
         stated = solid.uncertainty
