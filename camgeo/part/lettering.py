@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from typing import Final
 
@@ -159,7 +159,10 @@ def _letter(
 ) -> Letter:
     """A letter of its outlines, by turns holes and what stands within them."""
     coarsest = COARSEST * text.height
-    made = [LetterBoundary(name, True, each, coarsest) for each in outlines]
+    made = [
+        LetterBoundary(f"{name} outline {number}", True, each, coarsest)
+        for number, each in enumerate(outlines, start=1)
+    ]
     fits = [each.beside(coarsest) for each in made]
     contours = [fit.contour for fit in fits]
     for one, other in combinations(contours, 2):
@@ -168,12 +171,11 @@ def _letter(
             message = f'outlines of "{character}" touch each other, which cannot be engraved'
             raise GeometryError(message, key=f"{key}.text", value=text.text)
     boundaries = []
-    for number, (outline, contour) in enumerate(zip(outlines, contours, strict=True), start=1):
+    for boundary, contour in zip(made, contours, strict=True):
         start = complex(contour.vertices[0])
         around = sum(
             winding_number(other, start) != 0 for other in contours if other is not contour
         )
-        own = f"{name} outline {number}"
-        boundaries.append(LetterBoundary(own, around % 2 == 0, outline, coarsest))
+        boundaries.append(boundary if around % 2 == 0 else replace(boundary, hole=False))
     deviation = max(fit.deviation for fit in fits)
     return Letter(character, place, tuple(boundaries), tuple(contours), deviation)

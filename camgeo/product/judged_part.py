@@ -181,18 +181,16 @@ def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
 
 def _mass_of_both(disc: Product, body: Body | None) -> Iterator[Finding]:
     """Of a main disc and a return disc that is another piece, where the density is stated."""
-    if not disc.others or disc.is_pair or disc.pair is not None or body is None:
+    apart = disc.others and not disc.is_pair and disc.pair is None
+    if not apart or body is None or body.density is None:
         return
     try:
-        bodies = [body, *(_body(other, other.drawn.part) for other in disc.others)]
+        solids = [body.solid, *(solid(other.drawn.part) for other in disc.others)]
     except (GeometryError, ToleranceError):  # which the other disc reports
         return
-    masses = [each.mass for each in bodies if each is not None]
-    turning = [each.axial_inertia for each in bodies if each is not None]
-    if None in masses or None in turning:
-        return
-    mass = math.fsum(each for each in masses if each is not None)
-    inertia = math.fsum(each for each in turning if each is not None)
+    weight = KG * body.density
+    mass = math.fsum(weight * each.volume for each in solids)
+    inertia = math.fsum(weight * each.axial for each in solids)
     sentence = (
         f"mass of both discs {mass:.6g} kg, moment of inertia about the cam axis {inertia:.6g} kg"
         " mm^2"
