@@ -202,7 +202,10 @@ class _Arcs:
         across = (chord - length * both) / (2.0 * length)
         vertices, directions = np.stack((start, middle), 1), np.stack((t0, across), 1)
         chords = np.stack((middle - start, end - middle), 1)
-        curvatures = 2.0 * (np.conj(directions) * chords).imag / np.abs(chords) ** 2
+        # Where the curve turns back at once, one of the arcs has no length.
+        squares = np.abs(chords) ** 2
+        squares = np.where(squares > 0.0, squares, 1.0)
+        curvatures = 2.0 * (np.conj(directions) * chords).imag / squares
         return cls(vertices, directions, curvatures)
 
     def near(self, places: ComplexArray) -> FloatArray:

@@ -202,7 +202,10 @@ def _line_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, 
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     offset, rotation = run.leg.distance, run.leg.rotation
     start, chord = run.starts[piece], (run.ends - run.starts)[piece]
-    back = np.conj(chord / np.abs(chord))
+    length = np.abs(chord)
+    if np.any(length == 0.0):
+        raise GeometryError("a line of the contour has no length")
+    back = np.conj(chord / length)
     shift = rotation * offset
     arm, ahead = back * (z - start), back * z1
     value, slope, bend = arm.imag + shift, ahead.imag, (back * z2).imag
