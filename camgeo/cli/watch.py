@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace, target: Path) -> str:
-    """Check and draw once; what is told of it, in a line."""
+    """Check and draw once; the outcome in a line."""
     try:
         design = opened(arguments)
         found = f"{design.name}: {_verdict(check(design))}"
@@ -100,7 +100,7 @@ def _run(arguments: argparse.Namespace, target: Path) -> str:
 
 
 def _verdict(found: Check) -> str:
-    """What the check finds: the names of what is bad, else how many findings there are."""
+    """The names of what is bad, or that all limits are kept; and how many warnings there are."""
     several = found.everything
     warnings = [each for each in several if each.severity == "warning"]
     warned = f", {counted(len(warnings), 'warning')}" if warnings else ""

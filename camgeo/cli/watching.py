@@ -1,4 +1,4 @@
-"""Files that are looked at again and again: the ones of a scene, and what has become of them."""
+"""The files of a scene, looked at again and again to see whether they have changed."""
 
 from __future__ import annotations
 

@@ -30,8 +30,8 @@ FAR = 0.8
 
 
 STUCK_AFTER, STUCK = 4.0, 0.9
-"""A distance that so many times as many parts, beyond `FINE`, do not reduce below this fraction is
-not due to their length, because every stretch of a piece gets its share of the parts: the cam
+"""Where so many times as many parts, beyond `FINE`, do not reduce the distance below this fraction,
+their length is not to blame, because every stretch of a piece gets its share of them: the cam
 angles of a step, or the points of a cusp, cannot be told apart."""
 
 

@@ -64,9 +64,9 @@ ROUNDS = 6
 """Most fits; the second is within the tolerance wherever double precision allows."""
 
 HELPS = 0.9
-"""Fraction of a deviation of more than twice the tolerance below which that of the next round must
-fall, which aims at less than half; else what is off is no matter of the aim, but a step of the
-curve within the cam angles that can be told apart."""
+"""A deviation of more than twice the tolerance must fall below this fraction of it in the next
+round, which aims at less than half; otherwise a smaller aim does not help, because the curve has a
+step between cam angles that can hardly be told apart."""
 
 EASE = 0.95
 """Factor beyond the excess by which the aim is lowered for the next round."""

@@ -116,7 +116,7 @@ def assembled(
         features.append(Feature(bore, low, high))
     name = "groove" if grooved else ""
     features += [Feature(each, floor if grooved else bottom, 0.0, name) for each in flanks]
-    under: list[Feature] = []  # what is clear of all else because something wider over it is
+    under: list[Feature] = []  # each clear of all else, as the wider mouth above it is
     for table, name in HOLES.items():
         holes: Holes | None = getattr(spec, table)
         if holes is None:

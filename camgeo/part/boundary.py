@@ -56,7 +56,7 @@ class Boundary(Protocol):
     def inset(self, distance: float, name: str) -> Boundary:
         """The exact parallel at `distance` [mm] within the material, with a name of its own.
 
-        Nothing is trimmed: `camgeo.part.chamfers` sees to it that there is one. Raises
+        Nothing is trimmed: `camgeo.part.bevels` makes sure that there is such a parallel. Raises
         GeometryError if the boundary is not smooth.
         """
 

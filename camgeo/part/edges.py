@@ -17,7 +17,7 @@ Kind = Literal["through", "sunk", "raised"]
 
 
 COARSE: Final = 0.01
-"""Tolerance [mm] of contours between which it is asked which holes lie in others."""
+"""Tolerance [mm] of the contours that show which holes lie within others."""
 
 
 @dataclass(frozen=True, slots=True)

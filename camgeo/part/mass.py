@@ -101,7 +101,7 @@ class _Slice:
 
 
 def _slices(part: Part) -> Iterator[_Slice]:
-    """The sections that integrals over a part take: of an upright face the one that it has.
+    """The sections over which integrals of a part are taken: of an upright face its only one.
 
     Of a chamfer those at the nodes of a Gauss rule. What a parallel encloses is a polynomial of its
     distance, the area of degree 2, the first moments of 3, the second ones of 4, and with the

@@ -131,7 +131,7 @@ def _alike(one: Boundary, other: Boundary) -> bool:
 
 
 def _renamed(boundary: Any) -> Boundary:
-    """One that only has a name in common with one of the main disc, as its flank."""
+    """A boundary that shares only its name with one of the main disc, like its flank."""
     name = boundary.name
     found: Boundary = replace(boundary, name=f"{OF_RETURN}{name}")
     return found

@@ -28,8 +28,8 @@ Found = TypeVar("Found", Fit, SplineFit)
 class ScaledBoundary(Pickled):
     """A boundary scaled about the cam axis, see `camgeo.part.part.Boundary`.
 
-    Whatever is asked of it is asked of the boundary itself at the scale of that one: the proof of a
-    deviation is one of the boundary itself, times the factor.
+    Every question is put to the boundary itself, at its own scale: a deviation is proved there and
+    multiplied by the factor.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ Steps = Annotated[int, partial(whole, least=1, most=MOST_STEPS)]
 
 @dataclass(frozen=True, slots=True)
 class Foot:
-    """How the lowest layers are drawn in, which the weight of the part and the hot bed squeeze out.
+    """How the lowest layers are drawn in: the weight of the part and the hot bed squeeze them wide.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Foot:
 
 @dataclass(frozen=True, slots=True)
 class Shrinkage:
-    """By how much what is printed comes out smaller than what the file says.
+    """How much smaller a printed part comes out than its file says.
 
     Attributes
     ----------

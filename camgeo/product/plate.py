@@ -31,7 +31,7 @@ COLOURS: Final = {
 """On the screen, red, green and blue."""
 
 STEP: Final = 0.001
-"""To whole multiples of which [mm] places are rounded, away from each other."""
+"""Places are rounded to multiples of this [mm], away from each other."""
 
 NOISE: Final = 6
 """Decimals [mm] of a reach that are not rounding, so that the same scene gives the same places on
