@@ -232,8 +232,10 @@ def turned(shape: Shape) -> list[Turned]:
     """The round boundaries about the cam axis, the smallest first."""
     low = shape.part.layers[0].z0
     found: list[Turned] = []
-    for wall in shape.part.walls:
-        edge = shape.edge(wall.boundary)
+    for wall in shape.part.bands:
+        if not wall.is_upright:
+            continue
+        edge = shape.edge(wall.wall)
         if edge.circle is not None and abs(edge.circle[0]) <= 1e-9 * shape.size:
             key = keyway_of(edge)
             if any(math.isclose(each.radius, edge.circle[1], rel_tol=1e-9) for each in found):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import fields
 from typing import Final
 
 from camgeo.formats.drawing import DrawingSpec
+from camgeo.part.chamfers import Chamfers
 from camgeo.part.faces import LOWER
 from camgeo.part.pair_spec import MAIN
 from camgeo.part.spec import PartSpec
@@ -15,7 +17,7 @@ from camgeo.product.relation import ANGLE
 from camgeo.sheet.lettering import wrapped
 from camgeo.sheet.marks import Label, Mark
 from camgeo.sheet.views import Drawn
-from camgeo.sheet.words import WORDS, Words
+from camgeo.sheet.words import CHAMFERED, WORDS, Words
 from camgeo.units import MM_PER
 
 LETTER = 2.5
@@ -136,6 +138,15 @@ def _features(
             depth=length(wide.depth),
             hole=length(part.bolt_circle.hole),
         )
+    if part.chamfers is not None:
+        names = CHAMFERED[spec.language]
+        stated = ((field.name, getattr(part.chamfers, field.name)) for field in fields(Chamfers))
+        edges = (
+            names[each.edges].format(edge=names[name], width=length(each.width))
+            for name, each in stated
+            if each is not None
+        )
+        yield words.chamfers.format(edges="; ".join(edges))
     for text in part.engraving:
         yield words.engraving.format(
             height=length(text.height),

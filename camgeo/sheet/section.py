@@ -29,6 +29,9 @@ SAME = 1e-6
 JUMP = 0.02
 """Fraction of the size by which the distance of the first material jumps at an edge."""
 
+RECTANGLE = 4
+"""Corners of a face without chamfers."""
+
 Places = Sequence[float]
 
 
@@ -77,8 +80,27 @@ def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
     for number in range(math.ceil((y0 - x1) / along), math.floor((y1 - x0) / along) + 1):
         rise = number * along
         start, end = max(x0, y0 - rise), min(x1, y1 - rise)
+        if len(face.corners) != RECTANGLE:
+            start, end = _inside(face.corners, rise, start, end)
         if start < end:
             yield complex(start, start + rise), complex(end, end + rise)
+
+
+def _inside(corners: ComplexArray, rise: float, start: float, end: float) -> tuple[float, float]:
+    """What of the line y = x + `rise`, x from `start` to `end`, lies in a convex polygon that runs
+    counter-clockwise.
+    """
+    for one, other in zip(corners.tolist(), np.roll(corners, -1).tolist(), strict=True):
+        normal = 1j * (other - one)  # inwards
+        at_zero = ((complex(0.0, rise) - one) * normal.conjugate()).real
+        pace = normal.real + normal.imag
+        if pace > 0.0:
+            start = max(start, -at_zero / pace)
+        elif pace < 0.0:
+            end = min(end, -at_zero / pace)
+        elif at_zero < 0.0:
+            return 0.0, 0.0
+    return start, end
 
 
 def _face(z0: float, z1: float, y0: float, y1: float) -> Hatched:

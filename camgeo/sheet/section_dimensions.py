@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.sheet.bevels import NEAR, corners_of
 from camgeo.sheet.dimensions import (
     EXACT,
     FARTHER,
@@ -69,14 +70,24 @@ def _places(start: float, bench: Bench) -> Iterator[tuple[float, float]]:
 def heights(
     shape: Shape, drawn: Sequence[Mark], box: tuple[complex, complex], bench: Bench
 ) -> Iterator[Options]:
-    """The thickness below the section `drawn`, and above it the heights of its walls, the smallest
-    first; that of the whole part is not among them, nor those of letters, of which notes speak.
+    """The thickness below the section `drawn` with sharp edges, and above it the heights of its
+    walls, the smallest first; that of the whole part is not among them, nor those of letters, of
+    which notes speak. Their points are on the faces, beside chamfers.
     """
     layers, thickness = shape.part.layers, shape.part.thickness
+    corners = corners_of(shape)
+
+    def on_faces(ends: tuple[complex, complex]) -> tuple[complex, complex]:
+        one, other = (
+            next((each.on_face for each in corners if each.has(end, NEAR * shape.size)), end)
+            for end in ends
+        )
+        return one, other
+
     base = layers[0].z0
     ends = (complex(0.0, _lowest(drawn, 0.0, layers[0].z1 - base)),
             complex(thickness, _lowest(drawn, layers[-1].z0 - base, thickness)))  # fmt: skip
-    yield _height(ends, -1j, -box[0].imag, bench)
+    yield _height(on_faces(ends), -1j, -box[0].imag, bench)
     tops: dict[tuple[float, float], float] = {}
     for wall in shape.part.walls:
         edge = shape.edge(wall.boundary)
@@ -89,7 +100,7 @@ def heights(
             tops[span] = max(float(np.max(cut)), tops.get(span, -math.inf))
     for span in sorted(tops, key=lambda each: (each[1] - each[0], each[0])):
         ends = complex(span[0], tops[span]), complex(span[1], tops[span])
-        yield _height(ends, 1j, box[1].imag, bench)
+        yield _height(on_faces(ends), 1j, box[1].imag, bench)
 
 
 def _height(ends: tuple[complex, complex], way: complex, edge: float, bench: Bench) -> Options:

@@ -13,6 +13,7 @@ from camgeo.contour.contour import Contour
 from camgeo.formats.drawing import DrawingSpec
 from camgeo.product.product import Product
 from camgeo.sheet import dimensions, front, section_dimensions
+from camgeo.sheet.bevels import bevelled, edges_above
 from camgeo.sheet.dimensions import Bench
 from camgeo.sheet.ink import AXES, ink_of
 from camgeo.sheet.lettering import width_of
@@ -48,8 +49,9 @@ class Drawn:
     shape : the part.
     pitch : the pitch curve; None if it is the outline.
     base_radius : of the base circle [mm]; None if it is not drawn: a pair in one piece has two.
-    cut : the marks of the section; empty without thickness.
+    cut : the marks of the section, with sharp edges; empty without thickness.
     unit : of the dimensions.
+    edges : of chamfers that are seen from above.
     """
 
     shape: Shape
@@ -57,6 +59,7 @@ class Drawn:
     base_radius: float | None
     cut: tuple[Mark, ...]
     unit: LengthUnit
+    edges: tuple[Mark, ...] = ()
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -80,12 +83,13 @@ def drawn_of(product: Product, tolerance: float) -> Drawn:
     drawn = product.drawn
     shape = shape_of(drawn.part, tolerance, drawn.effort)
     cut = tuple(section(shape)) if shape.has_heights else ()
+    edges = tuple(edges_above(shape, tolerance, drawn.effort))
     if product.is_pair:
-        return Drawn(shape, None, None, cut, product.unit)
+        return Drawn(shape, None, None, cut, product.unit, edges)
     pitch = None
     if drawn.has_pitch_curve:
         pitch = drawn.pitch_contour(SHARE * tolerance).contour
-    return Drawn(shape, pitch, drawn.base_radius, cut, product.unit)
+    return Drawn(shape, pitch, drawn.base_radius, cut, product.unit, edges)
 
 
 def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) -> list[Mark]:
@@ -102,6 +106,7 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
     fixed += _cross(low, high, scale)
     fixed += front.hole_centres(shape, scale)
     fixed += front.outlines(shape)
+    fixed += drawn.edges
     if drawn.cut:
         fixed += _plane(low, high, scale)
     requests: list[Options] = []
@@ -248,7 +253,8 @@ def section_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec
     thick = shape.part.thickness
     bench = Bench(spec, unit, scale, shape.size)
     far = front.BEYOND / scale
-    fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE"), *drawn.cut]
+    fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE")]
+    fixed += bevelled(drawn.cut, shape)
     fixed += section_dimensions.hole_centres(shape, scale)
     requests = [*section_dimensions.heights(shape, drawn.cut, drawn.box, bench),
                 *section_dimensions.diameters(dimensions.turned(shape), thick, bench)]  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.formats.drawing import Language
+from camgeo.part.faces import BOTH, LOWER, UPPER
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,7 @@ class Words:
     mark: str
     engraving: str
     counterbore: str
+    chamfers: str
     set_screw: str
     pair: str
     pair_design: str
@@ -115,6 +117,7 @@ ENGLISH: Final = Words(
     ),
     counterbore="Counterbores %%c{diameter}, {depth} deep from the upper end of the holes"
     " %%c{hole}.",
+    chamfers="Chamfers of 45°: {edges}.",
     set_screw="Hole %%c{diameter} for a set screw, radial through the hub at {angle}°, its middle"
     " {height} from the {face} face of the disc (not drawn)",
     pair="Both discs in one piece: the zero of the return disc at {angle}° to that of the main"
@@ -183,6 +186,7 @@ GERMAN: Final = Words(
     ),
     counterbore="Flachsenkungen %%c{diameter}, {depth} tief vom oberen Ende der Bohrungen"
     " %%c{hole}.",
+    chamfers="Fasen unter 45°: {edges}.",
     set_screw="Bohrung %%c{diameter} für einen Gewindestift, radial durch die Nabe bei {angle}°,"
     " Mitte {height} von der {face} Fläche der Scheibe (nicht gezeichnet)",
     pair="Beide Scheiben in einem Teil: Null der Gegenscheibe unter {angle}° zur Null der"
@@ -211,3 +215,30 @@ GERMAN: Final = Words(
 )
 
 WORDS: Final[dict[Language, Words]] = {"en": ENGLISH, "de": GERMAN}
+
+
+CHAMFERED: Final[dict[Language, dict[str, str]]] = {
+    "en": {
+        "outline": "flanks",
+        "rim": "rim",
+        "bore": "bore",
+        "hub": "hub",
+        "bolt_circle": "bolt holes",
+        "lightening_holes": "lightening holes",
+        UPPER: "{edge} {width} on the upper side",
+        LOWER: "{edge} {width} on the lower side",
+        BOTH: "{edge} {width}",
+    },
+    "de": {
+        "outline": "Flanken",
+        "rim": "Rand",
+        "bore": "Bohrung",
+        "hub": "Nabe",
+        "bolt_circle": "Schraubenlöcher",
+        "lightening_holes": "Erleichterungslöcher",
+        UPPER: "{edge} {width} oben",
+        LOWER: "{edge} {width} unten",
+        BOTH: "{edge} {width}",
+    },
+}
+"""What has chamfers, by the keys of the scene, and on which side."""

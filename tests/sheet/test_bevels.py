@@ -1,0 +1,93 @@
+"""Chamfers on a sheet: the corners of the section, edges from above, dimensions and notes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgeo.contour.contour import Contour
+from camgeo.design import Design
+from camgeo.part.bevels import bevelled as part_with
+from camgeo.part.chamfers import Chamfer, Chamfers
+from camgeo.part.part import Layer, Part
+from camgeo.scene.load import parse_scene
+from camgeo.sheet.bevels import bevelled, corners_of
+from camgeo.sheet.marks import Chain, Distance, Hatched, Label, Mark
+from camgeo.sheet.section import hatching, section
+from camgeo.sheet.shape import Shape, shape_of
+from camgeo.sheet.sheet import sheets_of
+from tests.sheet.sheets import HUBBED, edited, overlaps, text_boxes
+from tests.sheet.test_section import BORE, HUB, OUTLINE, lines
+
+CHAMFERS = Chamfers(outline=Chamfer(1.0), bore=Chamfer(0.5, "upper"), hub=Chamfer(2.0))
+
+PART = part_with(
+    Part((Layer(-10.0, 0.0, (OUTLINE, BORE)), Layer(0.0, 12.0, (HUB, BORE), "hub"))), CHAMFERS, 0.01
+)
+
+
+def drawn() -> tuple[Shape, list[Mark]]:
+    shape = shape_of(PART, 0.01, "fast")
+    return shape, bevelled(section(shape), shape)
+
+
+def test_the_section_lacks_the_corners() -> None:
+    """Of the faces beside a cylinder: a triangle for each chamfer, above and below the axis."""
+    _, marks = drawn()
+    faces = [each.corners for each in marks if isinstance(each, Hatched)]
+    area = sum(abs(Contour.polygon(each).area) for each in faces)
+    sharp = 10.0 * 64.0 + 12.0 * 14.0
+    assert area == pytest.approx(sharp - 2.0 * (2.0 * 0.5 + 0.125 + 2.0), abs=0.02)
+
+
+def test_edges_of_the_section() -> None:
+    _, marks = drawn()
+    cut = lines(marks, "SECTION")
+    for y in (1.0, -1.0):
+        assert {complex(10, 39 * y), complex(9, 40 * y)} in [set(each) for each in cut]
+        assert {complex(22, 8.5 * y), complex(21.5, 8 * y)} in [set(each) for each in cut]
+        assert {complex(22, 13 * y), complex(20, 15 * y)} in [set(each) for each in cut]
+        assert {complex(1, 40 * y), complex(9, 40 * y)} in [set(each) for each in cut]
+    seen = [set(each) for each in lines(marks, "EDGES")]
+    assert {21.5 - 8j, 21.5 + 8j} in seen  # the edge between bore and chamfer, behind the plane
+    ends = [end for each in cut for end in each]
+    for corner in corners_of(drawn()[0]):
+        assert not any(abs(end - corner.sharp) < 0.2 for end in ends)
+
+
+def test_hatching_stays_in_a_face_without_corners() -> None:
+    face = Hatched(np.array([1 + 0j, 9 + 0j, 10 + 1j, 10 + 9j, 9 + 10j, 0 + 10j, 0 + 1j]))
+    polygon = face.corners
+    found = list(hatching(face, 0.7))
+    length = sum(abs(end - start) for start, end in found)
+    assert length * 0.7 == pytest.approx(abs(Contour.polygon(polygon).area), rel=0.02)
+    sides = np.roll(polygon, -1) - polygon
+    for ends in found:
+        for end in ends:
+            assert np.all(((end - polygon) * np.conj(sides)).imag >= -1e-9)
+
+
+def test_a_sheet_of_a_part_with_chamfers() -> None:
+    text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }\n", "")
+    table = """chamfers = { outline = { width = 0.5, edges = "upper" }, bore = { width = 1 } }
+hub ="""
+    scene = parse_scene(text.replace("hub =", table))
+    (sheet,) = sheets_of(Design(scene.with_values(edited({}))).disc, 0.01)
+    assert overlaps(text_boxes(sheet)) == []
+    texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
+    assert "Chamfers of 45°: flanks 0.5 on the upper side; bore 1." in texts
+    above = [
+        m for m in sheet.views[0].marks if isinstance(m, Chain) and m.layer == "EDGES" and m.closed
+    ]
+    assert len(above) == 2  # of the outline, and of the bore on the upper hub
+    reach = sorted(float(np.max(np.abs(each.vertices))) for each in above)
+    assert reach[0] == pytest.approx(9.0)
+    corners = [
+        each.sharp for each in corners_of(shape_of(Design(scene).disc.drawn.part, 0.01, "fast"))
+    ]
+    points = [point for mark in sheet.views[1].marks if isinstance(mark, Distance)
+              for point in (mark.first, mark.second)]  # fmt: skip
+    assert points
+    assert not any(math.isclose(abs(a - b), 0.0, abs_tol=0.1) for a in points for b in corners)
