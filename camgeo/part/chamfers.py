@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Final
 
@@ -54,3 +54,12 @@ class Chamfers:
     hub: Chamfer | None = None
     bolt_circle: Chamfer | None = None
     lightening_holes: Chamfer | None = None
+
+    def on_one_side(self, side: str, *, hub: bool) -> Chamfers:
+        """Those of a disc of a pair in one piece without its hub: where the other disc follows, and
+        where there is a hub on its outer `side`, its bore has no edge.
+        """
+        bore = self.bore
+        if bore is not None:
+            bore = None if hub or bore.edges not in (side, BOTH) else replace(bore, edges=side)
+        return replace(self, hub=None, bore=bore)

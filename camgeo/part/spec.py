@@ -13,7 +13,7 @@ from camgeo.mechanism.values import Angle, AnySize, Length
 from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, whole
 from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
-from camgeo.part.faces import SIDES, UPPER
+from camgeo.part.faces import BOTH, LOWER, SIDES, UPPER
 from camgeo.part.keyways import din_6885_1
 from camgeo.part.materials import density_of
 from camgeo.part.pair_spec import Pair
@@ -323,8 +323,11 @@ class PartSpec:
         """
         if self.pair is None:
             return self
-        chamfers = None if self.chamfers is None else replace(self.chamfers, hub=None)
-        own = replace(self, pair=None, hub=None, set_screw=None, chamfers=chamfers)
+        own = replace(self, pair=None, hub=None, set_screw=None)
+        if self.chamfers is not None:
+            side = UPPER if disc == self.pair.upper else LOWER
+            hub = self.hub is not None and self.hub.side in (side, BOTH)
+            own = replace(own, chamfers=self.chamfers.on_one_side(side, hub=hub))
         if disc == self.pair.upper:
             return own
         bolts = self.bolt_circle

@@ -18,8 +18,8 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.conjugate import return_on_carriage
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.outline.path import whole
-from camgeo.part.boundaries import ExactBoundary
+from camgeo.outline.path import Path, whole
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.build import build_part
 from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.engraving import Engraving
@@ -223,3 +223,28 @@ def test_it_is_refused_or_its_sections_are_the_discs(
     assert len(between.boundaries) == (5 if inside else 2)
     names = [each.name for each in part.boundaries]
     assert len(set(names)) == len(names)
+
+
+def test_a_pair_has_chamfers_as_a_whole() -> None:
+    """Along both flanks, at the ends of the bore, and on the hub; discs alone have their share."""
+    half = Chamfer(0.5)
+    edges = Chamfers(outline=half, bore=half, hub=Chamfer(1.0))
+    spec = replace(PLAIN, hub=Hub(34.0, 8.0, "lower"), chamfers=edges)
+    part = paired(spec)
+    assert sorted((each.boundary.name, each.z) for each in part.bevels) == [
+        ("bore", -35.0), ("bore", 0.0), ("lower hub", -35.0), ("outline", -10.0), ("outline", 0.0),
+        ("return outline", -27.0), ("return outline", -17.0),
+    ]  # fmt: skip
+    assert spec.alone("main").chamfers == Chamfers(half, bore=Chamfer(0.5, "upper"))
+    assert spec.alone("return").chamfers == Chamfers(half)
+    sharp = solid(paired(replace(spec, chamfers=None))).volume
+    bore = 2.0 * math.pi * (0.25 * 10.0 + 0.125 / 3.0)  # twice the ring of a triangle
+    hub = math.pi * (17.0 - 1.0 / 3.0)
+    lengths = [path_length(path) for path in PATHS]
+    # Of a convex edge: half the square of the width along it, less a part of a cone.
+    flanks = 2.0 * sum(0.125 * length - math.pi * 0.125 / 3.0 for length in lengths)
+    assert sharp - solid(part).volume == pytest.approx(bore + hub + flanks, rel=1e-3)
+
+
+def path_length(path: Path) -> float:
+    return CurveBoundary("outline", False, path).polyline(1e-3, "fast").contour.length

@@ -361,3 +361,16 @@ stepdown = 2
     milled = _milled(SCENE.replace("hole = 4 }", wide).replace("[output]", flat))
     assert _wrong(milled) == []
     assert left_out(milled.part, milled.cuts) == ()
+
+
+def test_chamfers_that_no_operation_makes_are_told() -> None:
+    """The program is that of the part with sharp edges."""
+    edges = "chamfers = { outline = { width = 0.5 }, hub = { width = 1 } }\n[holding]"
+    plain, edged = _milled(SCENE), _milled(SCENE.replace("[holding]", edges))
+    assert [cut.name for cut in edged.cuts] == [cut.name for cut in plain.cuts]
+    assert edged.part.bevels == ()
+    found = {each.name: each for each in edged.findings(edged.toolpath(0.01), 0.01)}
+    told = found["chamfers"]
+    assert told.severity == "warning"
+    assert told.sentence == "no operation makes the chamfers of outline, hub"
+    assert "chamfers" not in {each.name for each in plain.findings(plain.toolpath(0.01), 0.01)}
