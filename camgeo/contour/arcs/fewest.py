@@ -72,6 +72,10 @@ def fewest_arcs(path: Path, tolerance: float) -> Fit:
     return fast if len(fast.contour) < len(fit.contour) else fit
 
 
+LAID = 50_000
+"""Arcs after which no more numbers of them are tried: the first or second attempt suffices."""
+
+
 class _Group:
     """Smooth pieces of one curve, each number of arcs along them tried once.
 
@@ -105,7 +109,10 @@ class _Group:
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)
         ladders = [_numbers(int(limit)) for limit in limits]
         found: dict[int, ArcSpline] = {}
+        laid = 0
         for attempt in range(ATTEMPTS):
+            if laid > LAID:
+                break
             rungs = slice(attempt * TRIALS, (attempt + 1) * TRIALS)
             tries = [
                 (piece, number)
@@ -113,6 +120,7 @@ class _Group:
                 if piece not in found
                 for number in ladder[rungs]
             ]
+            laid += sum(number for _, number in tries)
             self._lay([pair for pair in tries if pair not in self._known])
             for piece, number in tries:
                 spline = self._known[piece, number]

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from decimal import Decimal
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from camgeo.contour.arcs import fewest as fewest_module
+from camgeo.contour.arcs.arc_splines import Strands
 from camgeo.contour.arcs.fast import fit_arcs
 from camgeo.contour.arcs.fewest import fewest_arcs
 from camgeo.contour.contour import Fit
@@ -20,6 +23,7 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.plan import MotionPlan, Move
+from camgeo.numeric.arrays import IntArray
 from camgeo.outline.path import whole
 from tests.contour.cams import (
     FLANKS,
@@ -226,3 +230,16 @@ def test_no_arc_exceeds_half_a_turn_where_the_tolerance_is_as_wide_as_the_cam() 
     contour = fewest_arcs(whole(curve), 30.0).contour
     assert np.max(np.abs(contour.sweeps)) <= math.pi
     assert np.sum(contour.sweeps) == pytest.approx(TURN)
+
+
+def test_attempts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+
+    def none(strands: Strands, pieces: IntArray, counts: IntArray) -> list[SimpleNamespace]:
+        tried.append(int(np.sum(counts)))
+        return [SimpleNamespace(deviation=math.inf) for _ in counts]
+
+    monkeypatch.setattr(fewest_module, "arc_splines", none)
+    monkeypatch.setattr(fewest_module, "LAID", 0)
+    assert fewest_arcs(whole(flank("vorschub", -1)), 1e-2).deviation <= 1e-2
+    assert len(tried) == 1
