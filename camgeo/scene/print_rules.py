@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from camgeo.part.faces import BOTH, LOWER
 from camgeo.scene.valid_values import Broken, ValidValues
 
 
@@ -15,6 +16,9 @@ def print_suits_the_part(values: ValidValues) -> Iterator[Broken]:
     if values.has(*key) and values.lacks("part", "keyway") and values.lacks("part", "d_shaft"):
         yield key, "needs [part] keyway, or d_shaft"
     place = ("print", "elephant_foot", "height")
-    high, thickness = values.get(*place), values.get("part", "thickness")
-    if high is not None and thickness is not None and not high < thickness:
-        yield place, f"must be less than the thickness, {thickness:g}"
+    lowest, what = values.get("part", "thickness"), "thickness"
+    if values.get("part", "hub", "side") in (LOWER, BOTH):
+        lowest, what = values.get("part", "hub", "height"), "height of the lower hub"
+    high = values.get(*place)
+    if high is not None and lowest is not None and not high < lowest:
+        yield place, f"must be less than the {what}, {lowest:g}"

@@ -38,6 +38,14 @@ def test_the_table_is_converted(plate: Scene) -> None:
     assert inches.printing.scale_xy == pytest.approx(1.0 / 0.995)
 
 
+def test_a_foot_higher_than_a_thin_disc_on_a_hub(plate: Scene) -> None:
+    """The hub lies on the bed, not the disc."""
+    hub = {"diameter": 34, "height": 6, "side": "lower"}
+    foot = {"inset": 0.2, "height": 4}
+    values = {"part.thickness": 3, "part.hub": hub, "print.elephant_foot": foot}
+    assert plate.with_values(values).printing == PrintSpec(elephant_foot=Foot(0.2, 4.0))
+
+
 def test_it_decides_the_bytes_of_files(plate: Scene) -> None:
     assert len({plate.made, *(plate.with_values({k: v}).made for k, v in WHOLE.items())}) == 4
 
@@ -59,6 +67,14 @@ def test_it_decides_the_bytes_of_files(plate: Scene) -> None:
             {"print.elephant_foot": {"inset": 0.1, "height": 50}},
             "print.elephant_foot.height",
             "must be less than the thickness",
+        ),
+        (
+            {
+                "part.hub": {"diameter": 34, "height": 3, "side": "lower"},
+                "print.elephant_foot": {"inset": 0.1, "height": 4},
+            },
+            "print.elephant_foot.height",
+            "must be less than the height of the lower hub, 3",
         ),
         ({"print.elephant_foot": {"inset": 0.1}}, "print.elephant_foot.height", "is missing"),
         ({"print.elephant_foot": 0.2}, "print.elephant_foot", "must be a table, e.g."),
