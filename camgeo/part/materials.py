@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 PER_CUBIC_CM: Final = 1e-9
 """From g/cm^3 to t/mm^3."""
 
+KG_M3: Final = 1e12
+"""From t/mm^3 to kg/m^3."""
+
 _STEEL: Final = "E, nu: EN 1993-1-1, 3.2.6; density: EN 1993-1-2, 3.2.2; "
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from camgeo.check.finding import Finding, Severity, held
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
+from camgeo.part.materials import KG_M3
 from camgeo.part.webs import SHARE, surely_thick, thinnest
 from camgeo.product.product import bodies_of
 from camgeo.product.relation import relation_of
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 
 KG: Final = 1e3
 """From t to kg, and from t mm^2 to kg mm^2."""
-
-KG_M3: Final = 1e12
-"""From t/mm^3 to kg/m^3."""
 
 SMALLEST_WALL: Final = "smallest-wall"
 """Name of the finding on the thinnest material between two boundaries."""

@@ -11,15 +11,12 @@ from camgeo.effects.effect import Effect
 from camgeo.effects.registry import find_effect
 from camgeo.effects.rules import Machine, Table
 from camgeo.errors import GeometryError
-from camgeo.part.materials import USUAL, density_of, find_material
+from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
 from camgeo.scene.schema import EFFECTS, schema_for
 from camgeo.scene.valid_values import ValidValues
-
-KG_M3: Final = 1e12
-"""From t/mm^3 to kg/m^3."""
 
 ROUNDING: Final = 1e-12
 """Share by which two densities may differ and be the same in other units."""
