@@ -317,6 +317,8 @@ class _Paper:
 
 def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> ComplexArray:
     """(n, 2) chords of lines and arcs end to end, within `SAGITTA`."""
+    if len(vertices) == 2 and not closed and not sweeps[0]:
+        return vertices[None, :]
     starts, ends = vertices, np.roll(vertices, -1)
     if not closed:
         starts, ends, sweeps = starts[:-1], ends[:-1], sweeps[:-1]

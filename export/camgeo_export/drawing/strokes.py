@@ -79,12 +79,14 @@ class Strokes:
         """A line of some width [1/100 mm]."""
         self.lines.setdefault(width, []).append(stroke)
 
-    def fill(self, outline: Iterable[tuple[str, tuple[complex, ...]]]) -> None:
-        """A filled outline [grains]."""
+    def fill(self, outline: Iterable[tuple[str, tuple[complex, ...]]]) -> int:
+        """A filled outline [grains], whose number is returned."""
         made = list(outline)
         origin = made[0][1][0]
         own = tuple((w, tuple(rounded(each - origin) for each in points)) for w, points in made)
-        self.places.append((self.shapes.setdefault(own, len(self.shapes)), rounded(origin)))
+        number = self.shapes.setdefault(own, len(self.shapes))
+        self.places.append((number, rounded(origin)))
+        return number
 
 
 def rounded(point: complex) -> complex:
@@ -161,6 +163,7 @@ class _Taken(Backend):
     def __init__(self, found: Strokes, low: complex, factor: float) -> None:
         super().__init__()
         self._found, self._low, self._factor = found, low, factor
+        self._letters: dict[tuple[bytes, bytes], int] = {}
 
     def _at(self, point: Vec2) -> complex:
         return (complex(point.x, point.y) - self._low) * self._factor
@@ -173,8 +176,16 @@ class _Taken(Backend):
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""
         for path in paths:
-            if len(path):
-                self._found.fill(self._outline(path))
+            if not len(path):
+                continue
+            corners = path.np_vertices()
+            points = (corners[:, 0] + 1j * corners[:, 1] - self._low) * self._factor
+            shape = np.rint(points - points[0]) + 0.0
+            key = bytes(path.command_codes()), shape.tobytes()
+            if key in self._letters:
+                self._found.places.append((self._letters[key], rounded(complex(points[0]))))
+            else:
+                self._letters[key] = self._found.fill(self._outline(path))
 
     def _outline(self, path: BkPath2d) -> Iterator[tuple[str, tuple[complex, ...]]]:
         yield "M", (self._at(path.start),)
