@@ -6,9 +6,12 @@ import threading
 import time
 from collections.abc import Callable, MutableMapping
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, Self, TypeVar, overload
+from typing import Any, Final, Generic, Protocol, Self, TypeVar, overload
 
-from camgeo.errors import Cancelled, CycleError
+from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
+
+NO_ANSWER: Final = (GeometryError, ToleranceError, EffectError)
+"""Errors that depend on the data of a quantity alone, as its value does."""
 
 Value = TypeVar("Value")
 Out = TypeVar("Out", covariant=True)
@@ -81,11 +84,19 @@ class Ledger:
     def once(self, name: str, known: MutableMapping[str, Any], make: Callable[[], Any]) -> Any:
         """The entry `name` of `known`; if there is none, it is set to the result of `make`.
 
-        Raises as `run`.
+        Raises as `run`. A quantity without an answer is not computed twice either: its error, one
+        of `NO_ANSWER`, is kept in `known` too and raised again.
         """
+        failed = f"{name}: failed"  # no attribute has this name
         with self.lock:  # another thread may have set it meanwhile
+            if failed in known:
+                raise known[failed].with_traceback(None)
             if name not in known:
-                known[name] = self.run(name, make)
+                try:
+                    known[name] = self.run(name, make)
+                except NO_ANSWER as error:
+                    known[failed] = error
+                    raise
             return known[name]
 
     def run(self, name: str, make: Callable[[], Value]) -> Value:

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import Cancelled, CycleError
+from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
 from camgeo.lazy import Ledger, Run, lazy, lazy_names
 
 
@@ -119,7 +119,7 @@ def test_owners_share_nothing(clock: Clock) -> None:
     assert len(first.ledger.runs) == len(second.ledger.runs) == 1
 
 
-def test_a_failure_is_entered_and_not_kept(clock: Clock) -> None:
+def test_a_failure_of_a_run_is_entered_and_not_kept(clock: Clock) -> None:
     owner = Owner(clock)
     owner.broken = True
     with pytest.raises(ValueError, match="no base"):
@@ -135,6 +135,37 @@ def test_a_failure_is_entered_and_not_kept(clock: Clock) -> None:
     assert owner.whole == 5
     assert [run.failed for run in owner.ledger.runs] == [False] * 4
     assert owner.ledger.runs[-1].asked_by == ""
+
+
+class Unanswered:
+    """A quantity that has no answer, and one that needs it."""
+
+    def __init__(self, error: Exception) -> None:
+        self.ledger = Ledger()
+        self.error = error
+
+    @lazy
+    def sought(self) -> int:
+        raise self.error
+
+    @lazy
+    def needing(self) -> int:
+        return self.sought
+
+
+@pytest.mark.parametrize(
+    "error",
+    [GeometryError("no disc", "key"), ToleranceError("too far", 0.1, 0.2), EffectError("no speed")],
+)
+def test_what_has_no_answer_is_computed_once(error: Exception) -> None:
+    owner = Unanswered(error)
+    for _ in range(3):
+        with pytest.raises(type(error)) as caught:
+            owner.needing  # noqa: B018 - it is computed
+        assert caught.value is error
+        with pytest.raises(type(error)):
+            owner.sought  # noqa: B018 - it is computed
+    assert [run.name for run in owner.ledger.runs] == ["sought", "needing"]
 
 
 class Ring:
