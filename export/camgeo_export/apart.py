@@ -51,6 +51,8 @@ def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
         name: shapely.LinearRing(np.column_stack((ring.real, ring.imag)))
         for name, ring in rings.items()
     }
+    # Without their trees each side of one is compared with each of the other.
+    shapely.prepare(list(lines.values()))
 
     def nearest(one: str, other: str) -> tuple[float, complex] | None:
         if not shapely.dwithin(lines[one], lines[other], tolerance):

@@ -23,6 +23,7 @@ from camgeo.part.part import Boundary, Level, Part
 from camgeo.reading import FACETS
 from camgeo.wording import counted
 from camgeo_export.apart import of_polygons, require_apart
+from camgeo_export.solid.triangles import triangulated
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
@@ -35,10 +36,6 @@ LEAST_OF_CHAMFERS = 1e-3
 """The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
 a larger radius, and chords that are off by more.
 """
-
-TILT, TOWARDS = 0.25, np.exp(1.0j)
-"""Tilt of a face that is triangulated, and the direction [rad] in which it recedes: an axis of
-symmetry that no drawing has."""
 
 Rounding = Callable[[FloatArray], FloatArray]
 
@@ -166,17 +163,6 @@ def _polygon(ring: ComplexArray) -> shapely.Polygon:
     return shapely.Polygon(np.column_stack((ring.real, ring.imag)))
 
 
-def _tilted(rings: list[ComplexArray]) -> list[FloatArray]:
-    """(n, 2) each: the rings in perspective, where the same triangles are as good.
-
-    Straight lines stay straight and no triangle turns over, but nothing is symmetric. Of the equal
-    choices that symmetry offers the last digits would pick one, and they differ by processor.
-    """
-    size = max(float(np.max(np.abs(ring))) for ring in rings)
-    seen = [ring / (1.0 + TILT / size * (ring * np.conj(TOWARDS)).real) for ring in rings]
-    return [np.column_stack((ring.real, ring.imag)) for ring in seen]
-
-
 class _Mesh:
     """Triangles under construction."""
 
@@ -222,8 +208,7 @@ class _Mesh:
         """Add the flat face on the left of rings with the indices of their points."""
         key = tuple(ring.tobytes() for ring, _ in sides)
         if key not in self.triangulated:  # the faces of a plate differ only in height
-            polygons = _tilted([ring for ring, _ in sides])
-            self.triangulated[key] = manifold3d.triangulate(polygons)
+            self.triangulated[key] = triangulated([ring for ring, _ in sides])
         triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
