@@ -131,7 +131,9 @@ class Part:
         if len(set(names)) < len(names):
             message = "each boundary needs its own name"
             raise GeometryError(message, key="part", value=", ".join(names))
-        if instance("part", self.bevels, tuple, "a tuple of chamfers"):
+        for each in instance("part", self.bevels, tuple, "a tuple of chamfers"):
+            instance("part", each, Bevel, "a chamfer")
+        if self.bevels:
             self._require_ends()
 
     def _require_ends(self) -> None:

