@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -57,19 +58,41 @@ def fewest_chords_of(exact: Contour, tolerance: float) -> Fit:
     if np.all(_on_first_circle(exact)):
         return _chords_of_circle(exact, tolerance)
     found: list[ComplexArray] = []
-    for start, sweep, centre, radius in zip(
-        exact.vertices, exact.sweeps, exact.centres, exact.radii, strict=True
-    ):
+    for k, (sweep, radius) in enumerate(zip(exact.sweeps, exact.radii, strict=True)):
         if sweep == 0.0:
-            found.append(np.array([start]))
+            found.append(exact.vertices[k : k + 1])
             continue
         count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
-        offset = arc_offset(count, radius, abs(sweep))
-        turned = arc_angles(count, radius, abs(sweep), offset)[1:-1]
-        arm = (1.0 + offset / radius) * (start - centre)
-        found.append(np.append(start, centre + arm * np.exp(1j * np.sign(sweep) * turned)))
+        found.append(_along_arc(exact, k, count, radius, abs(sweep)))
     index = np.repeat(np.arange(len(exact)), [len(each) for each in found])
     return _fit(exact, np.concatenate(found), index, tolerance)
+
+
+def matching_chords_of(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
+    """(n,) complex [mm] polygons within `tolerance` [mm] of contours with the same kinds of pieces,
+    such as parallels, as many pieces along each: vertices that belong together have the same index.
+    """
+    found: list[list[ComplexArray]] = [[] for _ in contours]
+    for k, sweep in enumerate(contours[0].sweeps):
+        if sweep == 0.0:
+            for own, contour in zip(found, contours, strict=True):
+                own.append(contour.vertices[k : k + 1])
+            continue
+        sizes = [(float(each.radii[k]), float(abs(each.sweeps[k]))) for each in contours]
+        count = max(_checked(arc_count(tolerance, *size, WIDEST), tolerance) for size in sizes)
+        for own, contour, (radius, turned) in zip(found, contours, sizes, strict=True):
+            own.append(_along_arc(contour, k, count, radius, turned))
+    return [np.concatenate(own) for own in found]
+
+
+def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float) -> ComplexArray:
+    """(count,) vertices of the chords of an arc, the first one its start."""
+    start, centre = contour.vertices[k], contour.centres[k]
+    offset = arc_offset(count, radius, sweep)
+    turned = arc_angles(count, radius, sweep, offset)[1:-1]
+    arm = (1.0 + offset / radius) * (start - centre)
+    along = centre + arm * np.exp(1j * np.sign(contour.sweeps[k]) * turned)
+    return np.append(start, along)
 
 
 def _chords_of_circle(exact: Contour, tolerance: float) -> Fit:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -13,6 +14,9 @@ from camgeo.numeric.rounding import SHARE
 
 NODES: Final = 16
 """Nodes of the Gauss-Legendre rule on a piece; the rule on both halves gives its error."""
+
+SPARE: Final = 3
+"""More nodes, for functions that grow towards the ellipse on which they are bounded."""
 
 MOST_HALVINGS: Final = 40
 """A piece is halved at most this often: to 1e-12 of its length."""
@@ -98,6 +102,18 @@ def _integrals(
         np.add.at(out, owner, parts)
         error += float(np.sum(magnitude))
     return out, error + SHARE * scale, scale
+
+
+def nodes_beside(place: float) -> int:
+    """Nodes of Gauss-Legendre's rule that integrate to rounding over [-1, 1] what is analytic but
+    at `place` < -1 and beyond.
+
+    Of n nodes the error is about rho^(-2 n), of the largest ellipse about -1 and 1 within which the
+    function is analytic, rho the sum of its half axes (Trefethen, Approximation Theory and
+    Approximation Practice, theorem 19.3).
+    """
+    rho = -place + math.sqrt((place - 1.0) * (place + 1.0))
+    return SPARE + math.ceil(-0.5 * math.log(SHARE) / math.log(rho))
 
 
 def gauss(

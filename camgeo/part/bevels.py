@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Final
 
+import numpy as np
+
 from camgeo.contour.nearness import least_distance
 from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
@@ -122,17 +124,13 @@ def _edge(boundary: Boundary, width: float, key: str) -> Boundary:
     name = f"chamfer of the {boundary.name}"
     if isinstance(boundary, CurveBoundary):
         _require_parallel(boundary, width, key)
-    elif isinstance(boundary, ExactBoundary):
-        if boundary.core is not None or not boundary.is_round:
-            message = (
-                f"the {boundary.name} is not round all the way: its edges are to be broken by hand"
-            )
-            raise GeometryError(message, key=key.rpartition(".")[0])
-        if not boundary.hole and width >= boundary.round_radius:
-            most = f"must be less than the radius of the {boundary.name}"
-            raise GeometryError(
-                f"{most}, {boundary.round_radius:.6g} mm", key=key, value=f"{width:g}"
-            )
+    elif (
+        isinstance(boundary, ExactBoundary)
+        and not boundary.hole
+        and width >= (radius := boundary.round_radius)
+    ):
+        message = f"must be less than the radius of the {boundary.name}, {radius:.6g} mm"
+        raise GeometryError(message, key=key, value=f"{width:g}")
     return boundary.inset(width, name)
 
 
@@ -181,6 +179,14 @@ def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:
     return 1.0 / against - sign * curve.distance, angle
 
 
+def _reach(bevel: Bevel) -> float:
+    """How far [mm] from its boundary the edge of a chamfer is at most: farther at corners."""
+    wall, edge = bevel.boundary, bevel.edge
+    if isinstance(wall, ExactBoundary) and isinstance(edge, ExactBoundary) and wall.corner_radius:
+        return float(np.max(np.abs(edge.exact.vertices - wall.exact.counter_clockwise().vertices)))
+    return bevel.width
+
+
 def _require_clear(bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance: float) -> None:
     """GeometryError if a chamfer comes to another boundary at its heights, or to its chamfer."""
     low, high = sorted((bevel.z, bevel.foot))
@@ -194,10 +200,10 @@ def _require_clear(bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance:
     own = Pieces.around([bevel.boundary.beside(tolerance).contour])
     unsure = bevel.boundary.beside(tolerance).deviation
     for other in near.values():
-        widths = (each.width for each in bevels if each.boundary == other)
+        widths = (_reach(each) for each in bevels if each.boundary == other)
         fit = other.beside(tolerance)
         apart = least_distance(own, Pieces.around([fit.contour])) - fit.deviation - unsure
-        if apart <= bevel.width + max(widths, default=0.0):
+        if apart <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(
                 f"the chamfer of the {bevel.boundary.name} comes to the {other.name},"

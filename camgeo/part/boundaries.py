@@ -12,6 +12,7 @@ import numpy as np
 from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
+from camgeo.contour.parallel import corner_radius, parallel
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.simple import require_simple
 from camgeo.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
@@ -120,6 +121,11 @@ class CurveBoundary(Pickled):
             return once(self.known, contour, lambda: spline_deviation(self.path, contour))
         return once(self.known, contour, lambda: deviation(self.path, contour))
 
+    @property
+    def corner_radius(self) -> None:
+        """It has no arcs that end at corners."""
+        return None
+
     def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
         path = self.path.offset(-distance if self.hole else distance)
@@ -225,11 +231,16 @@ class ExactBoundary(Pickled):
         name = f"path of the cutter along the {self.name}"
         return ExactBoundary(name, self.hole, Contour.circle(radius, centre))
 
+    @property
+    def corner_radius(self) -> float | None:
+        """See `camgeo.contour.parallel.corner_radius`."""
+        return corner_radius(self.exact)
+
     def inset(self, distance: float, name: str) -> ExactBoundary:
-        """See `camgeo.part.part.Boundary`; only of a circle."""
+        """See `camgeo.part.part.Boundary`; of a circle, or with the corners mitred."""
         if self.core is not None or not self.is_round:
-            message = f"the {self.name} is not round all the way"
-            raise GeometryError(message, "part", self.name)
+            by = distance if self.hole else -distance
+            return ExactBoundary(name, self.hole, parallel(self.exact.counter_clockwise(), by))
         radius = self.round_radius + (distance if self.hole else -distance)
         circle = Contour.circle(positive("part", radius, "mm"), complex(self.exact.centres[0]))
         return ExactBoundary(name, self.hole, circle)

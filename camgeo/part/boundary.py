@@ -28,6 +28,10 @@ class Boundary(Protocol):
     @property
     def hole(self) -> bool: ...
 
+    @property
+    def corner_radius(self) -> float | None:
+        """Radius [mm] of the smallest arc that ends at a corner; None if there is none."""
+
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
@@ -56,8 +60,8 @@ class Boundary(Protocol):
     def inset(self, distance: float, name: str) -> Boundary:
         """The exact parallel at `distance` [mm] within the material, with a name of its own.
 
-        Nothing is trimmed: `camgeo.part.bevels` makes sure that there is such a parallel. Raises
-        GeometryError if the boundary is not smooth.
+        Nothing is trimmed: `camgeo.part.bevels` makes sure that there is such a parallel. Corners
+        of lines and arcs stay corners; of a flank there are none, or GeometryError is raised.
         """
 
     def moments(self, tolerance: float) -> Moments:

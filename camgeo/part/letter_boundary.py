@@ -193,6 +193,11 @@ class LetterBoundary(Pickled):
         """GeometryError: strokes are narrower than most cutters, and their corners are sharp."""
         raise GeometryError(f"no cutter runs along the {self.name}", key="part", value=self.name)
 
+    @property
+    def corner_radius(self) -> None:
+        """See `camgeo.part.part.Boundary`: there are no parallels."""
+        return None
+
     def inset(self, distance: float, name: str) -> LetterBoundary:
         """GeometryError: letters have corners, along which there is no smooth parallel."""
         raise GeometryError(f"there is no chamfer along the {self.name}", key="part", value=name)

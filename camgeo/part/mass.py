@@ -15,15 +15,16 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray, frozen
-from camgeo.numeric.quadrature import gauss
+from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.outline.moments import Moments, total
+from camgeo.part.bands import Band
 from camgeo.part.part import Boundary, Layer, Part
 
 TOLERANCE: Final = 1e-10
 """Of the integrals over each boundary, see `camgeo.outline.moments.path_moments`."""
 
 NODES: Final = 3
-"""Of the Gauss rule over the height of a chamfer."""
+"""Of the Gauss rule over the height of a chamfer without corners."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,9 +104,10 @@ class _Slice:
 def _slices(part: Part) -> Iterator[_Slice]:
     """The sections over which integrals of a part are taken: of an upright face its only one.
 
-    Of a chamfer those at the nodes of a Gauss rule. What a parallel encloses is a polynomial of its
-    distance, the area of degree 2, the first moments of 3, the second ones of 4, and with the
-    powers of z none is above degree 4; the rule is exact for 5.
+    Of a chamfer those at the nodes of a Gauss rule. What a parallel of a smooth boundary encloses
+    is a polynomial of its distance, the area of degree 2, the first moments of 3, the second ones
+    of 4, and with the powers of z none is above degree 4; the rule is exact for 5. Beside mitred
+    corners more nodes are exact but for rounding, see `camgeo.contour.parallel.corner_radius`.
     """
     for band in part.bands:
         if band.is_upright:
@@ -113,9 +115,21 @@ def _slices(part: Part) -> Iterator[_Slice]:
                 band.wall, *((band.z1**power - band.z0**power) / power for power in (1, 2, 3))
             )
             continue
-        places, half, weights = gauss(np.array([band.z0]), np.array([band.z1]), NODES)
-        for z, share in zip(places[0].tolist(), (half[0] * weights).tolist(), strict=True):
-            yield _Slice(band.section(z), share, share * z, share * z * z)
+        yield from _sections(band)
+
+
+def _sections(band: Band) -> Iterator[_Slice]:
+    """The sections of a chamfer over which integrals are taken."""
+    radius = band.wall.corner_radius
+    nodes = NODES if radius is None else nodes_beside(-1.0 - radius / band.width)
+    places, half, weights = gauss(np.array([band.z0]), np.array([band.z1]), nodes)
+    for z, share in zip(places[0].tolist(), (half[0] * weights).tolist(), strict=True):
+        yield _Slice(band.section(z), share, share * z, share * z * z)
+
+
+def volume_within(band: Band, tolerance: float = TOLERANCE) -> float:
+    """What a chamfer encloses [mm^3], of a hole as well."""
+    return math.fsum(each.height * each.section.moments(tolerance).area for each in _sections(band))
 
 
 def section_area(layer: Layer, tolerance: float = TOLERANCE) -> float:

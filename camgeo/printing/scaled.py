@@ -95,6 +95,12 @@ class ScaledBoundary(Pickled):
         """See `camgeo.part.part.Boundary`."""
         return ScaledBoundary(self.unscaled.offset(distance / self.factor), self.factor)
 
+    @property
+    def corner_radius(self) -> float | None:
+        """See `camgeo.part.part.Boundary`."""
+        own = self.unscaled.corner_radius
+        return None if own is None else own * self.factor
+
     def inset(self, distance: float, name: str) -> ScaledBoundary:
         """See `camgeo.part.part.Boundary`."""
         return ScaledBoundary(self.unscaled.inset(distance / self.factor, name), self.factor)

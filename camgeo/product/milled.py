@@ -262,12 +262,16 @@ class MilledDisc(Pickled):
     def _sharp_edges(self) -> tuple[str, ...]:
         """The walls whose edges this side leaves sharp against what the part states."""
         made = {cut.name for cut in self.sequence.cuts}
-        edges = (
-            each.boundary.name
+        edges = {
+            each.boundary.name: each.boundary.corner_radius
             for each in self.drawn.part.bevels
             if each.upper == (self.first is None) or (self.first is None and self.second is None)
+        }
+        return tuple(
+            name if f"chamfer {name}" not in made else f"{name} beside its circle"
+            for name, corner in edges.items()
+            if f"chamfer {name}" not in made or corner is not None
         )
-        return tuple(name for name in dict.fromkeys(edges) if f"chamfer {name}" not in made)
 
     def _low_change(self) -> str:
         """That tools are changed close above the part, by nobody's wish; empty if not."""

@@ -97,10 +97,6 @@ def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
     grooved = contact is not None and contact.closed_by_form
     if grooved and values.has(*place, "outline") and values.lacks("part", "groove_depth"):
         yield (*place, "outline"), "needs [part] groove_depth"
-    for key in ("keyway", "d_shaft"):
-        if values.has(*place, "bore") and values.has("part", key):
-            message = f"is of round bores only, and this one has a {key.replace('_', '-')}"
-            yield (*place, "bore"), f"{message}; its edges are to be broken by hand"
 
 
 def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:

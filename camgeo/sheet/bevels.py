@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.bands import Bevel
 from camgeo.part.boundary import Boundary
@@ -46,6 +47,19 @@ def edges_above(shape: Shape, tolerance: float, effort: str) -> Iterator[Chain]:
             fit = bevel.edge.arcs(SHARE * tolerance, "fast" if effort == "fast" else "fewest")
             contour = fit.contour.split(np.pi)
             yield Chain(contour.vertices, contour.sweeps, "EDGES", closed=True)
+            yield from _mitres(bevel, SHARE * tolerance)
+
+
+def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
+    """The edges between the faces of a chamfer, along corners of its boundary."""
+    if bevel.boundary.corner_radius is None:
+        return
+    contour = bevel.boundary.arcs(tolerance).contour
+    by = bevel.width if bevel.boundary.hole else -bevel.width
+    shares = np.linspace(0.0, 1.0, steps_to(contour, by, tolerance) + 1).tolist()
+    ways = np.array([parallel(contour, share * by).vertices for share in shares])
+    for k in np.flatnonzero(corners(contour)):
+        yield Chain(ways[:, k], np.zeros(len(shares)), "EDGES")
 
 
 def corners_of(shape: Shape) -> list[Corner]:

@@ -131,6 +131,10 @@ class CircleBoundary:
     def offset(self, distance: float) -> CircleBoundary:
         return replace(self, radius=self.radius + (-distance if self.hole else distance))
 
+    @property
+    def corner_radius(self) -> None:
+        return None
+
     def inset(self, distance: float, name: str) -> CircleBoundary:
         radius = self.radius + (distance if self.hole else -distance)
         return replace(self, name=name, radius=radius)

@@ -18,8 +18,10 @@ from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.bands import Bevel
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.boundary import Boundary
+from camgeo.part.features import bore_boundary
 from camgeo.part.mass import solid
 from camgeo.part.part import Layer, Part
+from camgeo.part.spec import DShaft, Keyway
 from camgeo.units import LengthUnit
 from camgeo.verifying.verification import Reading
 from camgeo.writing.writer import Writer
@@ -33,8 +35,10 @@ from camgeo_export.solid.prism import body
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl.writer import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.bevels import _sections
 from camgeo_export.verify.body import body_checks
 from camgeo_export.verify.inclined import is_inclined
+from camgeo_export.verify.mesh import polygon
 from camgeo_export.verify.shell import bounds_of, volume_of
 from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
 from tests.effects.scenes import design
@@ -203,6 +207,102 @@ def test_step_files_have_inclined_planes_on_lines() -> None:
     assert written.facts["volume_mm3"] == pytest.approx(solid(part).volume, rel=1e-12)
     made = body(part, TOLERANCE, lambda values: values)
     assert measure(part, made.vertices, made.triangles) <= TOLERANCE
+
+
+KEYED = bore_boundary(16.0, Keyway(5.0, 2.3, 0.4))
+FLATTED = bore_boundary(16.0, None, DShaft(14.0, -2.0))
+
+
+def with_bore(bore: ExactBoundary) -> Part:
+    """A disc whose bore has chamfers on both sides, of different widths."""
+    return Part(
+        (Layer(-8.0, 0.0, (OUTLINE, bore)),),
+        (
+            bevel(OUTLINE, 0.5, 0.0, upper=True),
+            bevel(bore, 1.0, 0.0, upper=True),
+            replace(bevel(bore, 0.5, -8.0, upper=False), edge=bore.inset(0.5, "lower chamfer")),
+        ),
+    )
+
+
+BORES = pytest.mark.parametrize("bore", [KEYED, FLATTED], ids=["keyway", "flat"])
+
+
+@BORES
+@pytest.mark.parametrize("tolerance", [0.05, 1e-3])
+def test_meshes_follow_bent_corners(bore: ExactBoundary, tolerance: float) -> None:
+    """At any height they are within the tolerance of the section there."""
+    part = with_bore(bore)
+    product = PartProduct(given=part)
+    written = STL.write(product, tolerance)
+    measured = STL.measure(product, written.data)
+    assert measured is not None
+    assert 0.5 * tolerance < measured <= tolerance
+    made = body(part, tolerance, lambda values: values)
+    checks = body_checks(product, made.vertices.copy(), made.triangles, tolerance)
+    assert [check for check in checks if not check.ok] == []
+    for band in (each for each in part.bands if each.wall is bore and not each.is_upright):
+        for share in (0.1, 0.3, 0.7, 0.9):
+            z = band.z0 + share * (band.z1 - band.z0)
+            ring = min(
+                (polygon(each) for each in _sections(made.vertices, made.triangles, z + 8.0)),
+                key=lambda contour: abs(contour.area),
+            )
+            assert band.section(z).deviation(ring.counter_clockwise()) <= tolerance
+
+
+def test_straight_chords_along_bent_corners_are_measured() -> None:
+    """Without steps a corner would be off by what its parabola leaves of its chord half way up."""
+    part = with_bore(KEYED)
+    made = body(part, 1e-3, lambda values: values)
+    steps = sorted({round(z, 9) for z in made.vertices[:, 2].tolist() if 7.0 < z < 8.0})
+    assert len(steps) > 2
+    moved = made.vertices.copy()
+    inner = (moved[:, 2] > 7.0) & (moved[:, 2] < 8.0) & (np.hypot(moved[:, 0], moved[:, 1]) < 20.0)
+    moved[inner, :2] *= 1.001
+    assert measure(part, moved, made.triangles) > 5e-3
+
+
+@BORES
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthUnit) -> None:
+    part = with_bore(bore)
+    product = replace(PRODUCT, given=part, unit=unit)
+    written = STEP.write(product, TOLERANCE)
+    assert STEP.measure(product, written.data) <= 1e-9
+    assert faults(STEP_VERIFIER, product, written.data) == []
+    volume = solid(part).volume
+    assert written.facts["volume_mm3"] == pytest.approx(volume, rel=1e-13)
+    read = solid_of(Model.of(exchange_of(written.data)))
+    assert volume_of(bounds_of(read), read.faces) == pytest.approx(volume, rel=1e-12)
+    edges = {use.edge.number: use.edge for face in read.faces for loop in face.loops
+             for use in loop}  # fmt: skip
+    bends = [each.bend for each in edges.values() if each.bend is not None]
+    assert len(bends) == 4  # two corners with an arc on each side
+    for bend in bends:
+        # The corner stays between cone and plane: at each height on the section's.
+        z = 0.5 * (bend.start.z + bend.end.z)
+        width = min(z, 8.0 - z)
+        vertices = bore.inset(width, "section").exact.vertices
+        assert min(abs(vertices - bend.place_at(z))) <= 1e-12 * 25.4
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new"),
+    [
+        (rb"(B_SPLINE_CURVE_WITH_KNOTS\('',2,\(#\d+,)#\d+,", rb"\g<1>#1,"),
+        (rb"(B_SPLINE_CURVE_WITH_KNOTS\('',2,\((#\d+),)#\d+,", rb"\g<1>\g<2>,"),
+        (rb"(CONICAL_SURFACE\('',#\d+,)8\.", rb"\g<1>8.01"),
+    ],
+)
+def test_faults_of_parabolas_are_found(pattern: bytes, new: bytes) -> None:
+    product = PartProduct(given=with_bore(KEYED))
+    data = STEP.write(product, TOLERANCE).data
+    changed, count = re.subn(pattern, new, data)
+    assert count
+    assert faults(STEP_VERIFIER, product, changed)
+    with pytest.raises(FileError):
+        STEP.measure(product, changed)
 
 
 def test_step_files_cannot_have_chamfers_along_splines() -> None:

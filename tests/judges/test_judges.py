@@ -380,6 +380,27 @@ def test_freecad_reads_chamfers_as_cones(tmp_path: Path) -> None:
 
 
 @cad
+@pytest.mark.parametrize(
+    "feature", [{"keyway": {"width": 6, "depth": 2.8}}, {"d_shaft": {"across": 18}}]
+)
+def test_freecad_reads_mitred_chamfers(
+    tmp_path: Path, feature: dict[str, dict[str, int | float]]
+) -> None:
+    """Cones and planes meet along parabolas: one valid solid, and verified when written again."""
+    keys = {"part": {"thickness": 10, "bore": 20, "chamfers": {"bore": {"width": 1}}, **feature}}
+    product = camgeo.Design(camgeo.load(scene_of(SIX[0])).scene.with_values(keys)).disc
+    written = STEP_WRITER.write(product, TOLERANCE)
+    path = tmp_path / "mitred.step"
+    path.write_bytes(written.data)
+    volume, faces = (written.facts[key] for key in ("volume_mm3", "faces"))
+    given = Given(path, volume=float(volume), near=1e-11, faces=int(faces))
+    freecad.judge(given, tmp_path / "again.step")
+    again = (tmp_path / "again.step").read_bytes()
+    checks = STEP.checks(product, again, Reading("again.step", ours=False), TOLERANCE)
+    assert [check for check in checks if check.ok is False] == []
+
+
+@cad
 def test_what_freecad_makes_of_a_solid_is_verified_too(tmp_path: Path) -> None:
     """Its file has another schema, seams, other entities, and is in no way ours."""
     given, *_ = files(tmp_path, "step", [SIX[0]])

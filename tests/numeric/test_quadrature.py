@@ -12,7 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.quadrature import MOST_HALVINGS, NODES, Integral, piecewise_integral
+from camgeo.numeric.quadrature import (
+    MOST_HALVINGS,
+    NODES,
+    Integral,
+    gauss,
+    nodes_beside,
+    piecewise_integral,
+)
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -232,3 +239,13 @@ def test_a_looser_tolerance_costs_less() -> None:
         )
         costs.append(sum(asked))
     assert costs[0] < costs[1] < costs[2]
+
+
+@pytest.mark.parametrize("place", [-1.02, -1.5, -3.0, -30.0])
+def test_nodes_for_a_root_that_branches_outside(place: float) -> None:
+    """Integral of the root of x - place over [-1, 1], to rounding."""
+    nodes = nodes_beside(place)
+    places, half, weights = gauss(np.array([-1.0]), np.array([1.0]), nodes)
+    found = float(half[0] * (np.sqrt(places[0] - place) @ weights))
+    wanted = 2.0 / 3.0 * ((1.0 - place) ** 1.5 - (-1.0 - place) ** 1.5)
+    assert found == pytest.approx(wanted, rel=128.0 * EPS)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
@@ -20,7 +21,7 @@ from camgeo.part.chamfers import Chamfer, Chamfers
 from camgeo.part.edges import edges_of
 from camgeo.part.mass import disc_moments, solid
 from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Counterbore, Holes, Hub, Keyway, PartSpec
+from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
 from camgeo.scene.load import parse_scene
 from tests.part.parts import made
 from tests.part.test_mass import circle
@@ -135,8 +136,8 @@ def test_an_edge_is_the_exact_parallel(hole: bool) -> None:
          "comes to the bore"),
         (Contact.GROOVE, DISC, {"outline": Chamfer(4.0)}, "outline.width", "less than 4 mm"),
         (Contact.GROOVE, DISC, {"outline": Chamfer(1.0, "lower")}, "outline", "lower side"),
-        (Contact.INNER, replace(DISC, keyway=Keyway(6.0, 2.8)), {"bore": Chamfer(1.0)}, "bore",
-         "not round all the way"),
+        (Contact.INNER, replace(DISC, keyway=Keyway(6.0, 2.8), hub=Hub(29.0, 20.0)),
+         {"bore": Chamfer(1.0)}, "bore.width", "comes to the hub"),
         (Contact.INNER, replace(DISC, hub=Hub(24.0, 20.0)),
          {"hub": Chamfer(1.0), "bore": Chamfer(1.0)}, "bore.width", "comes to the hub, 2 mm"),
         (Contact.INNER, replace(DISC, hub=Hub(60.0, 3.0)), {"outline": Chamfer(2.5)},
@@ -152,6 +153,37 @@ def test_what_has_no_room_is_refused_with_its_key(
     with pytest.raises(GeometryError, match=message) as caught:
         edged(contact, spec, **chamfers)
     assert caught.value.key == f"part.chamfers.{key}"
+
+
+def keyed_sections(radius: float, p: float, bottom: float, by: float) -> float:
+    """Area within the parallel of a bore with keyway, as circle, rectangle, less their overlap."""
+    outer, half = radius + by, p + by
+    flat = math.sqrt(outer**2 - half**2)
+    segment = outer**2 * math.asin(half / outer) - half * flat
+    return math.pi * outer**2 - segment + 2.0 * half * (bottom + by - flat)
+
+
+@pytest.mark.parametrize("width", [0.3, 1.0, 4.9])
+@pytest.mark.parametrize("keyway", [Keyway(6.0, 2.8), Keyway(19.0, 0.5, 1.0), Keyway(0.5, 3.0)])
+def test_a_chamfer_goes_along_a_keyway(width: float, keyway: Keyway) -> None:
+    """Volume by closed areas of sections and adaptive quadrature, to its rounding."""
+    spec = replace(DISC, keyway=keyway)
+    part = edged(Contact.INNER, spec, bore=Chamfer(width, "upper"))
+    sizes_ = (10.0, 0.5 * keyway.width, 10.0 + keyway.depth)
+    cut, _ = quad(lambda by: keyed_sections(*sizes_, by), 0.0, width, epsabs=0.0, epsrel=1e-13)
+    wanted = cut - width * keyed_sections(*sizes_, 0.0)
+    removed = solid(part.sharp).volume - solid(part).volume
+    assert removed == pytest.approx(wanted, abs=1e-11 * solid(part).volume)
+
+
+def test_a_chamfer_goes_along_a_flat() -> None:
+    """Its edge is the bore of a larger diameter, farther across by the chamfer on both sides."""
+    part = edged(Contact.INNER, replace(DISC, d_shaft=DShaft(17.0, 1.0)), bore=Chamfer(1.0))
+    edge = part.bevels[0].edge
+    larger = made(Contact.INNER, replace(DISC, bore=22.0, d_shaft=DShaft(19.0, 1.0)))
+    (bore,) = (each for each in larger.boundaries if each.name == "bore")
+    assert edge.deviation(bore.arcs(1e-3).contour) <= 1e-12
+    assert edge.moments(1e-10).area == pytest.approx(bore.moments(1e-10).area, rel=1e-14)
 
 
 def test_a_chamfer_needs_heights() -> None:
@@ -202,7 +234,6 @@ keyway = { width = 5, depth = 2.3 }
     [
         ("chamfers = { rim = { width = 1 } }", "needs .part. rim"),
         ("chamfers = { hub = { width = 1 } }", "needs .part. hub"),
-        ("chamfers = { bore = { width = 1 } }", "this one has a keyway"),
         ("chamfers = { outline = { width = 1, edges = 'top' } }", "edges"),
         ("chamfers = { outline = 1 }", "outline = { width = 0.5 }|width = 0.5"),
     ],

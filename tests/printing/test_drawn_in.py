@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.contour.contour import Contour
+from camgeo.contour.parallel import parallel
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.features import bore_outline, flattened, mark_outline
 from camgeo.part.letter_boundary import LetterBoundary
 from camgeo.part.part import Boundary
 from camgeo.part.spec import DShaft, Keyway, Mark
-from camgeo.printing.drawn_in import drawn_in, parallel
+from camgeo.printing.drawn_in import drawn_in
 from camgeo.printing.scaled import ScaledBoundary
 from tests.contour.cams import SCENES
 from tests.strategies import attack

@@ -11,9 +11,11 @@ from camgeo.contour.contour import Contour
 from camgeo.design import Design
 from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.chamfers import Chamfer, Chamfers
+from camgeo.part.features import bore_boundary
 from camgeo.part.part import Layer, Part
+from camgeo.part.spec import Keyway
 from camgeo.scene.load import parse_scene
-from camgeo.sheet.bevels import bevelled, corners_of
+from camgeo.sheet.bevels import bevelled, corners_of, edges_above
 from camgeo.sheet.marks import Chain, Distance, Hatched, Label, Mark
 from camgeo.sheet.section import hatching, section
 from camgeo.sheet.shape import Shape, shape_of
@@ -91,3 +93,24 @@ hub ="""
               for point in (mark.first, mark.second)]  # fmt: skip
     assert points
     assert not any(math.isclose(abs(a - b), 0.0, abs_tol=0.1) for a in points for b in corners)
+
+
+def test_mitres_join_the_corners_of_a_keyway() -> None:
+    """Seen from above, from corner to corner; beside the circle they are bent."""
+    wall = bore_boundary(20.0, Keyway(6.0, 2.8))
+    part = Part((Layer(-10.0, 0.0, (OUTLINE, wall)),))
+    part = part_with(part, Chamfers(bore=Chamfer(2.0, "upper")), 0.01)
+    chains = list(edges_above(shape_of(part, 1e-3, "fast"), 1e-3, "fast"))
+    mitres = [each.vertices for each in chains if not each.closed]
+    ends = {(complex(each[0]), complex(each[-1])) for each in mitres}
+    edge = wall.inset(2.0, "edge").exact
+    assert ends == set(zip(wall.exact.vertices.tolist(), edge.vertices.tolist(), strict=True))
+    straight, bent = (
+        [each for each in mitres if np.all(each[:1].real > 10.0) == inner]
+        for inner in (True, False)
+    )
+    assert (len(straight), len(bent)) == (2, 2)
+    for each in bent:  # u^2 = r^2 - p^2 + 2 d (r - p)
+        assert len(each) > 3
+        away = np.abs(each.imag) - 3.0
+        assert np.allclose(each.real**2, 91.0 + 14.0 * away, rtol=1e-12, atol=0.0)

@@ -374,3 +374,29 @@ def test_chamfers_that_no_operation_makes_are_told() -> None:
     assert told.severity == "warning"
     assert told.sentence == "no operation makes the chamfers of outline, hub"
     assert "chamfers" not in {each.name for each in plain.findings(plain.toolpath(0.01), 0.01)}
+
+
+def test_a_chamfer_round_a_bore_leaves_its_keyway_sharp() -> None:
+    text = SCENE.replace(
+        "hub = { diameter = 38, height = 6 }", "chamfers = { bore = { width = 1 } }"
+    )
+    text += """
+[[tool]]
+number = 9
+kind = "chamfer-mill"
+diameter = 8
+tip_angle = 90
+flute_length = 4
+stick_out = 30
+spindle_speed = 3000
+feed = 300
+plunge_feed = 100
+[[operation]]
+kind = "chamfer"
+boundary = "bore"
+tool = 9
+size = 1
+"""
+    milled = _milled(text)
+    told = {each.name: each for each in milled.findings(milled.toolpath(0.01), 0.01)}["chamfers"]
+    assert told.sentence == "no operation makes the chamfers of bore beside its circle"

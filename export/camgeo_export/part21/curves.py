@@ -17,6 +17,7 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import phase
 from camgeo_export.errors import FileError
 from camgeo_export.part21.model import Entity, Model
+from camgeo_export.part21.parabola import Parabola, Point
 
 Strand = Arc | CubicSpline
 
@@ -28,14 +29,6 @@ RATIONAL = 1e-12
 
 KNOTS = 100_000
 """Most knots of a spline with all multiplicities."""
-
-
-@dataclass(frozen=True, slots=True)
-class Point:
-    """A place and its height [mm]."""
-
-    place: complex
-    z: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +64,7 @@ class Spline:
     z: float
 
 
-Curve = Line | Circle | Spline
+Curve = Line | Circle | Spline | Parabola
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +211,7 @@ class Geometry:
             raise found.fault("has no radius above 0")
         return radius
 
-    def _spline(self, ref: int) -> Spline:
+    def _spline(self, ref: int) -> Spline | Parabola | Line:
         """A spline with its knots; of several types, as those with weights are, or of one."""
         knots = self.model.entity(ref, "B_SPLINE_CURVE_WITH_KNOTS")
         if self.model.is_a(ref, "B_SPLINE_CURVE"):
@@ -233,6 +226,11 @@ class Geometry:
         points = [self.point(each) for each in shape.refs(first + 1)]
         heights = [point.z for point in points] or [0.0]
         if max(heights) - min(heights) > ALIGNED:
+            form = [shape.number_at(first), *knots.numbers(place), len(points)]
+            if form == [2, 3, 3, 3]:
+                return Parabola(*points)
+            if form == [1, 2, 2, 2]:
+                return _through(*points)
             raise knots.fault("is not level: only upright solids can be read")
         counts = [int(each) for each in knots.numbers(place)]
         values = knots.numbers(place + 1)
@@ -251,6 +249,13 @@ class Geometry:
         return Spline(curve, heights[0])
 
 
+def _through(one: Point, other: Point) -> Line:
+    """The line through two points of different heights."""
+    along, up = other.place - one.place, other.z - one.z
+    size = math.hypot(abs(along), up)
+    return Line(one, Point(along / size, up / size))
+
+
 def strands_of(
     curve: Curve, start: Point, end: Point, *, same: bool
 ) -> tuple[tuple[Strand, ...], float]:
@@ -267,6 +272,8 @@ def strands_of(
         if backwards == same:  # it runs the other way
             off = math.inf
         return (Arc(start.place, end.place, 0.0, 0j),), off
+    if isinstance(curve, Parabola):
+        return (Arc(start.place, end.place, 0.0, 0j),), math.inf
     if isinstance(curve, Spline):
         found = curve.curve if same else curve.curve.reversed()
         off = max(
@@ -314,6 +321,8 @@ def off_rising(line: Curve, start: Point, end: Point, *, same: bool) -> float:
     """How far [mm] the ends of an edge between two heights are from its line; infinite if it has
     none, or if the line runs the other way.
     """
+    if isinstance(line, Parabola):
+        return line.off_ends(*((start, end) if same else (end, start)))
     if not isinstance(line, Line) or ((end.z - start.z) * line.way.z > 0.0) != same:
         return math.inf
     return max(_off_line(line, each) for each in (start, end))

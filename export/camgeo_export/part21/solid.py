@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from camgeo_export.errors import FileError
 from camgeo_export.part21.curves import (
     Geometry,
-    Point,
     Strand,
     Surface,
     off_rising,
     strands_of,
 )
 from camgeo_export.part21.model import Entity, Model
+from camgeo_export.part21.parabola import Parabola, Point
 
 SOLIDS = ("MANIFOLD_SOLID_BREP",)
 
@@ -53,6 +53,7 @@ class Edge:
     strands : its pieces in the plane, from start to end; none if it rises from one height to
         another.
     off : how far its ends are from its curve [mm].
+    bend : the curve of one that rises along a parabola, in whichever direction.
     """
 
     number: int
@@ -60,6 +61,7 @@ class Edge:
     places: tuple[Point, Point]
     strands: tuple[Strand, ...]
     off: float
+    bend: Parabola | None = None
 
     @property
     def z(self) -> float:
@@ -268,7 +270,8 @@ class _Builder:
         start, end = places
         curve, same = self.geometry.curve(found.ref(3)), found.flag(4)
         if abs(end.z - start.z) > STEEP * abs(end.place - start.place):
-            return Edge(ref, ends, places, (), off_rising(curve, *places, same=same))
+            off = off_rising(curve, *places, same=same)
+            return Edge(ref, ends, places, (), off, curve if isinstance(curve, Parabola) else None)
         strands, off = strands_of(curve, start, end, same=same)
         return Edge(ref, ends, places, strands, max(off, abs(end.z - start.z)))
 

@@ -34,7 +34,8 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     corners = vertices[triangles]
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
     slopes = slopes_of(part)
-    numbers = np.where(flat, -1, sloping(corners, slopes, SAME * (1.0 + np.abs(vertices).max())))
+    within = SAME * (1.0 + np.abs(vertices).max())
+    numbers = sloping(vertices, triangles, ~flat, slopes, within)
     walls = upright(corners[~flat & (numbers < 0)])
     for check in (*solid_checks(vertices, triangles), walls):
         if not check.ok:

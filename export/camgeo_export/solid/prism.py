@@ -3,22 +3,27 @@
 All faces are flat at a few heights, so the body is built directly from its polygons: every vertex
 remains the double that the fit gave. (A cross-section of manifold3d rounds to 1e-8 mm.) A chamfer
 is a band between the polygon of its wall and the parallel of that polygon, vertex by vertex, so its
-facets are flat in pairs and as many as those of an upright wall.
+facets are flat in pairs and as many as those of an upright wall. Along corners with an arc, which
+are bent, it goes in steps from parallel to parallel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import count, groupby, pairwise, takewhile
+from typing import NamedTuple
 
 import manifold3d
 import numpy as np
 import shapely
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.exact import matching_chords_of
+from camgeo.contour.parallel import steps_to
 from camgeo.errors import FileError, ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo.part.bands import Band, Bevel
 from camgeo.part.part import Boundary, Level, Part
 from camgeo.reading import FACETS
 from camgeo.wording import counted
@@ -36,6 +41,9 @@ LEAST_OF_CHAMFERS = 1e-3
 """The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
 a larger radius, and chords that are off by more.
 """
+
+BENT = 0.25
+"""Share of what chords may use that is left for the bent corners of chamfers between two steps."""
 
 Rounding = Callable[[FloatArray], FloatArray]
 
@@ -64,20 +72,21 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     if walls are; FileError if the body would have more facets than `camgeo.reading` allows.
     """
     part.require_steps(tolerance)
-    levels, bands = part.levels, part.bands
+    levels = part.levels
     rings: dict[str, ComplexArray] = {}
     for each in part.boundaries:
         rings |= _rings(each, part, tolerance, rounding)
-    least = sum(2 * len(rings[band.wall.name]) for band in bands)
+    strips = [strip for band in part.bands for strip in _strips(band, rings)]
+    least = sum(2 * len(rings[strip.lower]) for strip in strips)
     limit_facets(least, "the body would have at least")
     require_apart(part, of_polygons(rings, tolerance), tolerance)
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
-    for _, group in groupby(bands, lambda band: (band.z0, band.z1)):
+    for _, group in groupby(strips, lambda strip: (strip.z0, strip.z1)):
         same = list(group)
         for lower in (True, False):
-            ends = [(band.lower.name, band.z0) if lower else (band.upper.name, band.z1)
-                    for band in same]  # fmt: skip
+            ends = [(strip.lower, strip.z0) if lower else (strip.upper, strip.z1)
+                    for strip in same]  # fmt: skip
             new = [end for end in ends if end not in corners]  # a chamfer has some of its wall
             if not new:
                 continue
@@ -86,8 +95,8 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
             corners |= dict(zip(new, indices, strict=True))
     lowest, *others = levels
     mesh.faces_of(lowest, rings, corners)
-    for band in bands:
-        mesh.wall(corners[band.lower.name, band.z0], corners[band.upper.name, band.z1])
+    for strip in strips:
+        mesh.wall(corners[strip.lower, strip.z0], corners[strip.upper, strip.z1], skew=strip.skew)
     for level in others:
         mesh.faces_of(level, rings, corners)
     return mesh.close()
@@ -111,15 +120,10 @@ def _rings(
     edges = {each.edge.name: each for each in part.bevels if each.boundary == boundary}
     share = FIT_SHARE * tolerance
     while True:
-        fit = boundary.polyline(share)
-        exact = fit.contour.vertices
-        outlines = {boundary.name: exact}
-        off = {boundary.name: fit.deviation}
-        for name, bevel in edges.items():
-            # Counter-clockwise, so a hole has its material on the right.
-            by = -bevel.width if boundary.hole else bevel.width
-            outlines[name] = _parallel(exact, by)
-            off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
+        if boundary.corner_radius is None or not edges:
+            outlines, off = _polygons(boundary, edges, share)
+        else:
+            outlines, off = _mitred(boundary, edges, share)
         points = {name: rounding(each.real) + 1j * rounding(each.imag)
                   for name, each in outlines.items()}  # fmt: skip
         moved = max(float(abs(points[name] - each).max()) for name, each in outlines.items())
@@ -134,6 +138,73 @@ def _rings(
     kept = np.all([each != np.roll(each, 1) for each in points.values()], axis=0)
     polygons = {name: each[kept] for name, each in points.items()}
     return {name: each[::-1] if boundary.hole else each for name, each in polygons.items()}
+
+
+Polygons = tuple[dict[str, ComplexArray], dict[str, float]]
+"""Polygons (n,) complex [mm] of boundaries by their names, and how far [mm] each is off."""
+
+
+def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Polygons:
+    """A boundary within `share` [mm], and the edges of its chamfers as parallels of its polygon."""
+    fit = boundary.polyline(share)
+    exact = fit.contour.vertices
+    outlines = {boundary.name: exact}
+    off = {boundary.name: fit.deviation}
+    for name, bevel in edges.items():
+        # Counter-clockwise, so a hole has its material on the right.
+        by = -bevel.width if boundary.hole else bevel.width
+        outlines[name] = _parallel(exact, by)
+        off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
+    return outlines, off
+
+
+def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Polygons:
+    """A boundary with corners, the edges of its chamfers, and the steps to each of them."""
+    bounds = {boundary.name: boundary}
+    for name, bevel in edges.items():
+        by = bevel.width if boundary.hole else -bevel.width
+        steps = steps_to(boundary.arcs(share).contour, by, BENT * share)
+        for k in range(1, steps):
+            step = _step(name, k)
+            bounds[step] = boundary.inset(k / steps * bevel.width, step)
+        bounds[name] = bevel.edge
+    contours = [each.arcs(share).contour for each in bounds.values()]
+    polygons = matching_chords_of(contours, (1.0 - BENT) * share)
+    outlines = dict(zip(bounds, polygons, strict=True))
+    off = {name: each.deviation(Contour.polygon(outlines[name])) + BENT * share
+           for name, each in bounds.items()}  # fmt: skip
+    return outlines, off
+
+
+def _step(name: str, number: int) -> str:
+    """What a step to the edge of a chamfer is called."""
+    return f"step {number} to the {name}"
+
+
+class _Strip(NamedTuple):
+    """The facets between two rings, by their names, and their heights [mm]; `skew` where arcs end
+    at bent corners.
+    """
+
+    lower: str
+    upper: str
+    z0: float
+    z1: float
+    skew: bool
+
+
+def _strips(band: Band, rings: Mapping[str, ComplexArray]) -> Iterator[_Strip]:
+    """A band, a chamfer in as many steps as it has rings."""
+    downwards = band.lower is not band.wall
+    edge = band.lower if downwards else band.upper
+    steps = takewhile(lambda name: name in rings, (_step(edge.name, k) for k in count(1)))
+    names = [band.wall.name, *(() if band.is_upright else steps), edge.name]
+    shares = np.linspace(0.0, 1.0, len(names)).tolist()
+    if downwards:
+        names.reverse()
+    heights = [(1.0 - share) * band.z0 + share * band.z1 for share in shares]
+    for (one, other), (z0, z1) in zip(pairwise(names), pairwise(heights), strict=True):
+        yield _Strip(one, other, z0, z1, one != other and band.wall.corner_radius is not None)
 
 
 def _parallel(polygon: ComplexArray, by: float) -> ComplexArray:
@@ -212,9 +283,22 @@ class _Mesh:
         triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
-    def wall(self, lower: IntArray, upper: IntArray) -> None:
-        """Add the wall between a ring and the same ring above it."""
+    def wall(self, lower: IntArray, upper: IntArray, *, skew: bool = False) -> None:
+        """Add the wall between a ring and the same ring above it; if places of the latter do not
+        lie over those of the former, by the shorter diagonals.
+        """
         lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
+        if skew:
+            points = np.concatenate(self.points)
+            rising, falling = (
+                np.linalg.norm(points[one] - points[other], axis=1)
+                for one, other in ((lower, upper_next), (lower_next, upper))
+            )
+            shorter = falling < rising
+            one, other = np.where(shorter, lower_next, lower), np.where(shorter, upper, upper_next)
+            self.faces.append(np.column_stack((lower, lower_next, other)))
+            self.faces.append(np.column_stack((one, upper_next, upper)))
+            return
         self.faces.append(np.column_stack((lower, lower_next, upper_next)))
         self.faces.append(np.column_stack((lower, upper_next, upper)))
 

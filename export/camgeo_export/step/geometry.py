@@ -82,6 +82,14 @@ class Pen:
         vector = self.file.add("VECTOR", "", self.file.add("DIRECTION", "", numbers), 1.0)
         return self.file.add("LINE", "", foot, vector)
 
+    def parabola(self, controls: tuple[Ref, Ref, Ref]) -> Ref:
+        """The parabola of three control points."""
+        form, knots = Word(".PARABOLIC_ARC."), Word(".UNSPECIFIED.")
+        return self.file.add(
+            "B_SPLINE_CURVE_WITH_KNOTS", "", 2, list(controls), form, flag(False), flag(False),
+            [3, 3], [0.0, 1.0], knots,
+        )  # fmt: skip
+
     def level(self, strand: Strand, ends: Ends) -> tuple[Ref, bool]:
         """The curve of a level edge, and whether it has the direction of the strand."""
         if isinstance(strand, CubicSpline):

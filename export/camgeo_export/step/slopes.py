@@ -1,7 +1,8 @@
 """Walls with chamfers: rings of edges that faces share, cones on arcs and inclined planes on lines.
 
 The edge of a chamfer has a line or an arc for each of its wall's, at the same angles about the same
-centres, so that their ends lie on straight lines in both faces that meet there.
+centres, so that their ends lie on straight lines in both faces that meet there. Where a line and an
+arc meet in a corner, it is mitred, and the plane and the cone meet along a parabola.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from camgeo.contour.contour import Contour
+from camgeo.contour.parallel import parallel as mitred
 from camgeo.contour.spline import Arc
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo_export.step.frame import UNCERTAINTY
@@ -38,14 +40,12 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     if len(arcs) < len(strands):
         message = "chamfers are along lines and arcs: a parallel of a spline is none"
         raise GeometryError(message, key="output.step.walls", value='"spline"')
+    if any(_is_bent(*pair) for pair in zip((arcs[-1], *arcs[:-1]), arcs, strict=True)):
+        return _mitred(arcs, width, name)
     places = []
     for before, after in zip((arcs[-1], *arcs[:-1]), arcs, strict=True):
         one, other = (1j * each.heading(after.start) for each in (before, after))
         one, other = one / abs(one), other / abs(other)
-        bent = before.sweep or after.sweep
-        if bent and abs(other - one) > SHARPEST:
-            message = f"the {name} has a corner beside an arc, along which there is no cone"
-            raise GeometryError(message, key="part.chamfers")
         places.append(after.start + width * (one + other) / (1.0 + (one.conjugate() * other).real))
     found = []
     for strand, (start, end) in zip(arcs, pairwise((*places, places[0])), strict=True):
@@ -60,6 +60,45 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
             raise ToleranceError(message, UNCERTAINTY, off)
         found.append(moved)
     return tuple(found)
+
+
+def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
+    """The same of strands of which some meet in corners."""
+    try:
+        moved = mitred(contour_of(arcs), -width)
+    except GeometryError:
+        message = f"the {name} has no parallel {width:g} mm within the material"
+        raise GeometryError(message, key="part.chamfers", value=f"{width:g}") from None
+    pieces = zip(moved.vertices.tolist(), moved.ends.tolist(), moved.sweeps.tolist(),
+                 moved.centres.tolist(), strict=True)  # fmt: skip
+    return tuple(Arc(*piece) for piece in pieces)
+
+
+def _is_bent(before: Arc, after: Arc) -> bool:
+    """Whether a line and an arc meet in a corner; raises GeometryError if two arcs do."""
+    if not before.sweep and not after.sweep:
+        return False
+    one, other = (each.heading(after.start) for each in (before, after))
+    if abs(other / abs(other) - one / abs(one)) <= SHARPEST:
+        return False
+    if before.sweep and after.sweep:
+        message = "two arcs meet in a corner, along which there is no chamfer"
+        raise GeometryError(message, key="part.chamfers")
+    return True
+
+
+def _bend(line: Arc, arc: Arc, start: complex, end: complex) -> tuple[complex, float]:
+    """The middle one of the three control points of the parabola along which a corner moves from
+    `start` to `end`: its place, and its height as a share of the way.
+
+    Along the line, u from the foot of the centre, it moves evenly with the parameter of the
+    parabola; across it and upwards with u^2.
+    """
+    way = (line.end - line.start) / abs(line.end - line.start)
+    one, other = (abs(((each - arc.centre) * way.conjugate()).real) for each in (start, end))
+    share = one / (one + other)
+    along = ((end - start) * way.conjugate()).real * way
+    return start + 0.5 * along + share * (end - start - along), share
 
 
 def contour_of(strands: Sequence[Arc]) -> Contour:
@@ -108,11 +147,16 @@ def posts_of(pen: Pen, lower: Row, upper: Row) -> list[Ref]:
     found = []
     for k, (one, other) in enumerate(zip(lower.strands, upper.strands, strict=True)):
         along = other.start - one.start
-        line = (
-            pen.rising(lower.points[k], along, upper.z - lower.z)
-            if lower.strands is not upper.strands
-            else pen.post(lower.points[k])
-        )
+        before, after = lower.strands[k - 1], one
+        if lower.strands is upper.strands:
+            line = pen.post(lower.points[k])
+        elif isinstance(before, Arc) and isinstance(after, Arc) and _is_bent(before, after):
+            pair = (before, after) if after.sweep else (after, before)
+            place, share = _bend(*pair, one.start, other.start)
+            middle = pen.point(place, (1.0 - share) * lower.z + share * upper.z)
+            line = pen.parabola((lower.points[k], middle, upper.points[k]))
+        else:
+            line = pen.rising(lower.points[k], along, upper.z - lower.z)
         ends = (lower.vertices[k], upper.vertices[k])
         found.append(pen.file.add("EDGE_CURVE", "", *ends, line, flag(True)))
     return found
@@ -136,6 +180,7 @@ def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
     grows = radii[1] > radii[0]
     # From its smaller end up or down; it runs counter-clockwise about its axis, from the first.
     ahead = (one.sweep > 0.0) == grows
-    first = (one.start if ahead else one.end) - one.centre
+    longer = one if abs(one.sweep) >= abs(other.sweep) else other
+    first = (longer.start if ahead else longer.end) - one.centre
     base = pen.placement(one.centre, lower.z if grows else upper.z, UP if grows else DOWN, first)
     return pen.cone(base, min(radii), angle), one.sweep > 0.0

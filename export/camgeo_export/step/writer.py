@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from camgeo.contour.spline import Arc
 from camgeo.formats.step import FORMAT
+from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.part.bands import Band
 from camgeo.part.part import Part
 from camgeo.product.product import Product, bodies_of, title_of
@@ -106,16 +109,23 @@ def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | fl
 
 def _area(band: Band, strands: tuple[Strand, ...]) -> float:
     """Mean of the area within a band [mm^2] over its height; of a chamfer by Simpson's rule, exact
-    for the squares of lengths.
+    for the squares of lengths, and beside mitred corners like `camgeo.part.mass`.
     """
     whole = math.fsum(strand.moment for strand in strands)
     if band.is_upright:
         return whole
-    half, edge = (
-        math.fsum(strand.moment for strand in parallel(strands, share * band.width, band.wall.name))
-        for share in (0.5, 1.0)
+
+    def within(share: float) -> float:
+        moved = parallel(strands, share * band.width, band.wall.name)
+        return math.fsum(strand.moment for strand in moved)
+
+    if (radius := band.wall.corner_radius) is None:
+        return (whole + 4.0 * within(0.5) + within(1.0)) / 6.0
+    nodes = nodes_beside(-1.0 - radius / band.width)
+    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes)
+    return 0.5 * math.fsum(
+        weight * within(share) for weight, share in zip(weights, shares[0], strict=True)
     )
-    return (whole + 4.0 * half + edge) / 6.0
 
 
 WRITER = StepWriter()

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.bands import Band
 from camgeo.part.boundary import Boundary
 from camgeo.part.part import Part
@@ -52,16 +52,38 @@ def slopes_of(part: Part) -> tuple[Slope, ...]:
     return tuple(Slope(*heights, tuple(found[heights])) for heights in sorted(found))
 
 
-def sloping(corners: FloatArray, slopes: Sequence[Slope], within: float) -> IntArray:
-    """(m,) the numbers of the slopes between whose heights facets (m, 3, 3) reach, -1 for none."""
-    numbers = np.full(len(corners), -1)
+def sloping(
+    vertices: FloatArray,
+    triangles: IntArray,
+    among: BoolArray,
+    slopes: Sequence[Slope],
+    within: float,
+) -> IntArray:
+    """(m,) the numbers of the slopes to which facets belong, -1 for none.
+
+    Facets that lean, `among` some of all (m,), and hang together reach from the lower to the upper
+    edge of one slope, `within` a length [mm]; along bent corners they do in several steps.
+    """
+    numbers = np.full(len(triangles), -1)
     if not slopes:
         return numbers
-    leaning = ~upright_facets(corners, within)
-    low, high = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
+    from scipy.sparse import coo_array  # only for parts with chamfers
+    from scipy.sparse.csgraph import connected_components
+
+    own = np.flatnonzero(among & ~upright_facets(vertices[triangles], within))
+    corners = triangles[own]
+    pairs = np.concatenate((corners[:, :2], corners[:, 1:]))
+    size = len(vertices)
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+    count, labels = connected_components(links, directed=False)
+    labels = labels[corners[:, 0]]
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    heights = vertices[corners][:, :, 2]
+    np.minimum.at(low, labels, heights.min(axis=1))
+    np.maximum.at(high, labels, heights.max(axis=1))
     for number, slope in enumerate(slopes):
         there = (np.abs(low - slope.z0) <= within) & (np.abs(high - slope.z1) <= within)
-        numbers[there & leaning] = number
+        numbers[own[there[labels]]] = number
     return numbers
 
 
@@ -87,19 +109,16 @@ def contours_of(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Cont
 
 
 def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[FloatArray]:
-    """The middles (n, 3) of the edges across a height, loop by loop: each facet joins two."""
+    """Where edges cross a height (n, 3), loop by loop: each facet that does joins two."""
+    above = vertices[:, 2] > z
     after: dict[tuple[int, int], tuple[int, int]] = {}
-    for facet in triangles.tolist():
-        above = [vertices[corner, 2] > z for corner in facet]
-        up = down = None
+    for facet in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)].tolist():
         for k in range(3):
             one, other = facet[k], facet[(k + 1) % 3]
-            if not above[k] and above[(k + 1) % 3]:
+            if not above[one] and above[other]:
                 up = (one, other)
-            elif above[k] and not above[(k + 1) % 3]:
+            elif above[one] and not above[other]:
                 down = (other, one)
-        if up is None or down is None:
-            raise FileError("a facet of a chamfer is flat")
         after[up] = down
     while after:
         first, following = after.popitem()
@@ -109,5 +128,7 @@ def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[F
                 raise FileError("the facets of a chamfer do not go round")
             loop.append(following)
             following = after.pop(following)
-        ends = np.array(loop)
-        yield 0.5 * (vertices[ends[:, 0]] + vertices[ends[:, 1]])
+        low, high = vertices[np.array(loop).T]
+        share = (z - low[:, 2:]) / (high[:, 2:] - low[:, 2:])
+        points = low + share * (high - low)
+        yield points[np.any(points != np.roll(points, 1, axis=0), axis=1)]

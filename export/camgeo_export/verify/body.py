@@ -13,6 +13,7 @@ import trimesh
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.boundaries import numbers_of
+from camgeo.part.mass import volume_within
 from camgeo.part.part import Boundary, Part
 from camgeo.product.product import Product
 from camgeo.reading import COORDINATE
@@ -104,11 +105,12 @@ def checks_of_body(
     levels, ranges = levels_of(corners[:, :, 2], tolerance)
     flat: BoolArray = (levels == levels[:, :1]).all(axis=1)
     slopes = slopes_of(part)
-    leaning = np.where(flat, -1, sloping(corners, slopes, tolerance))
+    leaning = sloping(vertices, triangles, ~flat, slopes, tolerance)
     checks.append(upright(corners[~flat & (leaning < 0)], tolerance))
-    # Where a chamfer meets its wall there is no flat face.
-    feet = [z for slope in slopes for z in (slope.z0, slope.z1)]
-    bare: BoolArray = np.any(np.abs(ranges[:, :1] - feet) <= tolerance, axis=1)
+    # Where a chamfer meets its wall, and between, there is no flat face.
+    bare: BoolArray = np.zeros(len(ranges), dtype=np.bool_)
+    for slope in slopes:
+        bare |= (ranges[:, 0] >= slope.z0 - tolerance) & (ranges[:, 0] <= slope.z1 + tolerance)
     bare[levels[flat, 0]] = False
     numbers = np.where(flat, (np.cumsum(~bare) - 1)[levels[:, 0]], -1)
     ranges = ranges[~bare]
@@ -226,7 +228,9 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
         height = band.z1 - band.z0
         ends = [_area((each,), shapes) for each in (band.lower, band.upper)]
         between = 0.5 * (ends[0] + ends[1])
-        if not band.is_upright:
+        if band.wall.corner_radius is not None and not band.is_upright:
+            between = math.copysign(volume_within(band) / height, ends[0])
+        elif not band.is_upright:
             # The parallel of a smooth curve encloses A(t) with A'' = 2 pi.
             between -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])
         volumes.append(between * height)

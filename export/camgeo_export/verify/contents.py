@@ -5,8 +5,9 @@ from __future__ import annotations
 from camgeo.part.part import Part
 from camgeo.verifying.verification import Check, failed, length_of
 from camgeo_export.errors import FileError
-from camgeo_export.part21.curves import Axes, Geometry, Point
+from camgeo_export.part21.curves import Axes, Geometry
 from camgeo_export.part21.model import Entity, Model
+from camgeo_export.part21.parabola import Point
 from camgeo_export.part21.solid import Solid
 from camgeo_export.part21.text import Exchange, Record
 from camgeo_export.verify.shell import is_flat

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
 
 from camgeo.contour.spline import Arc
+from camgeo.numeric.arrays import phase
+from camgeo.numeric.quadrature import gauss, nodes_beside
+from camgeo.units import TURN
 from camgeo_export.dxf.curves import closed
 from camgeo_export.errors import FileError
 from camgeo_export.matching import AnyContour
 from camgeo_export.part21.curves import ALIGNED, Cone, Plane
-from camgeo_export.part21.solid import Face, Solid, Use, swept
+from camgeo_export.part21.solid import Edge, Face, Solid, Use, swept
+
+FARTHEST = 1e3
+"""Half heights of a face, from its middle, beyond which no parabola needs to be known to turn."""
 
 Row = tuple[Use, Arc]
 """A strand and the edge that it is of, which runs as the strand does."""
@@ -48,6 +58,58 @@ def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
     return rows
 
 
+def _is_bent(face: Face) -> bool:
+    """Whether some of its edges between lower and upper ones are parabolas."""
+    return any(use.edge.bend is not None for loop in face.loops for use in loop)
+
+
+def _section(face: Face, rows: tuple[list[Row], list[Row]], z: float) -> list[Arc]:
+    """The section at a height [mm] of a face with bent edges, in as many pieces as it has below."""
+    lower, upper = ([strand for _, strand in row] for row in rows)
+    posts = {_lowest(use.edge): use.edge for loop in face.loops for use in loop
+             if not use.edge.strands}  # fmt: skip
+    ends = _chained(rows[0])
+    if any(end not in posts for end in ends):
+        raise FileError(f"{face.told} has no edges between those below and above")
+    start, end = (_place_at(posts[end], z) for end in ends)
+    shares = [k / len(lower) for k in range(1, len(lower))]
+    low, high = swept(face)
+    share = (z - low) / (high - low)
+    centre = lower[0].centre
+    turn = math.fsum((1.0 - share) * a.sweep + share * b.sweep
+                     for a, b in zip(lower, upper, strict=True))  # fmt: skip
+    if not turn:
+        inner = [start + each * (end - start) for each in shares]
+    else:
+        angle = phase((end - centre) / (start - centre))
+        turn = angle + TURN * round((turn - angle) / TURN)
+        inner = [centre + (start - centre) * cmath.exp(1j * each * turn) for each in shares]
+    places = pairwise((start, *inner, end))
+    return [Arc(a, b, turn / len(lower), centre) for a, b in places]
+
+
+def _lowest(edge: Edge) -> int:
+    """The vertex at the lower end of an edge between two heights."""
+    one, other = edge.places
+    return edge.ends[0] if one.z < other.z else edge.ends[1]
+
+
+def _place_at(edge: Edge, z: float) -> complex:
+    """Where an edge between two heights is at one of them [mm]."""
+    if edge.bend is not None:
+        return edge.bend.place_at(z)
+    one, other = edge.places
+    share = (z - one.z) / (other.z - one.z)
+    return (1.0 - share) * one.place + share * other.place
+
+
+def _middles(face: Face, rows: tuple[list[Row], list[Row]]) -> list[Arc]:
+    """The section half way up."""
+    if _is_bent(face):
+        return _section(face, rows, 0.5 * sum(swept(face)))
+    return [_middle(one, other) for (_, one), (_, other) in zip(*rows, strict=True)]
+
+
 def _middle(lower: Arc, upper: Arc) -> Arc:
     """The section half way up."""
     if not lower.sweep:
@@ -62,12 +124,30 @@ def _middle(lower: Arc, upper: Arc) -> Arc:
 
 def volume_within(face: Face) -> float:
     """The share of an inclined face in the volume [mm^3], by its sections: Simpson's rule, exact as
-    these are squares of lengths.
+    these are squares of lengths, or if edges are bent Gauss's one with enough nodes.
     """
     low, high = swept(face)
+    if _is_bent(face):
+        return _volume_by_sections(face, low, high)
     return (high - low) * math.fsum(
         (one.moment + 4.0 * _middle(one, other).moment + other.moment) / 6.0
         for (_, one), (_, other) in zip(*rows_of(face), strict=True)
+    )
+
+
+def _volume_by_sections(face: Face, low: float, high: float) -> float:
+    """The same for bent edges: sections are analytic in z but where a parabola turns."""
+    half = 0.5 * (high - low)
+    bends = [use.edge.bend for loop in face.loops for use in loop if use.edge.bend is not None]
+    if not all(each.is_monotonic for each in bends):
+        raise FileError(f"{face.told} has an edge that rises and falls")
+    place = min(FARTHEST, *(abs(each.turning - low - half) / half for each in bends))
+    rows = rows_of(face)
+    heights, _, weights = gauss(np.array([low]), np.array([high]), nodes_beside(-place))
+    return half * math.fsum(
+        weight * strand.moment
+        for weight, z in zip(weights.tolist(), heights[0].tolist(), strict=True)
+        for strand in _section(face, rows, z)
     )
 
 
@@ -100,8 +180,10 @@ def slope_contours(
         for loop in order:
             strands = []
             for k in loop:
-                for (_, one), (_, other) in zip(*rows[k], strict=True):
-                    strands.append((one, _middle(one, other), other)[place])
+                if place == 1:
+                    strands += _middles(faces[k], rows[k])
+                else:
+                    strands += [strand for _, strand in rows[k][place // 2]]
             found.append(closed(strands))
         yield found
 

@@ -172,6 +172,10 @@ def _off(face: Face, edge: Edge) -> float:
     if not edge.strands:
         one, other = edge.places
         off.append(off_surface(surface, 0.5 * (one.place + other.place), 0.5 * (one.z + other.z)))
+    if edge.bend is not None:
+        # By how much a cone misses it is of the fourth degree: it vanishes if five values do.
+        along = [edge.bend.at(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        off = [off_surface(surface, point.place, point.z) for point in along]
     for strand in edge.strands:
         if isinstance(surface, Extrusion):
             off.append(_off_extrusion(surface, strand))
