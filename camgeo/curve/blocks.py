@@ -31,3 +31,17 @@ def in_blocks(method: Method) -> Method:
         return np.concatenate([method(owner, block, side) for block in blocks], axis=-1)
 
     return cast("Method", whole)
+
+
+def cells_in_blocks(method: Method) -> Method:
+    """The same for `method(self, low, high)`, of the cells between two arrays (n,)."""
+
+    @wraps(method)
+    def whole(owner: Any, low: FloatArray, high: FloatArray) -> NDArray[Any]:
+        if len(low) <= BLOCK:
+            return method(owner, low, high)
+        number = math.ceil(len(low) / BLOCK)
+        blocks = zip(np.array_split(low, number), np.array_split(high, number), strict=True)
+        return np.concatenate([method(owner, *block) for block in blocks], axis=-1)
+
+    return cast("Method", whole)

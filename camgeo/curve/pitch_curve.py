@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from camgeo.curve.blocks import in_blocks
+from camgeo.curve.blocks import cells_in_blocks, in_blocks
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower, RelativeJet, TangentJet
 from camgeo.mechanism.values import able, sense
@@ -170,6 +170,7 @@ class PitchCurve(Pickled):
             raise GeometryError(self.follower.standstill)
         return size
 
+    @cells_in_blocks
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
         middle, bounds = self.motion.jet_and_bounds(low, high)

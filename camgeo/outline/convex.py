@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camgeo.curve.blocks import in_blocks
 from camgeo.curve.closure import joints
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pieces import halves, turn_cells
@@ -129,6 +130,13 @@ def smallest_radius(curve: PitchCurve) -> Extreme:
     return extremes(curve, radius, slope).smallest()
 
 
+@in_blocks
+def _pace_and_turn(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> FloatArray:
+    """(2, n) p and tau: near a cusp of a long flank cells are many."""
+    at = touch(curve, phi, side)
+    return np.stack((at.pace[0], at.turn[0]))
+
+
 def _proved_radius(curve: PitchCurve) -> Extreme:
     """`smallest_radius`, or a cam angle that it misses where rho <= 0.
 
@@ -140,11 +148,11 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
     low, high = turn_cells(curve)
     for _ in range(HALVINGS):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        at = touch(curve, middle)
-        least = int(np.argmin(at.pace[0]))
-        if at.pace[0, least] <= 0.0:  # missed by every sample
-            return float(at.pace[0, least] / at.turn[0, least]), float(middle[least])
-        near = at.pace[0] <= half * curve.speed_bounds(low, high)[1]
+        pace, turn = _pace_and_turn(curve, middle)
+        least = int(np.argmin(pace))
+        if pace[least] <= 0.0:  # missed by every sample
+            return float(pace[least] / turn[least]), float(middle[least])
+        near = pace <= half * curve.speed_bounds(low, high)[1]
         if not np.any(near):
             break
         low, high = halves(low, high, near)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.curve.blocks import BLOCK, in_blocks
+from camgeo.curve.blocks import BLOCK, cells_in_blocks, in_blocks
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.reference import inner_of, mechanisms, pitch_curve_of
@@ -33,3 +33,17 @@ def test_a_point_has_the_same_value_in_any_array() -> None:
     assert np.array_equal(curve.curvature(phi)[some], curve.curvature(phi[some]))
     inner = inner_of(curve)
     assert np.array_equal(inner.point(phi)[some], inner.point(phi[some]))
+
+
+@pytest.mark.parametrize("count", [0, 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
+def test_blocks_cover_all_cells_once_in_order(count: int) -> None:
+    sizes: list[int] = []
+
+    @cells_in_blocks
+    def ends(_: object, low: FloatArray, high: FloatArray) -> FloatArray:
+        sizes.append(len(low))
+        return np.stack((low, high))
+
+    phi = np.arange(float(count))
+    assert np.array_equal(ends(None, phi, phi + 0.5), np.stack((phi, phi + 0.5)))
+    assert max(sizes) <= BLOCK
