@@ -32,8 +32,8 @@ if TYPE_CHECKING:  # few scenes name an effect
 
 FULL_TURN = Decimal(360)
 
-NUMBERS: Final = 10_000_000
-"""In a table at most: 80 MB, as text twice as much, and both are there several times."""
+NUMBERS: Final = 5_000_000
+"""In a table at most: 40 MB, as text twice as much, and both are there several times."""
 
 POWERS = ("s", "s^2", "s^3")
 
