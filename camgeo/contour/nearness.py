@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.contour.contour import Fit
 from camgeo.contour.pieces import HALF_TURN, Pieces, Run
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, taken
 
@@ -49,6 +50,12 @@ def least_distance(one: Run, other: Run) -> float:
         if len(row):
             least = min(least, _between(taken(a, rows[row]), taken(b, column)))
     return least
+
+
+def surely_apart(one: Fit, other: Fit) -> float:
+    """Least distance [mm] of the exact curves of two fits; not positive where they may meet."""
+    contours = (Pieces.around([each.contour]) for each in (one, other))
+    return least_distance(*contours) - one.deviation - other.deviation
 
 
 def _ends(chain: Run) -> ComplexArray:

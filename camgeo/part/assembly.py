@@ -9,8 +9,7 @@ from itertools import pairwise
 from typing import Final
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import least_distance
-from camgeo.contour.pieces import Pieces
+from camgeo.contour.nearness import surely_apart
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.bevels import bevelled
@@ -247,14 +246,13 @@ def _require_clear(
     GeometryError
         With `key`, if it touches another feature or lies where the disc has no material.
     """
-    pieces, start = Pieces.around([boundary.exact]), complex(boundary.exact.vertices[0])
+    own, start = boundary.beside(tolerance), complex(boundary.exact.vertices[0])
     around = 0
     covering = ""
     for each in others:
         other = each.boundary
         fit = other.beside(tolerance)
-        apart = least_distance(pieces, Pieces.around([fit.contour])) - fit.deviation
-        if apart <= 0.0:
+        if surely_apart(own, fit) <= 0.0:
             message = f"the {boundary.name} must lie clear of the {other.name}, which it touches"
             raise GeometryError(message, key=key)
         if winding_number(boundary.exact, complex(fit.contour.vertices[0])):

@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.contour.nearness import least_distance
-from camgeo.contour.pieces import Pieces
+from camgeo.contour.nearness import surely_apart
 from camgeo.contour.simple import winding_number
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.working_curve import WorkingCurve
@@ -197,12 +196,10 @@ def _require_clear(bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance:
         for each in layer.boundaries
         if each != bevel.boundary
     }
-    own = Pieces.around([bevel.boundary.beside(tolerance).contour])
-    unsure = bevel.boundary.beside(tolerance).deviation
+    own = bevel.boundary.beside(tolerance)
     for other in near.values():
         widths = (_reach(each) for each in bevels if each.boundary == other)
-        fit = other.beside(tolerance)
-        apart = least_distance(own, Pieces.around([fit.contour])) - fit.deviation - unsure
+        apart = surely_apart(own, other.beside(tolerance))
         if apart <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(

@@ -13,8 +13,7 @@ from typing import Any, Final
 
 from camgeo.cam.contact import Contact
 from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import least_distance
-from camgeo.contour.pieces import Pieces
+from camgeo.contour.nearness import surely_apart
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
@@ -154,10 +153,10 @@ def _through(
 
 def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[Boundary]:
     """The boundaries of a disc within the spacer."""
-    ring = Pieces.around([circle.exact])
+    ring = circle.beside(tolerance)
     for each in layer.boundaries[1:]:
         fit = each.beside(tolerance)
-        if least_distance(Pieces.around([fit.contour]), ring) <= fit.deviation:
+        if surely_apart(ring, fit) <= 0.0:
             raise GeometryError(
                 f"the spacer must lie clear of the {each.name}, which it touches", key=KEY
             )

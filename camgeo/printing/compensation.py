@@ -11,8 +11,7 @@ from itertools import combinations, pairwise
 from typing import Final
 
 from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import least_distance
-from camgeo.contour.pieces import Pieces
+from camgeo.contour.nearness import surely_apart
 from camgeo.contour.simple import winding_number
 from camgeo.errors import GeometryError
 from camgeo.part.part import Boundary, Layer, Part
@@ -136,10 +135,8 @@ def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) ->
     """GeometryError unless boundaries lie apart, each in those that it lay in before."""
     fits, were = ([each.beside(TOLERANCE) for each in group] for group in (moved, before))
     for a, b in combinations(range(len(moved)), 2):
-        one, other = (Pieces.around([fits[k].contour]) for k in (a, b))
-        apart = least_distance(one, other) - fits[a].deviation - fits[b].deviation
         inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
-        if apart <= 0.0 or inside[0] != inside[1]:
+        if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
             message = f"{before[a].name} and {before[b].name} would touch"
             raise GeometryError(message, key="part")
 
