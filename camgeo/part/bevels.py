@@ -186,9 +186,14 @@ def _reach(bevel: Bevel) -> float:
     return bevel.width
 
 
+def _heights(bevel: Bevel) -> tuple[float, float]:
+    """Between which a chamfer is [mm]."""
+    return min(bevel.z, bevel.foot), max(bevel.z, bevel.foot)
+
+
 def _require_clear(bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance: float) -> None:
-    """GeometryError if a chamfer comes to another boundary at its heights, or to its chamfer."""
-    low, high = sorted((bevel.z, bevel.foot))
+    """GeometryError if a chamfer comes to another boundary, or to its chamfer, at its heights."""
+    low, high = _heights(bevel)
     near = {
         each.name: each
         for layer in part.layers
@@ -198,7 +203,11 @@ def _require_clear(bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance:
     }
     own = bevel.boundary.beside(tolerance)
     for other in near.values():
-        widths = (_reach(each) for each in bevels if each.boundary == other)
+        widths = (
+            _reach(each)
+            for each in bevels
+            if each.boundary == other and _heights(each)[0] <= high and low <= _heights(each)[1]
+        )
         apart = surely_apart(own, other.beside(tolerance))
         if apart <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)

@@ -155,6 +155,18 @@ def test_what_has_no_room_is_refused_with_its_key(
     assert caught.value.key == f"part.chamfers.{key}"
 
 
+def test_chamfers_at_different_heights_do_not_meet() -> None:
+    """A hole 1.5 mm beside the bore, each with a chamfer of 1 mm."""
+    spec = replace(DISC, bolt_circle=Holes(1, 27.0, 4.0))
+    part = edged(Contact.INNER, spec, bore=Chamfer(1.0, "upper"), bolt_circle=Chamfer(1.0, "lower"))
+    sharp = edged(Contact.INNER, spec)
+    # By Pappus' theorem: a triangle of 1 mm by 1 mm about each axis, its centroid a third outside.
+    cut = math.pi * (10.0 + 1.0 / 3.0) + math.pi * (2.0 + 1.0 / 3.0)
+    assert solid(part).volume == pytest.approx(solid(sharp).volume - cut, rel=1e-12)
+    with pytest.raises(GeometryError, match=r"comes to the bolt hole 1, 1\.5 mm"):
+        edged(Contact.INNER, spec, bore=Chamfer(1.0), bolt_circle=Chamfer(1.0, "lower"))
+
+
 def keyed_sections(radius: float, p: float, bottom: float, by: float) -> float:
     """Area within the parallel of a bore with keyway, as circle, rectangle, less their overlap."""
     outer, half = radius + by, p + by
