@@ -53,6 +53,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("accuracy",),
     ("figure",),
     ("answers",),
+    ("designing",),
     ("cli",),
     ("__init__", "__main__"),
 )
