@@ -1,0 +1,73 @@
+"""A job of the designer, and its texts on the way between processes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Final, Self
+
+from camgeo.errors import CamgeoError
+
+LARGEST: Final = 16_000_000
+"""Bytes of a job as text: more than the largest scene and any change of it."""
+
+
+class JobError(CamgeoError, ValueError):
+    """A job is none that can be done: an unknown kind, or arguments that it does not have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What the designer asks of a scene.
+
+    Attributes
+    ----------
+    kind : one of `camgeo.designing.work.KINDS`.
+    text : of the scene, TOML.
+    file : path that messages name; empty for a scene that is in no file yet.
+    folder : in which the files lie that the scene names; empty if there is none.
+    arguments : of the kind, JSON data.
+    """
+
+    kind: str
+    text: str = ""
+    file: str = ""
+    folder: str = ""
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("kind", "text", "file", "folder"):
+            if not isinstance(getattr(self, name), str):
+                raise JobError(f"{name} of a job must be text")
+        if not isinstance(self.arguments, Mapping):
+            raise JobError("arguments of a job must be a table")
+
+    def to_json(self) -> bytes:
+        """The job as JSON.
+
+        Raises
+        ------
+        JobError
+            If its arguments are no JSON data, or if it is larger than `LARGEST`.
+        """
+        try:
+            text = json.dumps(asdict(self), allow_nan=False).encode()
+        except (TypeError, ValueError, RecursionError) as error:
+            raise JobError(f"arguments of a job must be JSON data: {error}") from error
+        if len(text) > LARGEST:
+            raise JobError(f"is larger than {LARGEST:,} bytes, too large for a job")
+        return text
+
+    @classmethod
+    def from_json(cls, text: bytes) -> Self:
+        """The job of that text; JobError if it is none."""
+        try:
+            found = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise JobError(f"a job must be JSON: {error}") from error
+        if not isinstance(found, dict) or not found.keys() <= set(cls.__slots__):
+            raise JobError("a job must be a table of kind, text, file, folder and arguments")
+        if "kind" not in found:
+            raise JobError("a job must have a kind")
+        return cls(**found)
