@@ -1,0 +1,3 @@
+// The page of `camgeo design`.
+
+document.documentElement.dataset.ready = "true";
