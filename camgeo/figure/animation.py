@@ -17,7 +17,7 @@ from camgeo.figure.marks import Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.mechanism import PAST, SAGITTA, parts_of, window
 from camgeo.figure.model import data_of
 from camgeo.figure.style import AUXILIARY, cam_angles
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.product.product import Product
 from camgeo.units import TURN
@@ -92,9 +92,9 @@ def animation(product: Product) -> Animation:
     """
     cam, parts = product.cam, parts_of(product)
     angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
-    sketches = [product.pictured.mechanism_sketch(float(phi)) for phi in angles]
-    low, high = window(cam.follower.base_radius, parts, sketches)
-    first = sketches[0]
+    sketch = product.pictured.mechanism_at(angles)
+    low, high = window(cam.follower.base_radius, parts, [sketch])
+    first = sketch.at(0)
     marks, note = _turning(product)
     lifts = cam.drive.motion.jet(angles)[0]
     degrees = cam.lift_unit == "rad"
@@ -113,7 +113,7 @@ def animation(product: Product) -> Animation:
         first.shafts,
         tuple(_way(guide.middle, guide.direction, guide.travel, guide.block, past)
               for guide in first.guides),
-        frozen([_places(sketch) for sketch in sketches], np.float64),
+        _places(sketch),
         frozen(np.degrees(lifts) if degrees else lifts, np.float64),
         "°" if degrees else "mm",
     )  # fmt: skip
@@ -149,10 +149,14 @@ def _way(
     return Way(middle + start * direction, middle + end * direction, block)
 
 
-def _places(sketch: MechanismSketch) -> list[tuple[float, float]]:
+def _places(sketch: MechanismSketch[Places]) -> FloatArray:
+    """See `Animation.places`."""
     points = [point for link in sketch.links for point in link]
     points += [point for face in sketch.faces for point in face]
     points += [centre for centre, _ in sketch.rollers]
     points += sketch.joints
     points += [guide.middle for guide in sketch.guides if guide.block]
-    return [(point.real, point.imag) for point in points]
+    places = np.empty((POSITIONS, len(points)), np.complex128)
+    for number, point in enumerate(points):
+        places[:, number] = point
+    return frozen(places.view(np.float64).reshape(POSITIONS, len(points), 2), np.float64)

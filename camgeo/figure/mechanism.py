@@ -17,7 +17,7 @@ from camgeo.figure.layout import Size, grid
 from camgeo.figure.marks import Area, Box, Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.model import Axis, Figure, Panel
 from camgeo.figure.style import AUXILIARY
-from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch, Place
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
 from camgeo.product.product import Product
@@ -129,14 +129,14 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 
 def window(
-    reach: float, parts: tuple[Part, ...], sketches: list[MechanismSketch]
+    reach: float, parts: tuple[Part, ...], sketches: Sequence[MechanismSketch[Place]]
 ) -> tuple[complex, complex]:
     """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
     coarse = COARSE * reach
     for part in parts:
         reach = max(reach, largest_radius(part.outermost.arcs(coarse).contour))
-    points = [point for sketch in sketches for point in sketch.points]
-    corners = np.array([*points, *(reach * side for side in (1, 1j, -1, -1j))])
+    points = [sketch.points for sketch in sketches]
+    corners = np.concatenate([*points, reach * np.array([1, 1j, -1, -1j])])
     low = complex(corners.real.min(), corners.imag.min())
     high = complex(corners.real.max(), corners.imag.max())
     room = ROOM * max((high - low).real, (high - low).imag) * (1.0 + 1.0j)
@@ -151,7 +151,7 @@ def parts_of(product: Product) -> tuple[Part, ...]:
         return ()
 
 
-def _bodies(sketch: MechanismSketch, joint: float) -> list[Mark]:
+def _bodies(sketch: MechanismSketch[complex], joint: float) -> list[Mark]:
     marks: list[Mark] = [Line(plane(link), LINK, layer=5.0) for link in sketch.links]
     marks += [Line(plane(face), FACE, layer=5.0) for face in sketch.faces]
     for centre, radius in sketch.rollers:
@@ -165,7 +165,9 @@ def _bodies(sketch: MechanismSketch, joint: float) -> list[Mark]:
     return marks
 
 
-def _measures(dimensions: Sequence[Dimension], sketch: MechanismSketch, scale: float) -> list[Mark]:
+def _measures(
+    dimensions: Sequence[Dimension[complex]], sketch: MechanismSketch[complex], scale: float
+) -> list[Mark]:
     """Each length with its number, at `scale` inches per mm; a dashed line where no link is."""
     links = {frozenset(link) for link in sketch.links}
     marks: list[Mark] = []
@@ -194,7 +196,7 @@ def _measures(dimensions: Sequence[Dimension], sketch: MechanismSketch, scale: f
     return marks
 
 
-def _listed(dimensions: Sequence[Dimension], unit: LengthUnit, size: Size) -> list[Text]:
+def _listed(dimensions: Sequence[Dimension[complex]], unit: LengthUnit, size: Size) -> list[Text]:
     """The lengths by their numbers: key of the scene and value, in rows from left to right."""
     rows = -(-len(dimensions) // PER_ROW)
     texts = []
@@ -215,7 +217,7 @@ def _circle(centre: complex, radius: float, layer: float = 6.0) -> Mark:
     return Circle((centre.real, centre.imag), radius, BODY, layer)
 
 
-def _guide(guide: Guide, joint: float) -> list[Mark]:
+def _guide(guide: Guide[complex], joint: float) -> list[Mark]:
     """Two bars, hatched on the outside, on both sides of a rod or a block."""
     along, across = guide.direction * joint, 1j * guide.direction * joint
     marks: list[Mark] = []

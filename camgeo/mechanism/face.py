@@ -39,7 +39,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower, RelativeJet
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.mechanism.values import coordinate
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -127,7 +127,7 @@ class FlatFollower(Follower):
         """See `Follower.on_one_side`."""
         return False
 
-    def return_sketch(self, _: complex, __: float, ___: float) -> MechanismSketch:
+    def return_sketch(self, _: ComplexArray, __: FloatArray, ___: float) -> MechanismSketch[Places]:
         """See `Follower.return_sketch`."""
         return MechanismSketch()
 
@@ -150,8 +150,10 @@ def face_ends(key: str, face: Any) -> tuple[float, float]:
 FaceEnds = Annotated[tuple[float, float], face_ends]
 
 
-def face_line(start: complex, along: complex, ends: tuple[float, float]) -> tuple[complex, complex]:
-    """The ends of a face [mm] that is measured from `start` in the direction `along`."""
+def face_line(
+    start: ComplexArray, along: ComplexArray, ends: tuple[float, float]
+) -> tuple[ComplexArray, ComplexArray]:
+    """The ends of a face [mm] that is measured from `start` in the direction `along`; all (n,)."""
     return start + along * ends[0], start + along * ends[1]
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.mechanism.follower import Follower, RelativeJet, bend_of_path
-from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch, Places
 from camgeo.motion.motion import Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 GUIDE = 0.8
 """Distance from a carriage in its farthest position to its guide, in base radii."""
@@ -69,20 +69,24 @@ class Guided(Follower):
 
     def linked_at(self, farthest: float) -> tuple[complex, complex]:
         """See `Follower.linked_at`: the end of its rod."""
-        return self.rod(0.0, farthest).links[0][-1], self.way
+        return self.rod(np.zeros(1), farthest).at(0).links[0][-1], self.way
 
-    def rod(self, lift: float, farthest: float) -> MechanismSketch:
-        """Its rod at `lift` [mm], from where it touches the cam, in its guide."""
-        held, start, here = (self.traced_point(at) for at in (farthest, 0.0, lift))
+    def rod(self, lifts: FloatArray, farthest: float) -> MechanismSketch[Places]:
+        """Its rod at `lifts` (n,) [mm], from where it touches the cam, in its guide."""
+        held, start, here = (
+            self.traced_point(farthest), self.traced_point(0.0), self.traced(lifts),
+        )  # fmt: skip
         middle = held + GUIDE * self.base_radius * self.outward
         end = middle + here - start + ROD * self.base_radius * self.outward
         guide = Guide(middle, self.outward, block=False)
         return MechanismSketch(links=((here, end),), guides=(guide,))
 
-    def across(self, lift: float, breadth: float) -> tuple[complex, MechanismSketch]:
-        """The far side of its yoke at `lift` [mm], and the bracket that joins both."""
-        here = self.traced_point(lift)
-        there = here - breadth * here / abs(here)
+    def across(
+        self, lifts: FloatArray, breadth: float
+    ) -> tuple[ComplexArray, MechanismSketch[Places]]:
+        """The far side (n,) of its yoke at `lifts` (n,), and the bracket that joins both."""
+        here = self.traced(lifts)
+        there = here - breadth * here / np.abs(here)
         return there, MechanismSketch(links=(bracket(here, there, 0.6 * breadth),))
 
 
@@ -125,7 +129,9 @@ class Rocking(Follower):
         """See `Follower.linked_at`."""
         return self.pivot, 0j
 
-    def far_side(self, _: float, __: tuple[float, float], ___: float) -> MechanismSketch:
+    def far_side(
+        self, _: FloatArray, __: tuple[float, float], ___: float
+    ) -> MechanismSketch[Places]:
         """See `Follower.far_side`."""
         return MechanismSketch()
 
@@ -145,7 +151,7 @@ class WithRoller(Follower):
     )
     ahead = 0
 
-    def roller_size(self, centre: complex, way: complex) -> tuple[Dimension, ...]:
+    def roller_size(self, centre: Places, way: Places) -> tuple[Dimension[Places], ...]:
         """The radius of the roller at `centre` [mm], shown along `way`; none of a knife edge."""
         radius = self.roller_radius
         return (Dimension("roller_radius", centre, centre + radius * way),) if radius else ()
@@ -173,7 +179,7 @@ class WithRoller(Follower):
         return np.zeros(jet.shape[1])
 
 
-def bracket(first: complex, second: complex, reach: float) -> tuple[complex, ...]:
-    """From one side of the cam to the other, clear of a disc of the radius `reach`."""
-    aside = 1j * (first - second) / abs(first - second) * BRACKET * reach
+def bracket(first: ComplexArray, second: ComplexArray, reach: float) -> tuple[Places, ...]:
+    """From one side of the cam to the other, clear of a disc of the radius `reach`; all (n,)."""
+    aside = 1j * (first - second) / np.abs(first - second) * BRACKET * reach
     return first, first + aside, second + aside, second

@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from camgeo.mechanism.kind import Mover, Touching
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import LiftUnit
 
 
@@ -168,10 +168,19 @@ class Follower(ABC):
         `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
 
+    def traced(self, lifts: FloatArray) -> ComplexArray:
+        """(n,) [mm] the roller centre, or the contact of a flat face that rests, in the fixed frame
+        at lifts (n,).
+        """
+        jet = np.zeros((FULL_ORDER + 1, len(lifts)))
+        jet[0] = lifts
+        at = self.relative_jet(jet, 1, 1)
+        found: ComplexArray = (at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis)
+        return found
+
     def traced_point(self, lift: float) -> complex:
-        """The roller centre, or the contact of a flat face that rests, in the fixed frame [mm]."""
-        at = self.relative_jet(np.array([[lift], [0.0], [0.0], [0.0]]), 1, 1)
-        return complex(at.along[0, 0], at.across[0, 0]) * cmath.exp(1j * at.axis)
+        """The same at one lift."""
+        return complex(self.traced(np.array([lift]))[0])
 
     @abstractmethod
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
@@ -209,8 +218,10 @@ class Follower(ABC):
         """
 
     @abstractmethod
-    def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
-        """The follower at the lift `lift` [mm or rad].
+    def sketch(
+        self, lifts: FloatArray, farthest: float, ends: tuple[float, float]
+    ) -> MechanismSketch[Places]:
+        """The follower at `lifts` (n,) [mm or rad].
 
         `farthest` is the lift farthest from the cam; `ends` are where a flat face begins and ends
         [mm], measured as its contact is, and without meaning for a roller.
@@ -230,12 +241,17 @@ class Follower(ABC):
         """
 
     @abstractmethod
-    def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
-        """The second side of a yoke of `breadth` [mm] at `lift` [mm]; nothing for a rocker."""
+    def far_side(
+        self, lifts: FloatArray, ends: tuple[float, float], breadth: float
+    ) -> MechanismSketch[Places]:
+        """The second side of a yoke of `breadth` [mm] at `lifts` (n,); nothing for a rocker."""
 
     @abstractmethod
-    def return_sketch(self, first: complex, lift: float, reach: float) -> MechanismSketch:
-        """The second roller of the body whose first one is at `first` [mm]; nothing for a face.
+    def return_sketch(
+        self, first: ComplexArray, lifts: FloatArray, reach: float
+    ) -> MechanismSketch[Places]:
+        """The second roller of the body whose first one is at `first` (n,) [mm]; nothing for a
+        face.
 
         `reach` [mm] is how far their centres come from the cam axis.
         """

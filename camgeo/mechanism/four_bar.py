@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.triangle import (
     ROUNDING,
     SLACK,
@@ -152,9 +152,9 @@ class FourBar(RockerCrank):
         pin = self.shaft + self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
         return pin, self.crank * np.exp(1j * self.crank_angle(motion))
 
-    def sketch(self, place: complex, _: complex, position: float) -> MechanismSketch:
+    def sketch(self, place: complex, _: complex, position: FloatArray) -> MechanismSketch[Places]:
         """See `Linkage.sketch`."""
-        joined, far = drawn(place, self.joints(np.array([position]))), place + self.shaft
+        joined, far = drawn(place, self.joints(position)), place + self.shaft
         pin = joined.joints[1]
         return joined + MechanismSketch(
             links=((far, pin),),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Literal, Protocol
 
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import LiftUnit
@@ -91,8 +91,10 @@ class Linkage(Protocol):
         axes as in the drawing of the cam.
         """
 
-    def sketch(self, place: complex, outward: complex, position: float) -> MechanismSketch:
-        """The linkage with its far end at `position` [mm or rad], in the frame of the cam.
+    def sketch(
+        self, place: complex, outward: complex, position: FloatArray
+    ) -> MechanismSketch[Places]:
+        """The linkage with its far end at `position` (n,) [mm or rad], in the frame of the cam.
 
         `place` and `outward` are as of `Follower.linked_at`.
         """

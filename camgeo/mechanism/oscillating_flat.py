@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -13,7 +12,7 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
 from camgeo.mechanism.families import Rocking
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
@@ -97,7 +96,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     @property
     def start_arm(self) -> complex:
         """See `Follower`."""
-        return self._face(0.0)[0] - self.pivot
+        return complex(self._face(np.zeros(1))[0][0]) - self.pivot
 
     @property
     def start_angle(self) -> float:
@@ -240,23 +239,28 @@ class OscillatingFlat(Rocking, FlatFollower):
         slide = self.touch(jet, rotation).distance
         return np.asarray(slide - rotation * self.face_offset * self.swing_sense * jet[1])
 
-    def _face(self, lift: float) -> tuple[complex, complex]:
-        """The pivot's foot on the face [mm], and the direction in which places are measured."""
+    def _face(self, lifts: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """The pivot's foot on the face (n,) [mm], and the direction in which places are measured,
+        at lifts (n,).
+        """
         line = -self.pivot / abs(self.pivot)
-        chi = self.arm_side * float(self.face_angle(np.array([lift]))[0])
-        along = line * cmath.exp(1j * chi)
+        along = line * np.exp(1j * self.arm_side * self.face_angle(lifts))
         return self.pivot + 1j * self.arm_side * along * self.face_offset, along
 
-    def _face_line(self, lift: float, ends: tuple[float, float]) -> tuple[complex, complex]:
-        """The ends of the face [mm], extended to the pivot's foot."""
-        return face_line(*self._face(lift), (min(0.0, ends[0]), max(0.0, ends[1])))
+    def _face_line(
+        self, lifts: FloatArray, ends: tuple[float, float]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """The ends of the face (n,) [mm], extended to the pivot's foot, at lifts (n,)."""
+        return face_line(*self._face(lifts), (min(0.0, ends[0]), max(0.0, ends[1])))
 
-    def sketch(self, lift: float, _: float, ends: tuple[float, float]) -> MechanismSketch:
+    def sketch(
+        self, lifts: FloatArray, _: float, ends: tuple[float, float]
+    ) -> MechanismSketch[Places]:
         """See `Follower.sketch`."""
-        foot, _along = self._face(lift)
-        start, along = self._face(0.0)
+        foot, _along = self._face(lifts)
+        start, along = (complex(each[0]) for each in self._face(np.zeros(1)))
         nearest = start - along * (start * along.conjugate()).real
-        sizes = [
+        sizes: list[Dimension[Places]] = [
             Dimension("pivot", 0j, self.pivot, vector=True),
             Dimension("base_radius", 0j, nearest),
         ]
@@ -266,7 +270,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         return MechanismSketch(
             links=((self.pivot, foot),),
             shafts=(self.pivot,),
-            faces=(self._face_line(lift, ends),),
+            faces=(self._face_line(lifts, ends),),
             dimensions=tuple(sizes),
         )
 
@@ -274,4 +278,5 @@ class OscillatingFlat(Rocking, FlatFollower):
         self, ends: tuple[float, float]
     ) -> tuple[Literal["pivot"], complex, tuple[complex, complex]]:
         """See `Follower.held`."""
-        return "pivot", self.pivot, self._face_line(0.0, ends)
+        start, stop = self._face_line(np.zeros(1), ends)
+        return "pivot", self.pivot, (complex(start[0]), complex(stop[0]))

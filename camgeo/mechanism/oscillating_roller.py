@@ -13,10 +13,10 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.families import Rocking, WithRoller
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray, phase
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.doubled import hypot_rest
 
@@ -184,29 +184,34 @@ class OscillatingRoller(Rocking, WithRoller):
         rocker = self.rocker_angle(lifts)
         return bool(np.all((rocker > 0.0) & (rocker < np.pi)))
 
-    def sketch(self, lift: float, _: float, __: tuple[float, float]) -> MechanismSketch:
+    def sketch(
+        self, lifts: FloatArray, _: float, __: tuple[float, float]
+    ) -> MechanismSketch[Places]:
         """See `Follower.sketch`."""
         sizes = (
             Dimension("pivot", 0j, self.pivot, vector=True),
             Dimension("base_radius", 0j, self.traced_point(0.0)),
         )
         held = MechanismSketch(shafts=(self.pivot,), dimensions=sizes)
-        return held + self.return_sketch(0j, lift, 0.0)
+        here = self.traced(lifts)
+        return held + self.return_sketch(here, lifts, 0.0)
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["pivot"], complex, None]:
         """See `Follower.held`."""
         return "pivot", self.pivot, None
 
-    def return_sketch(self, _: complex, lift: float, __: float) -> MechanismSketch:
+    def return_sketch(
+        self, _: ComplexArray, lifts: FloatArray, __: float
+    ) -> MechanismSketch[Places]:
         """See `Follower.return_sketch`: both arms are on the pivot."""
-        here = self.traced_point(lift)
+        here = self.traced(lifts)
         arm = here - self.pivot
         return MechanismSketch(
             links=((self.pivot, here),),
             rollers=((here, self.roller_radius),),
             dimensions=(
                 Dimension("arm", self.pivot, here),
-                *self.roller_size(here, arm / abs(arm)),
+                *self.roller_size(here, arm / np.abs(arm)),
             ),
         )
 

@@ -1,12 +1,26 @@
-"""What a picture shows of a mechanism in one position: links, joints, guides, rollers, faces."""
+"""What a picture shows of a mechanism: links, joints, guides, rollers and faces.
+
+A sketch shows one position, in which each place is a complex number, or n of them, in which what
+moves is an array (n,), and what does not a complex number still.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray
+
+Places = complex | ComplexArray
+"""Of a point in n positions [mm]: (n,), or one for all."""
+
+Place = TypeVar("Place", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Guide:
+class Guide(Generic[Place]):
     """A straight guide.
 
     Attributes
@@ -17,14 +31,14 @@ class Guide:
     travel : places [mm] of that point between which it moves; the guide itself stays.
     """
 
-    middle: complex
+    middle: Place
     direction: complex
     block: bool = True
     travel: tuple[complex, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Dimension:
+class Dimension(Generic[Place]):
     """A length of the mechanism that a scene states.
 
     Attributes
@@ -36,21 +50,21 @@ class Dimension:
     """
 
     key: str
-    start: complex
-    end: complex
+    start: Place
+    end: Place
     vector: bool = False
     negative: bool = False
 
     @property
-    def value(self) -> tuple[float, ...]:
+    def value(self: Dimension[complex]) -> tuple[float, ...]:
         """The length, or both coordinates [mm]."""
         way = self.end - self.start
         return (way.real, way.imag) if self.vector else (-abs(way) if self.negative else abs(way),)
 
 
 @dataclass(frozen=True, slots=True)
-class MechanismSketch:
-    """A mechanism in one position, in the fixed frame with its origin in the cam axis [mm].
+class MechanismSketch(Generic[Place]):
+    """A mechanism in one or n positions, in the fixed frame with its origin in the cam axis [mm].
 
     Attributes
     ----------
@@ -63,31 +77,50 @@ class MechanismSketch:
     dimensions : lengths that the scene states.
     """
 
-    links: tuple[tuple[complex, ...], ...] = ()
-    joints: tuple[complex, ...] = ()
+    links: tuple[tuple[Place, ...], ...] = ()
+    joints: tuple[Place, ...] = ()
     shafts: tuple[complex, ...] = ()
-    guides: tuple[Guide, ...] = ()
-    rollers: tuple[tuple[complex, float], ...] = ()
-    faces: tuple[tuple[complex, complex], ...] = ()
-    dimensions: tuple[Dimension, ...] = ()
+    guides: tuple[Guide[Place], ...] = ()
+    rollers: tuple[tuple[Place, float], ...] = ()
+    faces: tuple[tuple[Place, Place], ...] = ()
+    dimensions: tuple[Dimension[Place], ...] = ()
 
-    def of_table(self, name: str) -> MechanismSketch:
+    def of_table(self, name: str) -> MechanismSketch[Place]:
         """The same with the `name` of the scene's table before the keys of its dimensions."""
         found = (replace(each, key=f"{name}.{each.key}") for each in self.dimensions)
         return replace(self, dimensions=tuple(found))
 
-    def __add__(self, other: MechanismSketch) -> MechanismSketch:
+    def __add__(
+        self: MechanismSketch[Places], other: MechanismSketch[Places]
+    ) -> MechanismSketch[Places]:
         """Both together."""
         return MechanismSketch(
             *(getattr(self, each.name) + getattr(other, each.name) for each in fields(self))
         )
 
+    def at(self: MechanismSketch[Places], number: int) -> MechanismSketch[complex]:
+        """The position of that `number`, from 0."""
+        return MechanismSketch(*(_at(getattr(self, each.name), number) for each in fields(self)))
+
     @property
-    def points(self) -> tuple[complex, ...]:
-        """All points that must fit into a picture."""
-        ends = [point for line in (*self.links, *self.faces) for point in line]
-        rims = [
-            centre + radius * side for centre, radius in self.rollers for side in (1, 1j, -1, -1j)
-        ]
+    def points(self) -> ComplexArray:
+        """(m,) [mm] all that must fit into a picture, of all positions."""
+        ends: list[Any] = [point for line in (*self.links, *self.faces) for point in line]
+        sides = np.array([[1.0], [1j], [-1.0], [-1j]])
+        rims: list[Any] = [np.asarray(centre) + radius * sides for centre, radius in self.rollers]
         guides = [point for guide in self.guides for point in (guide.middle, *guide.travel)]
-        return (*ends, *self.joints, *self.shafts, *guides, *rims)
+        found = [*ends, *self.joints, *self.shafts, *guides, *rims]
+        return np.concatenate([np.zeros(0, np.complex128), *map(np.ravel, found)])
+
+
+def _at(value: Any, number: int) -> Any:
+    """The same with the place of that number instead of each array of places."""
+    if isinstance(value, np.ndarray):
+        return complex(value[number])
+    if isinstance(value, tuple):
+        return tuple(_at(each, number) for each in value)
+    if isinstance(value, Guide):
+        return replace(value, middle=_at(value.middle, number))
+    if isinstance(value, Dimension):
+        return replace(value, start=_at(value.start, number), end=_at(value.end, number))
+    return value

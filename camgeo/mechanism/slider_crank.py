@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.sketch import Guide, MechanismSketch
+from camgeo.mechanism.sketch import Guide, MechanismSketch, Places
 from camgeo.mechanism.triangle import (
     ROUNDING,
     RockerCrank,
@@ -253,9 +253,9 @@ class SliderCrank(RockerCrank):
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
 
-    def sketch(self, place: complex, _: complex, position: float) -> MechanismSketch:
+    def sketch(self, place: complex, _: complex, position: FloatArray) -> MechanismSketch[Places]:
         """See `Linkage.sketch`."""
-        joined = drawn(place, self.joints(np.array([position])))
+        joined = drawn(place, self.joints(position))
         return joined + MechanismSketch(guides=(Guide(joined.joints[1], 1.0 + 0j),))
 
     @property

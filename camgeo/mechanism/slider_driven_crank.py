@@ -15,7 +15,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage_protocol import OUT
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.triangle import (
     AREA,
@@ -143,15 +143,17 @@ class SliderDrivenCrank:
         tip = self.crank * (-sense * np.cos(theta) + 1j * np.sin(theta))
         return np.asarray(pin), np.asarray(tip)
 
-    def sketch(self, place: complex, outward: complex, position: float) -> MechanismSketch:
+    def sketch(
+        self, place: complex, outward: complex, position: FloatArray
+    ) -> MechanismSketch[Places]:
         """See `Linkage.sketch`: turned so that its slider runs along the follower's guide."""
-        pins, tips = self.joints(np.array([0.0, position]))
+        start = complex(self.joints(np.zeros(1))[0][0])
+        pins, tips = self.joints(position)
         strokes, _ = self.inner.joints(np.array([0.0, self.crank]))
         way = complex(strokes[1] - strokes[0])
         turn = outward * abs(way) / way
-        pin, tip, shaft = (
-            place + turn * (complex(each) - complex(pins[0])) for each in (pins[1], tips[1], 0j)
-        )
+        pin, tip = (place + turn * (each - start) for each in (pins, tips))
+        shaft = place - turn * start
         return crank_and_coupler(shaft, tip, pin)
 
     @property

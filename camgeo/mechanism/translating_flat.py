@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.mechanism.face import HIGHEST, FaceEnds, FlatFollower, Touch, face_line, spread
 from camgeo.mechanism.families import Guided
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Angle, Length, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -121,15 +121,19 @@ class TranslatingFlat(Guided, FlatFollower):
         """See `Follower.sliding`: g = h; that the contact wanders is no sliding."""
         return self.touch(jet, rotation).distance
 
-    def _face(self, lift: float) -> tuple[complex, complex]:
-        """The foot of the cam axis on the face [mm], and the direction in which places count."""
-        foot = self.traced_point(lift)  # in a dwell the contact lies there
-        return foot, -1j * foot / abs(foot)
+    def _face(self, lifts: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """The foot of the cam axis on the face (n,) [mm], and the direction in which places count,
+        at lifts (n,).
+        """
+        foot = self.traced(lifts)  # in a dwell the contact lies there
+        return foot, -1j * foot / np.abs(foot)
 
-    def sketch(self, lift: float, farthest: float, ends: tuple[float, float]) -> MechanismSketch:
+    def sketch(
+        self, lifts: FloatArray, farthest: float, ends: tuple[float, float]
+    ) -> MechanismSketch[Places]:
         """See `Follower.sketch`."""
-        return self.rod(lift, farthest) + MechanismSketch(
-            faces=(face_line(*self._face(lift), ends),),
+        return self.rod(lifts, farthest) + MechanismSketch(
+            faces=(face_line(*self._face(lifts), ends),),
             dimensions=(Dimension("base_radius", 0j, self.base_radius * self.outward),),
         )
 
@@ -137,10 +141,13 @@ class TranslatingFlat(Guided, FlatFollower):
         self, ends: tuple[float, float]
     ) -> tuple[Literal["guide"], complex, tuple[complex, complex]]:
         """See `Follower.held`."""
-        return "guide", 2.0 * self.base_radius * self.outward, face_line(*self._face(0.0), ends)
+        start, stop = face_line(*self._face(np.zeros(1)), ends)
+        return "guide", 2.0 * self.base_radius * self.outward, (complex(start[0]), complex(stop[0]))
 
-    def far_side(self, lift: float, ends: tuple[float, float], breadth: float) -> MechanismSketch:
+    def far_side(
+        self, lifts: FloatArray, ends: tuple[float, float], breadth: float
+    ) -> MechanismSketch[Places]:
         """See `Follower.far_side`: the same face, half a turn on."""
-        _, along = self._face(lift)
-        there, joined = self.across(lift, breadth)
+        _, along = self._face(lifts)
+        there, joined = self.across(lifts, breadth)
         return joined + MechanismSketch(faces=(face_line(there, -along, ends),))

@@ -12,10 +12,10 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.mechanism.families import Guided, WithRoller, bracket
 from camgeo.mechanism.follower import RelativeJet, TangentJet
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Angle, Coordinate, Length, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 
 
@@ -121,10 +121,12 @@ class TranslatingRoller(Guided, WithRoller):
         """See `Follower.on_one_side`."""
         return bool(np.all(self.start_height + self.direction * lifts > 0.0))
 
-    def sketch(self, lift: float, farthest: float, _: tuple[float, float]) -> MechanismSketch:
+    def sketch(
+        self, lifts: FloatArray, farthest: float, _: tuple[float, float]
+    ) -> MechanismSketch[Places]:
         """See `Follower.sketch`."""
-        here = self.traced_point(lift)
-        sizes = [Dimension("base_radius", 0j, self.traced_point(0.0))]
+        here = self.traced(lifts)
+        sizes: list[Dimension[Places]] = [Dimension("base_radius", 0j, self.traced_point(0.0))]
         if self.offset != 0.0:
             aside = -1j * self.outward * self.offset
             sizes.append(Dimension("offset", 0j, aside, negative=self.offset < 0.0))
@@ -132,21 +134,25 @@ class TranslatingRoller(Guided, WithRoller):
             rollers=((here, self.roller_radius),),
             dimensions=(*sizes, *self.roller_size(here, -1j * self.outward)),
         )
-        return self.rod(lift, farthest) + roller
+        return self.rod(lifts, farthest) + roller
 
     def held(self, _: tuple[float, float]) -> tuple[Literal["guide"], complex, None]:
         """See `Follower.held`."""
         height = self.start_height + 2.0 * self.base_radius
         return "guide", -1j * self.outward * self.offset + self.outward * height, None
 
-    def far_side(self, lift: float, _: tuple[float, float], breadth: float) -> MechanismSketch:
+    def far_side(
+        self, lifts: FloatArray, _: tuple[float, float], breadth: float
+    ) -> MechanismSketch[Places]:
         """See `Follower.far_side`."""
-        there, joined = self.across(lift, breadth)
+        there, joined = self.across(lifts, breadth)
         return joined + MechanismSketch(rollers=((there, self.roller_radius),))
 
-    def return_sketch(self, first: complex, lift: float, reach: float) -> MechanismSketch:
+    def return_sketch(
+        self, first: ComplexArray, lifts: FloatArray, reach: float
+    ) -> MechanismSketch[Places]:
         """See `Follower.return_sketch`: joined by a bracket."""
-        here = self.traced_point(lift)
+        here = self.traced(lifts)
         along = self.outward * ((here - first) * self.outward.conjugate()).real
         sizes = [Dimension("spacing", first, first + along)]
         return MechanismSketch(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -273,14 +273,16 @@ def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
     return np.stack((1j * first * joint, (1j * second - first * first) * joint))
 
 
-def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch:
+def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch[Places]:
     """Crank and coupler of a linkage on the rocker's `shaft` [mm]; `joints` are seen from there."""
-    pin, tip = (shaft + complex(joint[0]) for joint in joints)
+    pin, tip = (shaft + joint for joint in joints)
     return crank_and_coupler(shaft, tip, pin)
 
 
-def crank_and_coupler(shaft: complex, tip: complex, pin: complex) -> MechanismSketch:
-    """Crank and coupler at these places [mm]."""
+def crank_and_coupler(
+    shaft: complex, tip: ComplexArray, pin: ComplexArray
+) -> MechanismSketch[Places]:
+    """Crank and coupler at these places [mm]; `tip` and `pin` are (n,)."""
     return MechanismSketch(
         links=((shaft, tip), (tip, pin)),
         joints=(tip, pin),

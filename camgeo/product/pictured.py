@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.sketch import MechanismSketch
+from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.motion.extremes import lift_range
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.outline.envelope import Envelope
@@ -90,29 +90,33 @@ class PicturedCam(Pickled):
         """Where the follower is guided or pivoted."""
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
-    def mechanism_sketch(self, phi: float) -> MechanismSketch:
+    def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
         """The mechanism at the cam angle `phi` [rad]: its links and joints."""
+        return self.mechanism_at(np.array([phi])).at(0)
+
+    def mechanism_at(self, phi: FloatArray) -> MechanismSketch[Places]:
+        """The same at cam angles `phi` (n,) [rad]."""
         cam, follower, linkage = self.cam, self.cam.follower, self.cam.drive.linkage
         motion, ends = cam.drive.motion, self._face_ends
-        lift = float(motion.jet(np.array([phi]))[0, 0])
+        lift = motion.jet(phi)[0]
         lifts = lift_range(motion)
         farthest = max(lifts, key=lambda each: follower.reach * each)
         found = follower.sketch(lift, farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
             reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
-            first = follower.traced_point(lift)
+            first = follower.traced(lift)
             found += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
         if cam.yoke_breadth > 0.0:
             found += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:
             return found
         place, outward = follower.linked_at(farthest)
-        position = float(cam.drive.plan.jet(np.array([phi]))[0, 0])
-        linked = linkage.sketch(place, outward, position)
-        ends_of_way = [linkage.sketch(place, outward, at) for at in lift_range(cam.drive.plan)]
+        linked = linkage.sketch(place, outward, cam.drive.plan.jet(phi)[0])
+        way = linkage.sketch(place, outward, np.array(lift_range(cam.drive.plan)))
+        ends_of_way = way.at(0).guides, way.at(1).guides
         guides = tuple(
-            replace(guide, travel=tuple(each.guides[number].middle for each in ends_of_way))
+            replace(guide, travel=tuple(each[number].middle for each in ends_of_way))
             for number, guide in enumerate(linked.guides)
         )
         return found + replace(linked, guides=guides).of_table("linkage")

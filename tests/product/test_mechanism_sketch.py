@@ -29,7 +29,7 @@ def design(request: pytest.FixtureRequest) -> Design:
     return Design(load_scene(request.param))
 
 
-def lengths(sketch: MechanismSketch) -> list[float]:
+def lengths(sketch: MechanismSketch[complex]) -> list[float]:
     """Lengths of the links, from point to point."""
     return [abs(b - a) for link in sketch.links for a, b in pairwise(link)]
 
