@@ -62,4 +62,4 @@ def changed(
     if not isinstance(edits, Mapping):
         raise SceneError([Fault("", "", "the change names nothing that can be changed")], file)
     after = edited(found.exact, edits)
-    return Changed(written_into(text, after), label_of(edits))
+    return Changed(written_into(text, after), label_of(edits, {}))

@@ -18,6 +18,9 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import TURN
 
+PLAN: Final = 2
+"""Which of the `panels` has the plan itself."""
+
 NUMBERS, CLASSES = 0.26, 0.36
 """Heights [inch] of the strips above and below the plan."""
 

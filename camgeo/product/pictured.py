@@ -90,6 +90,17 @@ class PicturedCam(Pickled):
         """Where the follower is guided or pivoted."""
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
+    @property
+    def linked_at(self) -> tuple[complex, complex]:
+        """Where a linkage takes hold of the follower at lift 0 [mm], see `Follower.linked_at`."""
+        return self.cam.follower.linked_at(self._farthest)
+
+    @property
+    def _farthest(self) -> float:
+        """The lift [mm or rad] at which the follower is farthest from the cam."""
+        reach = self.cam.follower.reach
+        return max(lift_range(self.cam.drive.motion), key=lambda each: reach * each)
+
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
         """The mechanism at the cam angle `phi` [rad]: its links and joints."""
         return self.mechanism_at(np.array([phi])).at(0)
@@ -100,8 +111,7 @@ class PicturedCam(Pickled):
         motion, ends = cam.drive.motion, self._face_ends
         lift = motion.jet(phi)[0]
         lifts = lift_range(motion)
-        farthest = max(lifts, key=lambda each: follower.reach * each)
-        found = follower.sketch(lift, farthest, ends).of_table("follower")
+        found = follower.sketch(lift, self._farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
             reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
@@ -111,7 +121,7 @@ class PicturedCam(Pickled):
             found += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:
             return found
-        place, outward = follower.linked_at(farthest)
+        place, outward = self.linked_at
         linked = linkage.sketch(place, outward, cam.drive.plan.jet(phi)[0])
         way = linkage.sketch(place, outward, np.array(lift_range(cam.drive.plan)))
         ends_of_way = way.at(0).guides, way.at(1).guides

@@ -1,0 +1,49 @@
+"""Values that are dragged: rounded to decimal steps, and left alone where they hardly move."""
+
+from __future__ import annotations
+
+import math
+from decimal import ROUND_HALF_EVEN, Decimal, localcontext
+from typing import Any, Final
+
+FINEST: Final = 1e-6
+"""Step without a stated one [unit of the scene, degrees]."""
+
+STEPS: Final = (1e-9, 1e6)
+"""Least and greatest step."""
+
+DIGITS: Final = 60
+"""With which a value is rounded: those of the largest number in the least steps, and more."""
+
+
+def step_near(step: float) -> Decimal:
+    """The greatest power of ten, or 2 or 5 times one, that does not exceed `step`."""
+    step = min(max(step, STEPS[0]), STEPS[1])
+    exponent = math.floor(math.log10(step * (1.0 + 1e-12)))
+    digits = step / 10.0**exponent * (1.0 + 1e-12)
+    return Decimal(max(each for each in (1, 2, 5) if each <= digits)).scaleb(exponent)
+
+
+def snapped(value: float, step: float, before: Any = None) -> Any:
+    """`value` rounded to a step of at most `step`, as a number of a scene.
+
+    It is `before`, the number that was there, if that is within half a step of it. A whole number
+    is an integer unless `before` was written as a decimal number.
+    """
+    by = step_near(step)
+    if before is not None and abs(value - float(before)) <= 0.5 * float(by):
+        return before
+    with localcontext() as context:
+        context.prec = DIGITS
+        steps = (Decimal(value) / by).quantize(Decimal(1), ROUND_HALF_EVEN)
+        return styled(steps * by, before)
+
+
+def styled(value: Decimal, before: Any) -> Any:
+    """An exact number as it is written in place of `before`."""
+    if not value:
+        value = Decimal(0)  # and not -0
+    if value == value.to_integral_value() and not isinstance(before, Decimal):
+        return int(value)
+    plain = value.normalize()
+    return plain.quantize(Decimal(1)) if plain == plain.to_integral_value() else plain

@@ -1,0 +1,103 @@
+"""Spans of a motion's segments: exact sums, and changes that leave the turn whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from typing import Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN
+
+EXACT: Final = 400
+"""Digits with which spans are added and subtracted, as in `camgeo.motion.plan`."""
+
+Segment = Mapping[str, Any]
+"""A segment of a scene, as it is stated."""
+
+
+def span_key(segment: Segment) -> str:
+    """The key of its span."""
+    return "dwell" if "dwell" in segment else "span"
+
+
+def span_of(segment: Any) -> Decimal | None:
+    """Its span [degrees], exactly as written; None if it has none that can be."""
+    found = segment.get(span_key(segment)) if isinstance(segment, dict) else None
+    if isinstance(found, bool) or not isinstance(found, int | Decimal):
+        return None
+    exact = Decimal(found)
+    return exact if exact.is_finite() and 0 <= exact <= FULL_TURN else None
+
+
+def spans_of(motion: Any) -> list[Decimal] | None:
+    """The spans of all segments; None if one of them has none."""
+    if not isinstance(motion, list):
+        return None
+    found = [span_of(each) for each in motion]
+    spans = [each for each in found if each is not None]
+    return spans if len(spans) == len(found) else None
+
+
+def total(spans: Sequence[Decimal]) -> Decimal:
+    """Their exact sum."""
+    with localcontext() as context:
+        context.prec = EXACT
+        return sum(spans, Decimal(0))
+
+
+def joints(spans: Sequence[Decimal]) -> Iterator[Decimal]:
+    """The cam angles at which segments begin, and that of the end."""
+    with localcontext() as context:
+        context.prec = EXACT
+        at = [Decimal(0)]
+        for span in spans:
+            at.append(at[-1] + span)
+    yield from at
+
+
+def least_span(segment: Segment) -> Decimal:
+    """The shortest span that the segment may have, as far as its own values tell."""
+    if "dwell" in segment:
+        return Decimal(0)
+    points = segment.get("points")
+    last = points[-1].get("at") if isinstance(points, list) and points else None
+    return SHORTEST_SPAN if last is None else Decimal(last) + SHORTEST_SPAN
+
+
+def is_fixed(segment: Segment) -> bool:
+    """Whether a file decides its span."""
+    return segment.get("law") == "table"
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbours:
+    """Two segments side by side, which share what the turn has for both.
+
+    Attributes
+    ----------
+    first, second : the segments.
+    """
+
+    first: Segment
+    second: Segment
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the joint between them cannot move."""
+        return is_fixed(self.first) or is_fixed(self.second)
+
+    def with_first(self, span: Decimal) -> tuple[Decimal, Decimal]:
+        """The spans of both if that of the first is `span`; GeometryError if one has no room."""
+        before = span_of(self.first), span_of(self.second)
+        assert before[0] is not None  # only valid scenes have handles
+        assert before[1] is not None
+        with localcontext() as context:
+            context.prec = EXACT
+            other = before[1] - (span - before[0])
+        for segment, new, name in ((self.first, span, "before"), (self.second, other, "after")):
+            if new < least_span(segment):
+                message = f"leaves no room for the segment {name} the joint"
+                raise GeometryError(message, "motion", f"{new.normalize():f}")
+        return span, other

@@ -1,0 +1,21 @@
+"""The scenes that the designer's tests run through: all of fixtures, and the templates."""
+
+from __future__ import annotations
+
+import functools
+import pathlib
+
+from camgeo.design import Design
+from camgeo.scene.load import load_scene
+from camgeo.scene.new import TEMPLATES
+
+FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures"
+FOLDERS = (FIXTURES / "scenes", FIXTURES / "effects", FIXTURES / "pairs", TEMPLATES)
+FILES = [path for folder in FOLDERS for path in sorted(folder.glob("*.toml"))]
+NAMES = [f"{path.parent.name}-{path.stem}" for path in FILES]
+
+
+@functools.cache
+def design(file: pathlib.Path) -> Design:
+    """The design of a file, made once."""
+    return Design(load_scene(file))

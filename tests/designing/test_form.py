@@ -1,0 +1,91 @@
+"""The form of a scene."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from decimal import Decimal
+from typing import Any
+
+import pytest
+
+from camgeo.designing.form import form
+from camgeo.scene.document import document, document_of
+from camgeo.scene.keys import path_of
+from tests.designing.scenes import FILES, NAMES
+
+
+def fields(data: bytes) -> dict[str, Any]:
+    return {each.key: each for section in form(document(data)) for each in section.fields}
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_every_value_of_a_scene_has_its_field(file: pathlib.Path) -> None:
+    data = file.read_bytes()
+    found = fields(data)
+    text = json.dumps([each.to_data() for each in form(document(data))], allow_nan=False)
+    assert len(text) < 120_000
+    stated = {key for key, each in found.items() if each.stated}
+    for path in leaves(document(data).exact):
+        key = ".".join(str(step) for step in path)
+        if path[0] not in ("camgeo", "motion") and path[-1:] != ("kind",):
+            assert any(path_of(each) == path for each in stated), key
+    for key, each in found.items():
+        assert each.title, key
+        if each.slider is not None:
+            low, high, step = each.slider
+            assert low <= each.value <= high, key
+            assert 0 < step < high - low
+            assert each.low is None or low >= each.low
+            assert each.high is None or high <= each.high
+
+
+def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Paths to the values of a scene's tables; a list of values, or of inline tables, is one."""
+    if isinstance(node, dict):
+        return [found for key, each in node.items() for found in leaves(each, (*path, key))]
+    if isinstance(node, list) and node and isinstance(node[0], dict) and len(path) == 1:
+        return [f for index, each in enumerate(node) for f in leaves(each, (*path, index))]
+    return [] if isinstance(node, list) and node and isinstance(node[0], dict) else [path]
+
+
+def test_a_field_says_what_the_schema_says() -> None:
+    found = fields(FILES[NAMES.index("scenes-setzhub")].read_bytes())
+    radius = found["follower.roller_radius"]
+    assert (radius.title, radius.type, radius.unit, radius.value) == (
+        "roller radius", "number", "mm", 7.0,
+    )  # fmt: skip
+    assert radius.description.startswith("r_R: radius of the roller")
+    assert (radius.low, radius.high, radius.slider) == (0, 1e9, (0.0, 10.0, 0.02))
+    assert found["follower.contact"].choices == ("inner", "outer", "groove")
+    assert found["linkage.mirrored"].type == "flag"
+    assert found["cam.speed_curve"].type == "file"
+    assert found["follower.pivot"].value == [-40.46, -62.0]
+    assert found["limits.transmission_angle"].unit == "°"
+    assert found["follower.side_clearance"].stated is False
+    assert found["tool[1].feed"].unit == "mm/min"
+
+
+def test_kinds_can_be_chosen() -> None:
+    sections = {each.key: each for each in form(document(FILES[0].read_bytes()))}
+    assert sections["follower"].kind == "translating-roller"
+    assert {name for name, _ in sections["linkage"].kinds or ()} == {"slider-crank", "four-bar"}
+    assert not sections["linkage"].stated
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"a": 1}, {"follower": 3}, {"follower": []}, {"follower": {"kind": 3}},
+        {"follower": {"kind": "no"}}, {"linkage": {"kind": "no"}}, {"effects": {"no": {}}},
+        {"effects": [1]}, {"effects": {"spring": 3}}, {"tool": {}}, {"tool": [1, {"number": "x"}]},
+        {"output": {"formats": [1, {}], "dxf": 3}}, {"motion": {}}, {"cam": {"speed": "fast"}},
+        {"limits": {"radius_ratio": Decimal("NaN")}}, {"part": {"keyway": [1]}},
+        {"part": {"bore": 10**400}}, {"units": {"length": ["mm"]}}, {"name": "x" * 100_000},
+        {"follower": {"kind": "translating-roller", "return": 3, "base_radius": {"a": [1]}}},
+        {"follower": {"kind": {}}, "linkage": {"kind": []}},
+    ],
+)  # fmt: skip
+def test_any_values_have_a_form(values: dict[str, Any]) -> None:
+    data = [each.to_data() for each in form(document_of(values))]
+    assert len(json.dumps(data, allow_nan=False)) < 120_000

@@ -1,0 +1,47 @@
+"""The motion plan as rows."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from typing import Any
+
+import pytest
+
+from camgeo.designing.plan import plan
+from camgeo.scene.document import document, document_of
+from tests.designing.scenes import FILES, NAMES, design
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_rows_are_the_segments(file: pathlib.Path) -> None:
+    found = plan(document(file.read_bytes()))
+    own = design(file).drive.plan
+    assert [each.begin for each in found] == [float(angle) for angle in own.joints_deg[:-1]]
+    assert found[-1].end == 360.0
+    assert all(each.fields for each in found)
+    json.dumps([each.to_data() for each in found], allow_nan=False)
+
+
+def test_a_row_has_the_keys_of_its_kind() -> None:
+    rows = plan(document(FILES[NAMES.index("scenes-setzhub")].read_bytes()))
+    assert [each.key for each in rows[0].fields] == ["motion[1].dwell"]
+    assert [each.kind for each in rows] == ["dwell", "move", "dwell", "move", "dwell"]
+    move = {each.title: each for each in rows[1].fields}
+    assert (move["to"].unit, move["velocity"].unit, move["span"].unit) == ("mm", "mm/rad", "°")
+    assert "modified-sine" in move["law"].choices
+    assert (rows[1].start, rows[1].to, rows[1].law) == (0.0, 58.5, "polynomial-345")
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        3, {}, [], [3], [[]], [{"dwell": "x"}], [{"law": 3}], [{"law": "no", "span": -1}],
+        [{"span": 10**50}], [{"dwell": True}], [{"law": "points", "points": 3, "span": 360}],
+        [{"dwell": 0}] * 3000,
+    ],
+)  # fmt: skip
+def test_any_motion_has_rows(motion: Any) -> None:
+    data = [each.to_data() for each in plan(document_of({"motion": motion}))]
+    json.dumps(data, allow_nan=False)
+    assert len(data) <= 400
