@@ -163,3 +163,19 @@ def test_a_package_of_another_license_is_found(
 ) -> None:
     found = faults([fake(tmp_path, head, files)], notices)
     assert found == [] if not fault else fault in " ".join(found)
+
+
+def carried_by_script(text: str) -> list[str]:
+    """Rows of the notices for the packages in a script for browsers, which has their licenses."""
+    pattern = r"^It contains (\S+) [\d.]+ \((.*)\)\n\n(.*\n){,5}Permission is hereby granted"
+    found = re.findall(pattern, text, re.MULTILINE)
+    return [rf"^\| {re.escape(name)} \|.*\| {re.escape(terms)} \|$" for name, terms, _ in found]
+
+
+def test_packages_in_scripts_for_browsers_are_in_the_notices() -> None:
+    folder = ROOT / "export" / "camgeo_export" / "browser" / "bundle"
+    texts = [path.read_text("utf-8") for path in folder.iterdir()]
+    rows = [row for text in texts for row in carried_by_script(text)]
+    assert len(rows) == sum(text.count("It contains ") for text in texts) > 0
+    assert all(re.search(row, NOTICES, re.MULTILINE) for row in rows)
+    assert all(row.endswith(r"MIT \|$") for row in rows)

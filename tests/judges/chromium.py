@@ -54,7 +54,7 @@ SLOW: Final = "GL Driver Message (OpenGL, Performance"
 
 REPORT_PROBE: Final = """
 const all = (what) => [...document.querySelectorAll(what)];
-const turned = () => document.querySelector("#mechanism svg g")?.getAttribute("transform");
+const turned = () => document.querySelector("#mechanism .turning")?.getAttribute("transform");
 const places = () => all(".cursor").map((e) => e.getAttribute("x1")).join();
 const before = [turned(), places()];
 const field = document.getElementById("degrees");
@@ -78,7 +78,8 @@ document.body.dataset.camgeo = JSON.stringify({
   unnamed: all("svg:not([aria-label]), input:not([aria-label]):not(label input)").length,
   wrong: all("*").flatMap((e) => [...e.attributes]).filter(
     (a) => /NaN|undefined/.test(a.value)).length,
-  strange: all("img, iframe, object, embed, link").length + all("script").length - 3,
+  strange: all("img, iframe, object, embed, link").length + all("script").length - 4 +
+    (document.getElementById("solid-0") === null),
 });
 """
 """Turns the cam of a report, and measures what is shown then."""

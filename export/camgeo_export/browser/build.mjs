@@ -11,12 +11,15 @@ import { build } from "esbuild";
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const FOLDER = process.argv[2] ?? join(ROOT, "bundle");
 
-// What each bundle is made from, and its form: a plain script, or a module.
+// What each bundle is made from. Those that are no style sheets are plain scripts, but the viewer,
+// which is a module.
 const BUNDLES = {
-  "report.js": ["src/report.ts", "iife"],
-  "solid.js": ["src/report_solid.ts", "iife"],
-  "designer.js": ["src/designer/main.ts", "iife"],
-  "viewer.js": ["src/viewer.ts", "esm"],
+  "report.css": "src/report.css",
+  "report.js": "src/report.ts",
+  "solid.js": "src/report_solid.ts",
+  "designer.css": "src/designer/designer.css",
+  "designer.js": "src/designer/main.ts",
+  "viewer.js": "src/viewer.ts",
 };
 
 const ALSO = ["build.mjs", "package.json", "package-lock.json", "tsconfig.json"]; // that bundles depend on
@@ -36,7 +39,7 @@ function license(name) {
   return `${name} ${version} (${terms})\n\n${readFileSync(file, "utf8").trim()}`;
 }
 
-for (const [name, [entry, format]] of Object.entries(BUNDLES)) {
+for (const [name, entry] of Object.entries(BUNDLES)) {
   if (!existsSync(join(ROOT, entry))) continue;
   const { outputFiles, metafile } = await build({
     absWorkingDir: ROOT,
@@ -46,9 +49,9 @@ for (const [name, [entry, format]] of Object.entries(BUNDLES)) {
     metafile: true,
     minify: true,
     charset: "utf8",
-    format,
+    format: name === "viewer.js" ? "esm" : "iife",
     target: "es2022",
-    loader: { ".css": "text" },
+    loader: name.endsWith(".js") ? { ".css": "text" } : {},
     legalComments: "none", // the header has the licenses whole
   });
   const inputs = Object.keys(metafile.inputs);

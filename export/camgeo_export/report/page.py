@@ -1,7 +1,7 @@
 """The page of `camgeo report`: one HTML file that needs nothing else, neither network nor server.
 
 Every text of a scene is escaped, or is data that the script makes into text nodes. The policy in
-the page allows its own script and style, by their hashes, and nothing to be loaded. Without the
+the page allows its own scripts and style, by their hashes, and nothing to be loaded. Without the
 script, findings, tables and sentences are there; diagrams and the turning mechanism are drawn by it
 from figures as data. The same report gives the same bytes.
 """
@@ -15,7 +15,6 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +29,7 @@ from camgeo.figure import accuracy
 from camgeo.figure.model import data_of
 from camgeo.product.value_table import Table
 from camgeo.wording import counted
+from camgeo_export.browser.bundles import bundle
 from camgeo_export.stl.writer import FACET, PREFIX
 
 DIGITS: Final = 6
@@ -51,8 +51,6 @@ VIEWS: Final = (
 CANVAS: Final = (1280, 800)
 """Pixels of a solid's picture."""
 
-SCRIPTS: Final = ("figure.js", "solid.js", "report.js")
-
 NAMES: Final = {
     "mechanism": "Mechanism",
     "findings": "Findings",
@@ -68,8 +66,8 @@ NAMES: Final = {
 
 def render(report: Report) -> bytes:
     """The page."""
-    script = _script()
-    style = _source("report.css")
+    scripts = [bundle("report.js"), *([bundle("solid.js")] if report.solids else [])]
+    style = bundle("report.css")
     sections = {
         "mechanism": _mechanism(report),
         "findings": _findings(report),
@@ -89,7 +87,8 @@ def render(report: Report) -> bytes:
     )
     name = escape(report.scene.name)
     policy = (
-        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}';"
+        f"default-src 'none'; script-src {' '.join(map(_hash, scripts))};"
+        f" style-src {_hash(style)};"
         " base-uri 'none'; form-action 'none'"
     )
     return f"""<!DOCTYPE html>
@@ -112,24 +111,15 @@ def render(report: Report) -> bytes:
 <main>
 {_controls()}{body}</main>
 <script type="application/json" id="data">{_data(report)}</script>
-<script>{script}</script>
+{"".join(f"<script>{script}</script>" for script in scripts)}
 </body>
 </html>
 """.encode()
 
 
-def _script() -> str:
-    parts = "\n".join(_source(name) for name in SCRIPTS)
-    return f'"use strict";\n(() => {{\n{parts}}})();\n'
-
-
-def _source(name: str) -> str:
-    return files("camgeo_export.report").joinpath("page", name).read_text("utf-8")
-
-
 def _hash(text: str) -> str:
     digest = hashlib.sha256(text.encode()).digest()
-    return f"sha256-{base64.b64encode(digest).decode()}"
+    return f"'sha256-{base64.b64encode(digest).decode()}'"
 
 
 def _data(report: Report) -> str:
@@ -249,7 +239,7 @@ def _solids(found: Mapping[str, bytes]) -> str:
         f'<figure id="solid-{number}"><canvas width="{CANVAS[0]}" height="{CANVAS[1]}" role="img"'
         f' aria-label="The solid of {escape(name)}"></canvas><div class="views" role="group"'
         f' aria-label="View of {escape(name)}">{buttons}</div><figcaption>{escape(name)}, as camgeo'
-        " build makes it, coarser. Drag to turn it.</figcaption></figure>"
+        ' build makes it, coarser.<span class="live"> Drag to turn it.</span></figcaption></figure>'
         for number, name in enumerate(found)
     )
 

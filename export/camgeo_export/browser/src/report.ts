@@ -1,0 +1,47 @@
+// The page of `camgeo report`: diagrams and the turning mechanism, with one cam angle for all.
+
+import { CamAngle } from "./angle";
+import { Chart } from "./chart";
+import type { Animation, Charted } from "./data";
+import { Drawing } from "./figure";
+import { liftAt, Mechanism } from "./mechanism";
+import { Player } from "./player";
+import { WORDS } from "./words";
+
+interface Data {
+  animation: Animation | null;
+  charts: Charted[];
+  prices: Charted | null;
+}
+
+function found<Kind extends HTMLElement>(identifier: string): Kind {
+  return document.getElementById(identifier) as Kind;
+}
+
+const { animation, charts, prices } = JSON.parse(found("data").textContent) as Data;
+const angle = new CamAngle();
+const controls = {
+  play: found<HTMLButtonElement>("play"),
+  speed: found<HTMLSelectElement>("speed"),
+  slider: found<HTMLInputElement>("angle"),
+  field: found<HTMLInputElement>("degrees"),
+  state: found("state"),
+};
+const player = new Player(angle, controls, (degrees) => (animation ? liftAt(animation, degrees) : ""));
+
+if (animation) {
+  const mechanism = new Mechanism(angle, WORDS.mechanism);
+  mechanism.update(animation);
+  found("mechanism").prepend(mechanism.svg);
+}
+charts.forEach((each, k) => {
+  const chart = new Chart(angle, () => player.stop());
+  chart.update(each);
+  found(`chart-${k}`).prepend(chart.svg);
+});
+if (prices) {
+  const drawing = new Drawing();
+  drawing.update(prices.figure, prices.sentence);
+  found("prices").prepend(drawing.svg);
+}
+document.documentElement.dataset.ready = "true";
