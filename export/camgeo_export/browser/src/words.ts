@@ -10,6 +10,7 @@ export const WORDS = {
   degrees: (degrees: string) => `${degrees} degrees`,
   state: (degrees: string, lift: string) => `Cam angle ${degrees}°${lift && `, follower at ${lift}`}`,
   mechanism: "The mechanism at the cam angle stated below",
+  diagram: "Diagram",
   noWebGL: "This browser has no WebGL, so the solid is not drawn.",
 };
 

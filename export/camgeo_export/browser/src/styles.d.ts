@@ -1,0 +1,5 @@
+// Style sheets that scripts have in them are texts.
+declare module "*.css" {
+  const text: string;
+  export default text;
+}
