@@ -23,6 +23,7 @@ from tests.judges import (
     grbl_planner,
     lib3mf_reader,
     librecad,
+    node,
     occ,
     prusa,
     rs274,
@@ -127,6 +128,11 @@ def shown(extent: Extent) -> str:
     return f"{len(pages)} setup sheets and {len(looked_at)} reports shown"
 
 
+def bundled(_extent: Extent) -> str:
+    """What becomes of the scripts for browsers."""
+    return f"{node.judge()} bundles checked and made anew, the same bytes"
+
+
 SIZE, VOLUME = " mm of their size", " of their volume"
 
 WALLS = " mm along their walls"
@@ -159,6 +165,7 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
     ),
     ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
     ("Chromium", chromium.missing, shown),
+    ("node, TypeScript", node.missing, bundled),
 )
 """Name, why it is absent, and what it judges."""
 

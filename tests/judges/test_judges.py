@@ -26,6 +26,7 @@ from tests.judges import (
     grbl,
     lib3mf_reader,
     librecad,
+    node,
     occ,
     prusa,
     rs274,
@@ -334,6 +335,16 @@ def test_a_python_without_opencascade_is_told(
     (tmp_path / "python").chmod(0o755)
     monkeypatch.setenv(occ.VARIABLE, str(tmp_path / "python"))
     assert occ.missing().endswith("has no OCP")
+
+
+def test_scripts_that_are_not_what_their_sources_give_are_named(tmp_path: Path) -> None:
+    kept, made = tmp_path / "kept", tmp_path / "made"
+    for folder, texts in ((kept, "abc"), (made, "aBd")):
+        folder.mkdir()
+        for name, text in zip(("same.js", "other.js", f"{folder.name}.js"), texts, strict=True):
+            (folder / name).write_text(text)
+    assert node.differing(kept, made) == ["kept.js", "made.js", "other.js"]
+    assert node.differing(kept, kept) == []
 
 
 def test_a_variable_that_names_nothing_makes_a_judge_absent(
