@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Findings
 from camgeo.check.judge import Judgement
+from camgeo.displayed import Displayed, brief, notebook
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
 from camgeo.pickled import Pickled
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Design(Pickled):
+class Design(Pickled, Displayed):
     """What follows from a scene, on demand.
 
     Errors of the mechanism are raised as `GeometryError` when a quantity is accessed. Any number of
@@ -45,6 +46,11 @@ class Design(Pickled):
 
     scene: Scene
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        follower = self.scene.follower
+        kind = "no follower" if follower is None else follower.kind
+        return f"Design({brief(self.name)}, {kind})"
 
     @property
     def name(self) -> str:
@@ -97,7 +103,7 @@ class Design(Pickled):
         return Judgement(self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger)
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> Findings:
         """What the checks find, both good and bad, worst first.
 
         For a conjugate pair this includes findings on the return disc, and on both together.
@@ -136,6 +142,16 @@ class Design(Pickled):
         its data are missing, EffectError if it has no answer for this design.
         """
         return self.effects.result(name)
+
+    # Pictures ---------------------------------------------------------------------------------
+
+    def plot(self, *names: str) -> Any:
+        """The plots of those `names`, as a figure of matplotlib; by default all that there are.
+
+        The names are those of `camgeo plot`. Raises SceneError if one of them is no plot, or if the
+        scene lacks what it shows.
+        """
+        return notebook("plot")(self, names)
 
     # Files ------------------------------------------------------------------------------------
 

@@ -12,12 +12,13 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 from camgeo._version import __version__
+from camgeo.displayed import Brief
 from camgeo.errors import VersionError
 
 Made = TypeVar("Made")
 
 
-class Pickled:
+class Pickled(Brief):
     """Base of a dataclass whose pickles and copies are recreated from its fields.
 
     A pickle names its class and the version of camgeo; another version raises VersionError.

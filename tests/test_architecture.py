@@ -26,6 +26,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "lazy",
         "pickled",
         "declared",
+        "displayed",
         "reading",
         "numeric",
     ),

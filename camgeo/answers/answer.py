@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from camgeo.displayed import Displayed
+
 if TYPE_CHECKING:  # the command line needs the exit codes before it imports anything else
     from camgeo.check.finding import Finding
 
@@ -22,7 +24,7 @@ CRASHED: Final = 70
 camgeo itself, EX_SOFTWARE of BSD's sysexits.h."""
 
 
-class Answer:
+class Answer(Displayed):
     """Base of the results, which are frozen dataclasses; lengths in mm, angles in rad.
 
     Attributes

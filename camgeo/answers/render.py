@@ -29,6 +29,11 @@ Node = Mapping[str, Any]
 """An object of a schema."""
 
 
+def has(answer: Answer, rendering: str) -> bool:
+    """Whether answers of this kind have that rendering, "table" or "figure"."""
+    return hasattr(_rendering(answer), rendering)
+
+
 def text(answer: Answer) -> str:
     """The answer in words, lines without the last line end."""
     words: str = _rendering(answer).text(answer)

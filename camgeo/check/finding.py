@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from camgeo.displayed import Displayed, clipped
 from camgeo.units import TURN, LiftUnit
+from camgeo.wording import counted
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
@@ -29,7 +32,7 @@ STATED: Final[dict[LiftUnit, tuple[float, str]]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(Displayed):
     """The answer of one check.
 
     Attributes
@@ -59,6 +62,20 @@ class Finding:
             angle = self.cam_angle % TURN
             # The remainder of a negative angle can round up to the whole turn.
             object.__setattr__(self, "cam_angle", angle if angle < TURN else 0.0)
+
+    def __repr__(self) -> str:
+        return clipped(f"Finding({self.name!r}, {self.severity!r}, {self.sentence!r})")
+
+
+class Findings(tuple[Finding, ...], Displayed):
+    """Several findings, which a notebook shows as a table."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        severities = Counter(each.severity for each in self)
+        told = ", ".join(f"{number} {severity}" for severity, number in severities.items())
+        return f"<{counted(len(self), 'finding')}{': ' if told else ''}{told}>"
 
 
 def held(

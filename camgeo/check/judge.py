@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.finding import Finding, Severity, forbidding
+from camgeo.check.finding import Finding, Findings, Severity, forbidding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import (
     Limits,
@@ -18,6 +18,7 @@ from camgeo.check.linkage import check_linkage
 from camgeo.check.motion import check_motion, check_speed
 from camgeo.check.standstill import check_standstill
 from camgeo.check.transmission_angle import check_transmission_angle
+from camgeo.displayed import Displayed
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.lazy import Ledger, lazy
 from camgeo.mechanism.linkage import LinkedMotion
@@ -50,7 +51,7 @@ RETURN: Final = "return"
 
 
 @dataclass(frozen=True)
-class Judgement(Pickled):
+class Judgement(Pickled, Displayed):
     """What the checks find, on demand.
 
     Attributes
@@ -72,14 +73,14 @@ class Judgement(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @lazy
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> Findings:
         """All findings, good and bad, worst first.
 
         For a conjugate pair also those of the return disc, and of both together; without a
         follower those of the linkage and of the motion.
         """
         found = (*self._of_main(), *self._of_pair(), *motion_findings(self.drive))
-        return tuple(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+        return Findings(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 
     def _of_main(self) -> tuple[Finding, ...]:
         if not self.cams:

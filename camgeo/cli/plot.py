@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -17,26 +16,14 @@ from camgeo.cli.command import (
     opened,
     write_files,
 )
-from camgeo.errors import Fault, SceneError, meant
 
 if TYPE_CHECKING:  # figures are imported when one is asked for
-    from camgeo.design import Design
     from camgeo.figure.model import Figure
 
 RENDERERS = "camgeo.renderers"
 """Entry points of renderers: callables that turn a figure into a file, by its suffix."""
 
 RENDERER = "matplotlib"
-
-CAM = "cam"
-"""The plot that shows both discs of a conjugate pair."""
-
-MOTION = "motion"
-EFFECTS = "effects"
-"""The plot of the effects that a scene names."""
-
-BACKPLOT = "backplot"
-"""The plot of the milling program, drawn only if it is asked for; the others are of the cam."""
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
@@ -57,53 +44,17 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
-    check_names(arguments.what)
-    design = opened(arguments)
-    target = Path(arguments.output or f"{design.name}.png")
-    figure, wanted = figures(design, arguments.what)
-    picture = drawn(figure, target.suffix)
-    write_files([(target, picture, ", ".join(wanted))], arguments)
-    if set(wanted) - {CAM}:
-        notify_main_disc(design, "curves")
-    return FINE
-
-
-def check_names(what: Sequence[str]) -> None:
-    """SceneError for the first name that is no plot."""
     from camgeo.figure import plots
 
-    names = plots.names()
-    for name in what:
-        if name not in names:
-            hint = meant(name, names, '"')
-            raise SceneError([Fault("plot", name, f"can draw {', '.join(names)}", hint)])
-
-
-def figures(design: Design, what: Sequence[str]) -> tuple[Figure, list[str]]:
-    """The plots `what` of a design as one figure, by default all that it has; and their names.
-
-    Raises
-    ------
-    SceneError
-        If the scene lacks what one of them shows.
-    """
-    from camgeo.figure import motion, plots
-
-    if EFFECTS in what and not design.scene.effects:
-        raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
-    if BACKPLOT in what and design.scene.milling is None:
-        raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
-    possible = [name for name in plots.names() if name not in (EFFECTS, BACKPLOT)]
-    possible += [EFFECTS] if design.scene.effects else []
-    possible.sort()
-    if design.scene.follower is None:
-        possible = [MOTION]
-    wanted = list(what) or possible
-    if wanted == possible == [MOTION]:
-        scene = design.scene
-        found = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
-        return found, wanted
-    return plots.stacked(design.disc, wanted), wanted
+    plots.check_names(arguments.what)
+    design = opened(arguments)
+    target = Path(arguments.output or f"{design.name}.png")
+    figure, wanted = plots.of_design(design, arguments.what)
+    picture = drawn(figure, target.suffix)
+    write_files([(target, picture, ", ".join(wanted))], arguments)
+    if set(wanted) - {plots.CAM}:
+        notify_main_disc(design, "curves")
+    return FINE
 
 
 def drawn(figure: Figure, suffix: str) -> bytes:

@@ -11,7 +11,7 @@ from typing import Final
 from camgeo.answers.answer import FINE
 from camgeo.answers.check import Check, check
 from camgeo.cli.command import CallError, add_output, add_scene, from_0, number, opened
-from camgeo.cli.plot import SUFFIXES, check_names, drawn, figures
+from camgeo.cli.plot import SUFFIXES, drawn
 from camgeo.cli.progress import Progress
 from camgeo.cli.streams import notify, say
 from camgeo.cli.watching import SceneFiles, watch
@@ -54,6 +54,8 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print a line for each run, until Ctrl-C."""
+    from camgeo.figure.plots import check_names
+
     check_names(arguments.what)
     target = Path(arguments.output or f"{Path(arguments.scene).stem}.png")
     if target.exists() and not arguments.force:
@@ -89,9 +91,10 @@ def _run(arguments: argparse.Namespace, target: Path) -> str:
     except CamgeoError as error:
         return f"{arguments.scene}: {_fault(error)}"
     try:
+        from camgeo.figure.plots import of_design
         from camgeo.writing.transaction import settle, write_set
 
-        picture = drawn(figures(design, arguments.what)[0], target.suffix)
+        picture = drawn(of_design(design, arguments.what)[0], target.suffix)
         settle(target.parent, arguments.progress)
         write_set(target.parent, {target.name: picture}, force=True, progress=arguments.progress)
     except CamgeoError as error:

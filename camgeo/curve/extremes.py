@@ -12,6 +12,7 @@ import numpy as np
 
 from camgeo.curve.pieces import HasBreaks, smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.displayed import Brief
 from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
@@ -27,7 +28,7 @@ Quantity = Callable[[FloatArray, Side], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Extremes:
+class Extremes(Brief):
     """Values at all places where a quantity can be extreme.
 
     Attributes

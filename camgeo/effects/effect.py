@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVa
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.displayed import Displayed
 from camgeo.effects.rules import Machine, Rule
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
@@ -219,7 +220,7 @@ class Bound:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Result:
+class Result(Displayed):
     """The result of an effect; subclasses add what the effect offers to others.
 
     Attributes

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.displayed import Brief
 from camgeo.errors import CamgeoError
 from camgeo.figure import disc, flanks
 from camgeo.figure.marks import Circle, Fill, Line, Mark, Style, Text, plane
@@ -40,7 +41,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Animation:
+class Animation(Brief):
     """A turn of the mechanism.
 
     Attributes

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from camgeo.displayed import Brief, Displayed
 from camgeo.figure.marks import Area, Band, Field, Fill, Line, Mark, Point, Rule, Style, Text
 
 Frame = tuple[float, float, float, float]
@@ -77,7 +78,7 @@ class Legend:
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class Panel(Brief):
     """A frame with axes, a grid, and what is drawn in it.
 
     Attributes
@@ -121,7 +122,7 @@ class Inset:
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class Figure(Displayed):
     """A figure, or several one above the other.
 
     Attributes

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import entry_points
-from typing import Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
-from camgeo.errors import UnknownNameError
+from camgeo.errors import Fault, SceneError, UnknownNameError, meant
 from camgeo.figure.layout import Size, rooms
 from camgeo.figure.model import Figure
 from camgeo.product.product import Product
+
+if TYPE_CHECKING:
+    from camgeo.design import Design
 
 GROUP = "camgeo.plots"
 """Entry points of plots from other distributions, each a `Builder` by the plot's name."""
@@ -23,14 +26,24 @@ class Builder(Protocol):
     def __call__(self, product: Product, size: Size = ..., /) -> Figure: ...
 
 
+MOTION: Final = "motion"
+CAM: Final = "cam"
+"""The plot that shows both discs of a conjugate pair."""
+
+EFFECTS: Final = "effects"
+"""The plot of the effects that a scene names."""
+
+BACKPLOT: Final = "backplot"
+"""The plot of the milling program, drawn only if it is asked for; the others are of the cam."""
+
 OWN = {
-    "motion": "motion:figure",
-    "cam": "cam:figure",
+    MOTION: "motion:figure",
+    CAM: "cam:figure",
     "mechanism": "mechanism:figure",
     "curvature": "diagrams:curvature",
     "transmission-angle": "diagrams:transmission_angle",
-    "effects": "effects:figure",
-    "backplot": "backplot:figure",
+    EFFECTS: "effects:figure",
+    BACKPLOT: "backplot:figure",
 }
 """Each plot with its module in this package and its builder there."""
 
@@ -50,6 +63,43 @@ def find(name: str) -> Builder:
         other: Builder = entry.load()
         return other
     raise UnknownNameError("plot", name, names())
+
+
+def check_names(what: Iterable[str]) -> None:
+    """SceneError for the first name that is no plot."""
+    known = names()
+    for name in what:
+        if name not in known:
+            hint = meant(name, known, '"')
+            raise SceneError([Fault("plot", name, f"can draw {', '.join(known)}", hint)])
+
+
+def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[str]]:
+    """The plots `what` of a design as one figure, by default all that it has; and their names.
+
+    Raises
+    ------
+    SceneError
+        If one of them is no plot, or the scene lacks what it shows.
+    """
+    check_names(what)
+    scene = design.scene
+    if EFFECTS in what and not scene.effects:
+        raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
+    if BACKPLOT in what and scene.milling is None:
+        raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
+    possible = [name for name in names() if name not in (EFFECTS, BACKPLOT)]
+    possible += [EFFECTS] if scene.effects else []
+    possible.sort()
+    if scene.follower is None:
+        possible = [MOTION]
+    wanted = list(what) or possible
+    if wanted == possible == [MOTION]:
+        from camgeo.figure import motion
+
+        found = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
+        return found, wanted
+    return stacked(design.disc, wanted), wanted
 
 
 def stacked(product: Product, wanted: Sequence[str]) -> Figure:

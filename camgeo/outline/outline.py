@@ -20,6 +20,7 @@ import numpy as np
 from camgeo.curve.extremes import Extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.displayed import Brief
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.clearance import (
@@ -42,7 +43,7 @@ NEIGHBOURHOOD = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Outline:
+class Outline(Brief):
     """The remaining part of a flank.
 
     Attributes

@@ -15,6 +15,7 @@ from enum import StrEnum
 import numpy as np
 
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.displayed import Brief
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
@@ -92,7 +93,7 @@ Element = Stretch | Pivot
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class Path(Brief):
     """A closed path; each element begins where the one before it ends.
 
     Attributes

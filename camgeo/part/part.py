@@ -8,6 +8,7 @@ from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import Final
 
+from camgeo.displayed import Brief
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import finite, hold, instance, number, shown
 from camgeo.part.bands import Band, Bevel
@@ -98,7 +99,7 @@ class Level:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Part(Brief):
     """The part: layers from the lowest upwards, each on top of the previous one.
 
     A boundary that extends through several layers is the same object in each. Layers, boundaries

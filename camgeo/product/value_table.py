@@ -15,6 +15,7 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Demanded, Drive
 from camgeo.curve.extremes import radius_of_curvature
+from camgeo.displayed import Displayed
 from camgeo.errors import GeometryError, meant
 from camgeo.formats.csv import FORMAT, CsvSpec, exact_step
 from camgeo.lazy import Ledger, lazy
@@ -54,7 +55,7 @@ SWING = ("omega", "alpha", "j")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class Table(Displayed):
     """Named columns of equal length.
 
     Attributes

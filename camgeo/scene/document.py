@@ -13,6 +13,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any, Final, Self
 
+from camgeo.displayed import Brief
 from camgeo.errors import Fault, FileError
 from camgeo.reading import SCENE, check_toml
 from camgeo.scene.keys import Path, key_lines, line_of, spelled, value_at
@@ -31,7 +32,7 @@ TOML_PLACE: Final = re.compile(r" \(at (?:line (?P<line>\d+), column \d+|end of 
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class Document(Brief):
     """The values of a scene, right or wrong.
 
     Attributes
@@ -63,7 +64,7 @@ class Document:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Source(Brief):
     """What a scene was made from, in addition to its values.
 
     Attributes

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from camgeo.displayed import brief
 from camgeo.errors import SceneError
 from camgeo.pickled import pickled
 from camgeo.scene.document import Document, Source, document, document_of, document_of_tree
@@ -194,6 +195,10 @@ class Scene:
         from camgeo.scene.toml import written_into
 
         return written_into(self.source.text, self._tree)
+
+    def __repr__(self) -> str:
+        file = f", file={brief(self.source.file)}" if self.source.file else ""
+        return f"Scene({brief(self.name)}{file})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.identity == other.identity

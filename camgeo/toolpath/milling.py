@@ -14,6 +14,7 @@ from functools import partial
 from typing import Annotated, Any, Final
 
 from camgeo.declared import schema_beside
+from camgeo.displayed import Brief
 from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length, Radius
 from camgeo.numeric.checked import check_fields, hold, instance, instances, one_of
@@ -128,7 +129,7 @@ class OperationSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MillingSpec:
+class MillingSpec(Brief):
     """All that a scene says on milling, in mm, rad and mm/min.
 
     Attributes

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.check.finding import Finding, forbidding
+from camgeo.displayed import Brief
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.judged_part import findings_on
@@ -61,7 +62,7 @@ class FileReport:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class Report(Brief):
     """What was written.
 
     Attributes

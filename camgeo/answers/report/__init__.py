@@ -171,7 +171,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
     return Report(
         design.scene,
         checked,
-        tuple(_advised(checked)),
+        advised(checked),
         turn,
         tuple(charts),
         table,
@@ -216,16 +216,19 @@ def _effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
         yield f"forces and effects{share}", partial(effects.figure, one)
 
 
-def _advised(found: Check) -> Iterator[Advised]:
+def advised(found: Check) -> tuple[Advised, ...]:
+    """All findings of a check, each with its next step."""
     groups = [("cam", found.findings), *found.effects.items()]
     groups += [(f"part {name}", part.findings) for name, part in found.parts.items()]
     if found.machining is not None:
         groups += [
             (f"program {name}", each.findings) for name, each in found.machining.programs.items()
         ]
-    for about, findings in groups:
-        for finding in findings:
-            yield Advised(about, finding, next_step(finding, found.cures))
+    return tuple(
+        Advised(about, finding, next_step(finding, found.cures))
+        for about, findings in groups
+        for finding in findings
+    )
 
 
 def _prices(design: Design, progress: Progress) -> Survey:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from camgeo.errors import GeometryError
@@ -154,23 +154,26 @@ def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
     own = {key: value for key, value in given.items() if key in taken}
     try:
         law = law_of(name, task, own)
-        values = characteristic(law)
+        found = entry_of(law)
     except GeometryError as error:
         given_as = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
         return Entry(name, task, reason=f"{given_as}{error.message}")
-    shocks = _end_jumps(law, "v")
+    zero = (key for key in taken if key[1:] in ("0", "1") and _is_zero(name, law, own, key))
+    return replace(found, name=name, task=task, ignored=ignored, assumed=tuple(zero))
+
+
+def entry_of(law: Law) -> Entry:
+    """A law by itself, with all that it was given.
+
+    Raises
+    ------
+    GeometryError
+        As `characteristic`.
+    """
+    values, shocks = characteristic(law), _end_jumps(law, "v")
     jerks = tuple(sorted({*_end_jumps(law, "a"), *acceleration_jumps(law)}))
-    return Entry(
-        name,
-        task,
-        law,
-        values,
-        shocks,
-        jerks,
-        _unbounded(law, shocks, jerks),
-        ignored,
-        tuple(key for key in taken if key[1:] in ("0", "1") and _is_zero(name, law, own, key)),
-    )
+    unbounded = _unbounded(law, shocks, jerks)
+    return Entry(law.name, law.task, law, values, shocks, jerks, unbounded)
 
 
 def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:

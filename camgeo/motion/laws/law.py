@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from camgeo.displayed import Displayed
 from camgeo.numeric.arrays import FloatArray
 
 Values = FloatArray
@@ -73,7 +74,7 @@ class Boundary:
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
+class Law(Displayed):
     """A normalised motion law: f(0) = 0, f(1) = 1.
 
     A pickle or copy of a law holds only its recipe, from which the law is made again.

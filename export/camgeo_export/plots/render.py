@@ -57,6 +57,13 @@ METADATA: dict[str, dict[str, Any]] = {
 }
 
 
+class Picture(Page):
+    """A figure of matplotlib that a notebook shows, also where pyplot has not been imported."""
+
+    def _repr_png_(self) -> bytes:
+        return saved(self, ".png")
+
+
 def render(figure: Figure, suffix: str) -> bytes:
     """The figure as a file of kind `suffix`.
 
@@ -68,7 +75,7 @@ def render(figure: Figure, suffix: str) -> bytes:
     return saved(drawn(figure), suffix)
 
 
-def drawn(figure: Figure) -> Page:
+def drawn(figure: Figure) -> Picture:
     """The figure as a page, to be saved in any kind of file."""
     with rc_context(RC):
         return page(figure)
@@ -85,9 +92,9 @@ def saved(made: Page, suffix: str) -> bytes:
     return stream.getvalue()
 
 
-def page(figure: Figure) -> Page:
+def page(figure: Figure) -> Picture:
     """The figure as a matplotlib figure."""
-    made = Page(figsize=figure.size)
+    made = Picture(figsize=figure.size)
     FigureCanvasAgg(made)
     if figure.rows:
         heights = [row.size[1] for row in figure.rows]

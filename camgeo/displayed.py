@@ -1,0 +1,107 @@
+"""What objects show of themselves: at a prompt one line, in a notebook what a renderer makes.
+
+The engine draws nothing. A notebook asks an object for its picture or its HTML by the methods that
+IPython has settled on; these look for the renderer among entry points, only then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any, Final
+
+from camgeo.wording import counted
+
+GROUP: Final = "camgeo.notebook"
+"""Entry points of what a notebook needs: `display`, a callable that makes of an object its
+renderings by media type; `plot`, see `camgeo.design.Design.plot`."""
+
+LONGEST: Final = 300
+"""Characters of a line that describes an object: three lines of a terminal."""
+
+WORDS: Final = 60
+"""Characters of a text in it."""
+
+
+def notebook(name: str) -> Callable[..., Any]:
+    """What the installed distributions have for notebooks under that name."""
+    from importlib.metadata import entry_points  # slow, and few objects are displayed
+
+    (entry,) = entry_points(group=GROUP, name=name)
+    found: Callable[..., Any] = entry.load()
+    return found
+
+
+def clipped(line: str) -> str:
+    """A line that describes an object, no longer than that."""
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 2]}…)"
+
+
+def brief(value: object) -> str:
+    """A value in a few words, an object by its class, an array by its shape.
+
+    Control characters of texts are escaped, so that none reaches a terminal.
+    """
+    if isinstance(value, Enum):
+        return brief(value.value)
+    if isinstance(value, str):
+        return repr(value if len(value) <= WORDS else f"{value[: WORDS - 1]}…")
+    if isinstance(value, float | complex):
+        return f"{value:.6g}"
+    if value is None or isinstance(value, int):
+        return repr(value)
+    name, shape = type(value).__name__, getattr(value, "shape", None)
+    if isinstance(shape, tuple):
+        return f"{name}{shape}"
+    if isinstance(value, Collection):
+        return f"<{counted(len(value), 'byte' if isinstance(value, bytes) else 'item')}>"
+    return f"{name}(…)" if is_dataclass(value) or callable(value) else brief(str(value))
+
+
+class Brief:
+    """Base of a dataclass that describes itself in a line, however much it holds.
+
+    A class that has a description of its own keeps it.
+    """
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        # `dataclass` leaves alone what is defined in the class itself.
+        cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # an inherited one is pinned
+
+    def __repr__(self) -> str:
+        told = (each.name for each in fields(self) if each.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        values = ", ".join(f"{name}={brief(getattr(self, name))}" for name in told)
+        return clipped(f"{type(self).__name__}({values})")
+
+
+class Displayed(Brief):
+    """Base of what a notebook shows in more than words.
+
+    What cannot be shown for an error of camgeo is shown with that error; nothing is raised.
+    """
+
+    __slots__ = ()
+
+    def _repr_mimebundle_(
+        self, include: object = None, exclude: object = None
+    ) -> Mapping[str, str | bytes]:
+        """All renderings at once, by media type, so that a picture is drawn once for all."""
+        found: Mapping[str, str | bytes] = notebook("display")(self)
+        return found
+
+    def _repr_html_(self) -> str | None:
+        """The rendering for front ends that show HTML; every text in it is escaped."""
+        html: str | None = self._rendered("text/html")
+        return html
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture, for front ends without HTML; None if there is none."""
+        png: bytes | None = self._rendered("image/png")
+        return png
+
+    def _rendered(self, kind: str) -> Any:
+        return self._repr_mimebundle_().get(kind)

@@ -1,0 +1,215 @@
+"""What a notebook shows of camgeo's objects: HTML, and for front ends without it a picture."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import singledispatch
+from html import escape
+from typing import Any
+
+from camgeo.answers import render
+from camgeo.answers.answer import MARKS, Answer
+from camgeo.answers.check import Check
+from camgeo.answers.laws import LawRow, Laws
+from camgeo.answers.report import Report, advised
+from camgeo.answers.report.steps import next_step
+from camgeo.answers.table import ValueTable
+from camgeo.check.finding import Finding, Findings
+from camgeo.check.judge import Judgement
+from camgeo.design import Design
+from camgeo.displayed import Displayed
+from camgeo.effects.effect import Result
+from camgeo.errors import CamgeoError
+from camgeo.figure import plots
+from camgeo.figure.model import Figure
+from camgeo.motion.laws.comparison import QUANTITIES, entry_of
+from camgeo.motion.laws.law import Law
+from camgeo.product.value_table import Table
+from camgeo.wording import counted
+from camgeo_export.notebook import markup
+
+SYMBOLS = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
+"""Of QUANTITIES, as in VDI 2143."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """An object as HTML, above its picture.
+
+    Attributes
+    ----------
+    html : safe to be put into a page.
+    figure : the picture; None if there is none.
+    told : the picture in words.
+    below : HTML that stands below it.
+    """
+
+    html: str
+    figure: Figure | None = None
+    told: str = ""
+    below: str = ""
+
+
+def display(value: Displayed) -> dict[str, str | bytes]:
+    """The renderings of an object by media type; a picture is in the HTML too.
+
+    An error of camgeo is shown in place of what it prevents.
+    """
+    try:
+        found = shown(value)
+    except CamgeoError as error:
+        found = Shown(markup.heading(repr(value)) + markup.preformatted(str(error)))
+    html, png = found.html, None
+    if found.figure is not None:
+        from camgeo_export.plots.render import render as drawn  # many objects have no picture
+
+        png = drawn(found.figure, ".png")
+        html += markup.picture(png, found.figure.size[0], found.told)
+    html = f"<div>{html}{found.below}</div>"
+    return {"text/html": html} | ({} if png is None else {"image/png": png})
+
+
+@singledispatch
+def shown(value: object) -> Shown:
+    """How one kind of object is shown."""
+    raise TypeError(f"{type(value).__name__} is not displayed")
+
+
+@shown.register
+def _(value: Design) -> Shown:
+    """Name, picture of the cam and findings; of a motion alone its diagrams."""
+    scene = value.scene
+    stated = [
+        f"{table}: {_stated(scene.values[table])}; lengths in {scene.unit}"
+        for table in ("follower", "linkage")
+        if table in scene.values
+    ]
+    what = [plots.MOTION if scene.follower is None else plots.CAM]
+    try:
+        figure, why = plots.of_design(value, what)[0], ""
+    except CamgeoError as error:
+        figure, why = None, markup.preformatted(str(error))
+    head = markup.heading(value.name, _verdict(value.findings))
+    told = "".join(map(markup.paragraph, stated))
+    below = _findings(value.findings)
+    return Shown(head + told + why, figure, f"{what[0].capitalize()} of {value.name}", below)
+
+
+def _stated(table: Mapping[str, Any]) -> str:
+    """The single values of a table of a scene, as it states them."""
+    single = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
+    return ", ".join(f"{key} = {_spelled(value)}" for key, value in single.items())
+
+
+def _spelled(value: object) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_spelled, value))}]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _verdict(found: Findings) -> str:
+    several = Counter[str](each.severity for each in found)
+    bad = [f"{several[each]} {MARKS[each]}" for each in MARKS if several[each] and each != "ok"]
+    return f"{counted(len(found), 'finding')}: {', '.join(bad) or 'all limits are kept'}"
+
+
+def _findings(found: Findings) -> str:
+    """What is not as it should be, with the next step of each; what is all right folded."""
+    wrong = [("", each, next_step(each, ())) for each in found if each.severity != "ok"]
+    right = [("", each, "") for each in found if each.severity == "ok"]
+    table = markup.findings(wrong) if wrong else ""
+    folded = markup.folded(f"{len(right)} ok", markup.findings(right)) if right else ""
+    return table + folded
+
+
+@shown.register
+def _(value: Finding) -> Shown:
+    return Shown(markup.findings([("", value, next_step(value, ()))]))
+
+
+@shown.register
+def _(value: Findings) -> Shown:
+    found = [("", each, next_step(each, ())) for each in value]
+    return Shown(markup.findings(found) if found else markup.paragraph("no findings"))
+
+
+@shown.register
+def _(value: Judgement) -> Shown:
+    return Shown(markup.paragraph(_verdict(value.findings)), below=_findings(value.findings))
+
+
+@shown.register
+def _(value: Result) -> Shown:
+    return shown(Findings(value.findings))
+
+
+@shown.register
+def _(value: Table) -> Shown:
+    return Shown(markup.values(value))
+
+
+@shown.register
+def _(value: Figure) -> Shown:
+    return Shown("", value, value.texts[0].text if value.texts else "figure")
+
+
+@shown.register
+def _(value: Law) -> Shown:
+    return shown(Laws((LawRow(entry_of(value)),)))
+
+
+@shown.register
+def _(value: Answer) -> Shown:
+    """Its text, with its picture if answers of this kind have one."""
+    words = markup.preformatted(render.text(value))
+    if not render.has(value, "figure"):
+        return Shown(words)
+    return Shown(words, render.figure(value), f"picture of camgeo {value.command}")
+
+
+@shown.register
+def _(value: Check) -> Shown:
+    found = [(each.about, each.finding, each.step) for each in advised(value)]
+    cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in value.cures]
+    items = "".join(f"<li>{escape(each)}</li>" for each in cures)
+    listed = f"<p>Any one of these cures the undercut:</p><ul>{items}</ul>" if cures else ""
+    return Shown(markup.heading(value.scene.name) + markup.findings(found) + listed)
+
+
+@shown.register
+def _(value: Report) -> Shown:
+    """The findings and the diagrams in words; the page has the rest."""
+    checked = shown(value.check)
+    told = [f"{each.title}: {each.sentence}" for each in value.charts]
+    told += [f"left out: {each}" for each in value.left_out]
+    return Shown(checked.html + "".join(map(markup.paragraph, told)))
+
+
+@shown.register
+def _(value: ValueTable) -> Shown:
+    return shown(value.table)
+
+
+@shown.register
+def _(value: Laws) -> Shown:
+    """The characteristic values of laws side by side, or the families for each task."""
+    if value.rows is None:
+        told = [
+            (escape(each.task), escape(" to ".join(each.ends)), escape(", ".join(each.families)))
+            for each in value.tasks or ()
+        ]
+        return Shown(markup.rows_of(("task", "from, to", "laws"), told, numbers=False))
+    rows = [[escape(cell) for cell in _of_law(row)] for row in value.rows]
+    table = markup.rows_of(("law", "parameters", *SYMBOLS), rows, numbers=False)
+    return Shown(table, render.figure(value), "f', f'', f''' and f' f'' of each law over the move")
+
+
+def _of_law(row: LawRow) -> list[str]:
+    given = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
+    if row.entry.law is None:
+        return [row.entry.name, given, row.entry.reason, *[""] * (len(SYMBOLS) - 1)]
+    numbers = [row.entry.bounded(each) for each in QUANTITIES]
+    cells = ("unbounded" if each is None else f"{each + 0.0:.6g}" for each in numbers)
+    return [row.entry.name, given, *cells]

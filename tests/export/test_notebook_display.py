@@ -1,0 +1,215 @@
+"""What notebooks show: HTML in which every text stays a text, and pictures."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.figure
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
+from camgeo.answers.refusal import refusal
+from camgeo.answers.report import Report, report
+from camgeo.answers.size import size
+from camgeo.answers.table import ValueTable, table_of_scene
+from camgeo.check.finding import Finding, Findings
+from camgeo.cli.main import main
+from camgeo.design import Design
+from camgeo.displayed import Displayed
+from camgeo.errors import GeometryError, SceneError
+from camgeo.figure.marks import Text
+from camgeo.motion.laws import make_law
+from camgeo.product.value_table import Table
+from camgeo_export.notebook.markup import BADGES, HEAD, TAIL
+from camgeo_export.plots.render import render
+from tests.hostile_scene import HOSTILE, Page, harmless
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+PNG: Final = b"\x89PNG\r\n\x1a\n"
+
+
+@cache
+def design(name: str) -> Design:
+    return camgeo.load(SCENES / f"{name}.toml")
+
+
+@cache
+def gathered() -> Report:
+    return report(design("plate_translating"), quick=True)
+
+
+def html(value: Displayed) -> str:
+    found = value._repr_mimebundle_()["text/html"]
+    assert isinstance(found, str)
+    return found
+
+
+def texts(value: Displayed) -> str:
+    return " ".join(Page(html(value)).texts)
+
+
+def written(text: str) -> list[Displayed]:
+    """Objects of each kind that holds texts, with `text` as every one of them."""
+    wrong = Finding(text, "broken", text, 1.0, 2.0, text, 0.0)
+    told = gathered()
+    found, one = told.check, told.table
+    assert one is not None
+    law = make_law("polynomial-345", "R-R")
+    chart = replace(told.charts[0], title=text, readings=())
+    figure = told.charts[0].figure
+    return [
+        wrong,
+        Findings([wrong, replace(wrong, severity="ok")]),
+        replace(one, names=(text,) * len(one.names)),
+        ValueTable(replace(one, names=(text,) * len(one.names))),
+        replace(law, name=text, parameters={text: 1.0}),
+        replace(found, findings=Findings([wrong]), effects={text: (wrong,)}),
+        replace(told, charts=(chart,), left_out=(text,)),
+        replace(figure, texts=(Text(text, (0.5, 0.5), 8.0, "figure"),), rows=(), panels=()),
+        refusal(SceneError([camgeo.Fault(text, text, text, text)], text)),
+    ]
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_texts_stay_texts(text: str) -> None:
+    for value, plain in zip(written(text), written("plain"), strict=True):
+        page = Page(html(value))
+        assert harmless(page), type(value)
+        assert page.outline == Page(html(plain)).outline
+        alternatives = [each["alt"] or "" for _, each in page.elements if "alt" in each]
+        assert any(text in each for each in [*page.texts, *alternatives]) or "\u2028" in text
+
+
+def test_a_design_shows_its_cam_what_it_states_and_what_is_wrong() -> None:
+    one = design("cut_lobe")
+    bundle = one._repr_mimebundle_()
+    page = Page(html(one))
+    (image,) = [each for tag, each in page.elements if tag == "img"]
+    png = base64.b64decode((image["src"] or "").partition(",")[2])
+    assert png == bundle["image/png"] == one._repr_png_()
+    assert png == one.plot("cam")._repr_png_()
+    assert image["alt"] == "Cam of cut_lobe"
+    told = texts(one)
+    for finding in one.findings:
+        assert finding.sentence in told
+    assert "follower: kind = translating-roller, base_radius = " in told
+    wrong = [each for each in one.findings if each.severity != "ok"]
+    assert told.index(wrong[0].sentence) < told.index("ok the" if "ok the" in told else " ok")
+
+
+def test_a_motion_alone_is_shown_by_its_diagrams(tmp_path: Path) -> None:
+    values = {key: value for key, value in design("plate_translating").scene.values.items()
+              if key in ("camgeo", "name", "cam", "motion")}  # fmt: skip
+    alone = Design(camgeo.Scene(values))
+    page = Page(html(alone))
+    assert [each["alt"] for tag, each in page.elements if tag == "img"] == [
+        "Motion of plate_translating"
+    ]
+    assert repr(alone) == "Design('plate_translating', no follower)"
+
+
+def test_what_cannot_be_shown_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any) -> Any:
+        raise GeometryError("there is <no> such thing", key="follower", value="<b>")
+
+    one = design("plate_translating")
+    monkeypatch.setattr("camgeo.figure.plots.of_design", refuse)
+    assert "there is <no> such thing" in texts(one)
+    assert "image/png" not in one._repr_mimebundle_()
+    assert one._repr_png_() is None
+    monkeypatch.setattr("camgeo_export.notebook.display._findings", refuse)
+    assert "there is <no> such thing" in texts(one)
+
+
+def test_a_severity_is_told_by_sign_and_word_in_colours_of_its_own() -> None:
+    for severity, (sign, style) in BADGES.items():
+        told = texts(Finding("a", severity, "b"))
+        assert sign in told
+        colours = dict(re.findall(r"(background|color):(#[0-9a-f]{3,6})", style))
+        assert colours.keys() in ({"background", "color"}, set())
+        if colours:
+            assert contrast(colours["background"], colours["color"]) >= 4.5
+    assert "next step" not in texts(Finding("a", "ok", "b"))
+    assert "next step" in texts(Finding("transmission-angle", "broken", "b"))
+
+
+def contrast(one: str, other: str) -> float:
+    """Of two colours, see WCAG 2, relative luminance."""
+
+    def luminance(colour: str) -> float:
+        digits = colour[1:] if len(colour) == 7 else "".join(2 * each for each in colour[1:])
+        parts = np.array([int(digits[k : k + 2], 16) / 255.0 for k in (0, 2, 4)])
+        linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+        return float(linear @ [0.2126, 0.7152, 0.0722])
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("count", [0, 1, HEAD + TAIL + 1, HEAD + TAIL + 2, 360])
+def test_a_table_shows_its_beginning_and_its_end(count: int) -> None:
+    values = np.arange(2.0 * count).reshape(count, 2) - 1.0 / 3.0
+    page = html(Table(("a [mm]", "b"), values))
+    rows = re.findall(r"<tr>(.*?)</tr>", page)[1:]
+    assert len(rows) == min(count, HEAD + TAIL + 1)
+    cells = [re.findall("<td>(.*?)</td>", row) for row in rows]
+    for row, cell in zip([*values[:1], *values[-1:]], [*cells[:1], *cells[-1:]], strict=True):
+        assert cell == [f"{each:.6g}" for each in row]
+    assert (["⋮", "⋮"] in cells) == (count > HEAD + TAIL + 1)
+    assert f"{count} row" in page
+
+
+def test_laws_are_shown_with_their_values_and_curves() -> None:
+    law = make_law("modified-sine", "R-R")
+    assert "modified-sine" in texts(law)
+    assert "1.7596" in texts(law)  # C_v, VDI 2143-1, Tafel 4
+    several = html(laws_of_task("R-R", {}, ["straight-line", "scca"]))
+    assert "unbounded" in several
+    assert several.count("<img") == 1
+    tasks = laws_of_all_tasks()
+    assert "rest to rest" in texts(tasks)
+    assert "image/png" not in tasks._repr_mimebundle_()
+
+
+def test_answers_with_a_picture_show_it() -> None:
+    found = size(design("plate_translating"))
+    assert "present design" in texts(found)
+    png = found._repr_png_()
+    assert png is not None
+    assert png.startswith(PNG)
+    assert table_of_scene(design("plate_translating"), 30)._repr_png_() is None
+
+
+def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
+    scene = str(SCENES / "plate_translating.toml")
+    picture = tmp_path / "a.svg"
+    assert main(["plot", scene, "motion", "curvature", "-o", str(picture)]) == 0
+    made = design("plate_translating").plot("motion", "curvature")
+    assert isinstance(made, matplotlib.figure.Figure)
+    made.savefig(tmp_path / "b.png")
+    assert (tmp_path / "b.png").read_bytes().startswith(PNG)
+    from camgeo.figure.plots import of_design
+    from camgeo_export.plots.render import saved
+
+    assert saved(made, ".svg") == picture.read_bytes()
+    figure, names = of_design(design("plate_translating"), ("motion", "curvature"))
+    assert names == ["motion", "curvature"]
+    assert render(figure, ".svg") == picture.read_bytes()
+    with pytest.raises(SceneError, match='did you mean "motion"'):
+        design("plate_translating").plot("motions")
+    with pytest.raises(SceneError, match="names no effect"):
+        design("plate_translating").plot("effects")
+
+
+def test_a_bundle_goes_into_a_notebook_file() -> None:
+    bundle = design("plate_translating").findings._repr_mimebundle_()
+    assert json.loads(json.dumps(dict(bundle))) == bundle

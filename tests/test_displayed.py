@@ -1,0 +1,139 @@
+"""What objects show of themselves where Python is used interactively."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.answers.check import check
+from camgeo.answers.laws import laws_of_task
+from camgeo.answers.table import table_of_scene
+from camgeo.check.finding import Finding, Findings
+from camgeo.design import Design
+from camgeo.displayed import LONGEST, WORDS, Brief, brief
+from camgeo.figure.plots import of_design
+from camgeo.numeric.arrays import FloatArray
+from camgeo.pickled import Pickled
+
+FIXTURES = Path(__file__).parents[1] / "fixtures"
+
+OF_CAM = ("drive", "disc", "follower")
+OF_DESIGN = (
+    "scene", "drive", "cams", "cam", "judgement", "findings", "effects", "discs", "disc",
+    "tabulated",
+)  # fmt: skip
+
+
+def told(name: str) -> dict[str, Any]:
+    """Objects of a design by the path that leads to them."""
+    design = camgeo.load(FIXTURES / name)
+    assert design.findings  # computed before it is described
+    found: dict[str, Any] = {"design": design, "check": check(design)}
+    found |= {f"design.{each}": getattr(design, each) for each in OF_DESIGN}
+    found |= {f"design.cam.{each}": getattr(design.cam, each) for each in OF_CAM}
+    scene, disc = design.scene, design.cam.disc
+    found |= {f"design.scene.{each}": value for each, value in vars(scene).items() if value}
+    found |= {f"disc.{each}": value for each, value in vars(disc).items()}
+    found |= {f"plan.{k}": each for k, each in enumerate(scene.plan.segments)}
+    found |= {f"effect.{each}": design.effect(each) for each in scene.effects}
+    found["table"] = table_of_scene(design, 30).table
+    found["figure"] = of_design(design, ["motion"])[0]
+    found["panel"] = found["figure"].rows[0].panels[0]
+    return found
+
+
+@pytest.mark.parametrize("name", ["scenes/setzhub.toml", "effects/conjugate_lever.toml"])
+def test_every_part_of_a_design_describes_itself_in_a_few_lines(name: str) -> None:
+    found = told(name)
+    own = {path: each for path, each in found.items() if is_dataclass(each)}
+    assert {"design", "design.judgement", "disc.pitch_curve", "table", "figure"} <= own.keys()
+    long = {path: repr(each) for path, each in own.items() if len(repr(each)) > 2 * LONGEST}
+    assert long == {}
+    for each in own.values():
+        assert type(each).__name__ in repr(each)
+        assert "array(" not in repr(each).replace("ndarray(", "")
+
+
+    for each in found.values():
+        if isinstance(each, Brief):
+            assert len(repr(each)) <= LONGEST
+            assert "\n" not in repr(each)
+
+
+def test_a_design_is_described_without_computing_anything() -> None:
+    design = camgeo.load(FIXTURES / "scenes" / "setzhub.toml")
+    assert repr(design) == "Design('setzhub', oscillating-roller)"
+    assert repr(design.scene).startswith("Scene('setzhub', file='")
+    assert repr(design.judgement).startswith("Judgement(")
+    assert design.ledger.runs == []
+
+
+def test_findings_are_counted() -> None:
+    ok, broken = Finding("a", "ok", "it is"), Finding("b", "broken", "it is not")
+    assert repr(ok) == "Finding('a', 'ok', 'it is')"
+    assert repr(Findings([broken, ok, ok])) == "<3 findings: 1 broken, 2 ok>"
+    assert repr(Findings()) == "<0 findings>"
+    assert len(repr(Finding("a", "ok", "so " * LONGEST))) == LONGEST
+    assert Findings([ok]) == (ok,)
+
+
+@dataclass(frozen=True, slots=True)
+class Data(Brief):
+    values: FloatArray
+    names: tuple[str, ...] = ("a",) * 1000
+    name: str = "n" * 1000
+
+
+@dataclass(frozen=True)
+class Kept(Pickled):
+    values: FloatArray
+
+    def __repr__(self) -> str:
+        return "as it says"
+
+
+@dataclass(frozen=True)
+class Inheriting(Kept):
+    more: float = 0.1 + 0.2
+
+
+def test_a_description_is_short_whatever_an_object_holds() -> None:
+    one = Data(np.zeros((240, 2)))
+    name = f"'{'n' * (WORDS - 1)}…'"
+    assert repr(one) == f"Data(values=ndarray(240, 2), names=<1,000 items>, name={name})"
+    assert Data.__slots__ == ("values", "names", "name")
+    assert repr(Kept(np.zeros(3))) == repr(Inheriting(np.zeros(3))) == "as it says"
+
+
+class Way(Enum):
+    THERE = "there"
+
+
+@pytest.mark.parametrize(("value", "text"), [
+    (0.1 + 0.2, "0.3"),
+    (1 / 3 + 2e9j, "0.333333+2e+09j"),
+    (True, "True"),
+    (None, "None"),
+    ("\x1b[31m", r"'\x1b[31m'"),
+    (b"abc", "<3 bytes>"),
+    ((1,), "<1 item>"),
+    (Way.THERE, "'there'"),
+    (Finding("a", "ok", "b"), "Finding(…)"),
+    (check, "function(…)"),
+    (Path("a/b"), "'a/b'"),
+])  # fmt: skip
+def test_values_in_a_few_words(value: object, text: str) -> None:
+    assert brief(value) == text
+
+
+def test_answers_describe_themselves_in_a_line() -> None:
+    found = laws_of_task("R-R", {})
+    assert repr(found).startswith("Laws(rows=<")
+    assert [each.name for each in fields(found)] == ["rows", "running", "tasks", "places"]
+    assert Design.__repr__ is not Brief.__repr__
