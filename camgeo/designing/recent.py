@@ -1,19 +1,70 @@
-"""What jobs leave behind for those that follow: the last design, for a scene that is its edit."""
+"""What jobs leave for those that follow: the last design, for scenes that are edits of it."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from camgeo.design import Design
 from camgeo.designing.job import Job
+from camgeo.errors import SceneError
+from camgeo.scene.document import Document, Source, document
 from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import Scene
 
 
 class Recent:
-    """The design of the last scene that was valid."""
+    """The design of the last scene that was valid, unless it names files, which may change."""
 
     def __init__(self) -> None:
-        self._job: Job | None = None
+        self._of: tuple[str, str, str] = ("", "", "")
         self._design: Design | None = None
 
     def design(self, job: Job) -> Design:
         """The design of a job's scene; SceneError if it is not valid."""
-        return Design(parse_scene(job.text, job.file, job.folder or None))
+        place = job.text, job.file, job.folder
+        if self._design is not None and place == self._of:
+            return self._design
+        found = self._made(job)
+        self._of, self._design = place, None if found.scene.files else found
+        return found
+
+    def _made(self, job: Job) -> Design:
+        """The design; what the edit leaves as it was is that of the last one."""
+        earlier = self._design
+        if earlier is None or (job.file, job.folder) != self._of[1:]:
+            return Design(parse_scene(job.text, job.file, job.folder or None))
+        try:
+            found = document(job.text.encode())
+        except (SceneError, UnicodeEncodeError):
+            return Design(parse_scene(job.text, job.file, job.folder or None))
+        source = Source.of(job.file, job.folder or None, job.text)
+        scene = Scene.of(_grafted(found, earlier.scene), source, earlier.scene)
+        made = Design(scene)
+        if _moves_alike(scene, earlier.scene):
+            made.__dict__["drive"] = earlier.drive
+        return made
+
+
+def _grafted(found: Document, earlier: Scene) -> Document:
+    """The document with those tables of the `earlier` scene that are equal to its own: what is
+    built of a table is built again only if it is another one.
+    """
+    then = earlier.stated.scene.exact
+    # What Python prints tells 1 from true, and 1.0 from 1.00.
+    exact: dict[str, Any] = {
+        key: then[key] if key in then and repr(then[key]) == repr(value) else value
+        for key, value in found.exact.items()
+    }
+    return replace(found, exact=exact)
+
+
+def _moves_alike(scene: Scene, other: Scene) -> bool:
+    """Whether the drives of two scenes are the same."""
+    return (
+        scene.plan is other.plan
+        and scene.linkage is other.linkage
+        and scene.lift_unit == other.lift_unit
+        and scene.speed == other.speed
+        and scene.speed_curve is other.speed_curve
+    )

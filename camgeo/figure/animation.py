@@ -14,12 +14,13 @@ import numpy as np
 from camgeo.displayed import Brief
 from camgeo.errors import CamgeoError
 from camgeo.figure import disc, flanks
-from camgeo.figure.marks import Circle, Fill, Line, Mark, Style, Text, plane
+from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
 from camgeo.figure.mechanism import PAST, SAGITTA, parts_of, window
 from camgeo.figure.model import data_of
 from camgeo.figure.style import AUXILIARY, cam_angles
 from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.part.part import Part
 from camgeo.product.product import Product
 from camgeo.units import TURN
 
@@ -94,9 +95,9 @@ def animation(product: Product) -> Animation:
     cam, parts = product.cam, parts_of(product)
     angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
     sketch = product.pictured.mechanism_at(angles)
-    low, high = window(cam.follower.base_radius, parts, [sketch])
     first = sketch.at(0)
-    marks, note = _turning(product)
+    marks, reach, note = _turning(product, parts)
+    low, high = window(reach, [sketch])
     lifts = cam.drive.motion.jet(angles)[0]
     degrees = cam.lift_unit == "rad"
     # As much beyond what moves as in the still picture, whose joints are of this size.
@@ -120,15 +121,20 @@ def animation(product: Product) -> Animation:
     )  # fmt: skip
 
 
-def _turning(product: Product) -> tuple[tuple[Mark, ...], str]:
-    """What turns with the cam, and why there is no disc."""
-    cam, parts = product.cam, parts_of(product)
+def _turning(product: Product, parts: tuple[Part, ...]) -> tuple[tuple[Mark, ...], float, str]:
+    """What turns with the cam, how far discs and base circle reach [mm], and why there is no disc.
+
+    Chords are found fast: an animation follows a drag.
+    """
+    cam = product.cam
+    base = cam.follower.base_radius
     marks: list[Mark] = []
     note = ""
     for part in parts[:1]:
-        marks += disc.whole(part, 1.0, SAGITTA * cam.follower.base_radius)[0]
+        marks += disc.whole(part, 1.0, SAGITTA * base, fast=True)[0]
     for part in parts[1:]:
-        marks += disc.behind(part, 1.0, SAGITTA * cam.follower.base_radius)
+        marks += disc.behind(part, 1.0, SAGITTA * base, fast=True)
+    reach = max([base, *map(_farthest, marks)])
     if not parts:
         try:
             drawn = flanks.whole(product, product.pictured.cut_off, 1.0)[0]
@@ -138,8 +144,16 @@ def _turning(product: Product) -> tuple[tuple[Mark, ...], str]:
         marks += [mark for mark in drawn if not isinstance(mark, Text)]
     if cam.follower.has_pitch_curve:
         marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
-    marks.append(Circle((0.0, 0.0), cam.follower.base_radius, BASE, layer=2.0))
-    return tuple(marks), note
+    marks.append(Circle((0.0, 0.0), base, BASE, layer=2.0))
+    return tuple(marks), reach, note
+
+
+def _farthest(mark: Mark) -> float:
+    """The farthest point of an area or a line from the cam axis [mm]."""
+    rings = (
+        mark.rings if isinstance(mark, Area) else (mark.points,) if isinstance(mark, Line) else ()
+    )
+    return max((float(np.hypot(*ring.T).max()) for ring in rings), default=0.0)
 
 
 def _way(

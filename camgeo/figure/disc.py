@@ -22,16 +22,19 @@ FINE = 1e-3
 """Chords of a window, relative to its side."""
 
 
-def whole(part: Part, scale: complex, sagitta: float) -> tuple[list[Mark], list[ComplexArray]]:
+def whole(
+    part: Part, scale: complex, sagitta: float, *, fast: bool = False
+) -> tuple[list[Mark], list[ComplexArray]]:
     """The part and its rings; `scale` units per mm, chords within `sagitta` [mm].
 
-    A complex scale turns the part.
+    A complex scale turns the part. If `fast`, the chords are those found soonest, else those of the
+    fewest arcs.
     """
     marks: list[Mark] = []
     edges: list[Mark] = []
     drawn: list[ComplexArray] = []
     for boundaries, fill in _areas(part):
-        rings = [ring * scale for ring in _rings(boundaries, sagitta)]
+        rings = [ring * scale for ring in _rings(boundaries, sagitta, fast=fast)]
         marks.append(_area(rings, fill))
         drawn += rings
         for boundary, ring in zip(boundaries, rings, strict=True):
@@ -45,11 +48,11 @@ def _style(boundary: Boundary) -> Style:
     return LETTER if text_of(boundary.name) else EDGE
 
 
-def behind(part: Part, scale: complex, sagitta: float) -> list[Mark]:
-    """The outline of the second disc of a conjugate pair, over the first one."""
+def behind(part: Part, scale: complex, sagitta: float, *, fast: bool = False) -> list[Mark]:
+    """The outline of the second disc of a conjugate pair, over the first one; see `whole`."""
     return [
         Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
-        for ring in _rings((part.outermost,), sagitta)
+        for ring in _rings((part.outermost,), sagitta, fast=fast)
     ]
 
 
@@ -85,8 +88,13 @@ def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
     return found
 
 
-def _rings(boundaries: tuple[Boundary, ...], sagitta: float) -> list[ComplexArray]:
+def _rings(
+    boundaries: tuple[Boundary, ...], sagitta: float, *, fast: bool = False
+) -> list[ComplexArray]:
     """Points [mm] of each boundary."""
+    if fast:
+        fits = [boundary.polyline(sagitta, "fast") for boundary in boundaries]
+        return [fit.contour.points(sagitta) for fit in fits]
     return [boundary.arcs(sagitta).contour.points(sagitta) for boundary in boundaries]
 
 

@@ -89,7 +89,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     sketches = [
         (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
     ]
-    low, high = window(product.cam.follower.base_radius, parts, [sketch for _, sketch in sketches])
+    low, high = window(_reach(product, parts), [sketch for _, sketch in sketches])
     across, up = (high - low).real, (high - low).imag
     dimensions = sketches[0][1].dimensions
     foot = EDGE + LISTED * -(-len(dimensions) // PER_ROW)
@@ -128,19 +128,22 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     return Figure(size, tuple(panels), (title, *_listed(dimensions, product.unit, size)))
 
 
-def window(
-    reach: float, parts: tuple[Part, ...], sketches: Sequence[MechanismSketch[Place]]
-) -> tuple[complex, complex]:
+def window(reach: float, sketches: Sequence[MechanismSketch[Place]]) -> tuple[complex, complex]:
     """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
-    coarse = COARSE * reach
-    for part in parts:
-        reach = max(reach, largest_radius(part.outermost.arcs(coarse).contour))
     points = [sketch.points for sketch in sketches]
     corners = np.concatenate([*points, reach * np.array([1, 1j, -1, -1j])])
     low = complex(corners.real.min(), corners.imag.min())
     high = complex(corners.real.max(), corners.imag.max())
     room = ROOM * max((high - low).real, (high - low).imag) * (1.0 + 1.0j)
     return low - room, high + room
+
+
+def _reach(product: Product, parts: tuple[Part, ...]) -> float:
+    """How far discs and base circle reach [mm]."""
+    reach = product.cam.follower.base_radius
+    coarse = COARSE * reach
+    found = [largest_radius(part.outermost.arcs(coarse).contour) for part in parts]
+    return max([reach, *found])
 
 
 def parts_of(product: Product) -> tuple[Part, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -151,17 +152,33 @@ def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
     return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
 
 
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """Of the fields of a dataclass."""
+    return tuple(each.name for each in fields(kind))
+
+
 def data_of(value: Any) -> Any:
     """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair."""
-    if is_dataclass(value):
-        own = {each.name: data_of(getattr(value, each.name)) for each in fields(value)}
-        return {"kind": type(value).__name__.lower(), **own}
-    if isinstance(value, np.ndarray):
-        data = value.astype(object)
-        data[np.isnan(value)] = None
-        return data.tolist()
+    if isinstance(value, str):  # most values are texts and floats
+        return value
+    if isinstance(value, float):
+        return float(value)
     if isinstance(value, tuple):
         return [data_of(each) for each in value]
+    if isinstance(value, np.ndarray):
+        gaps = np.isnan(value)
+        if not gaps.any():
+            return value.tolist()
+        data = value.astype(object)
+        data[gaps] = None
+        return data.tolist()
+    if is_dataclass(value):
+        kind: Any = type(value)
+        found: dict[str, Any] = {"kind": kind.__name__.lower()}
+        for name in _names(kind):
+            found[name] = data_of(getattr(value, name))
+        return found
     if isinstance(value, complex):
         return [value.real, value.imag]
     return value.item() if isinstance(value, np.generic) else value

@@ -113,7 +113,7 @@ def panels(
         curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks += _spikes(infinite, low, high)
-        marks.append(_extremes(values_at, phi, infinite))
+        marks.append(_extremes(values_at, phi, values, infinite))
         label = f"{unit.symbol}{mark} [{unit.name}{OVER_ANGLE[order]}]"
         # A curve that is zero wherever it is finite has no scale: its range is arbitrary.
         ticks = (0.0,) if infinite and not np.any(values) else None
@@ -179,13 +179,14 @@ def number(value: float) -> str:
     return text.replace("-", "−")
 
 
-def _extremes(values_at: ValuesAt, phi: FloatArray, infinite: list[Infinite]) -> Text:
+def _extremes(
+    values_at: ValuesAt, phi: FloatArray, values: FloatArray, infinite: list[Infinite]
+) -> Text:
     """Largest and smallest value with the first place of each, to the digits written.
 
-    They are searched for between the neighbours of the largest of the drawn points; where a value
-    is `infinite` no finite one is the largest.
+    They are searched for between the neighbours of the largest of the drawn `values` at `phi`;
+    where a value is `infinite` no finite one is the largest.
     """
-    values = values_at(phi)
     size = float(np.max(np.abs(values)))
     lines = []
     for word, sign in (("max", 1.0), ("min", -1.0)):
@@ -196,13 +197,12 @@ def _extremes(values_at: ValuesAt, phi: FloatArray, infinite: list[Infinite]) ->
             continue
         index = int(np.argmax(sign * values))
         around = slice(max(index - 1, 0), index + 2)
-        closer = np.unique(
-            np.concatenate((phi, np.linspace(phi[around][0], phi[around][-1], CLOSER)))
-        )
-        found = values_at(closer)
+        closer = np.linspace(phi[around][0], phi[around][-1], CLOSER)
+        angles = np.concatenate((phi, closer))
+        found = np.concatenate((values, values_at(closer)))
         extreme = float(np.max(sign * found)) * sign
-        first = np.argmax(np.abs(found - extreme) <= SAME * size)
-        lines.append(f"{word} {number(extreme)} at {math.degrees(closer[first]):.1f}°")
+        first = float(np.min(angles[np.abs(found - extreme) <= SAME * size]))
+        lines.append(f"{word} {number(extreme)} at {math.degrees(first):.1f}°")
     return Text(
         ",  ".join(lines), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
     )

@@ -1,0 +1,133 @@
+"""What is painted: of every scene, right or wrong, and small."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.designing.job import Job, JobError
+from camgeo.designing.recent import Recent
+from camgeo.designing.work import run
+from tests.answers.documents import FIXTURES, SCENES
+
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+
+MOST = 150_000
+"""Bytes of the pictures of a common cam."""
+
+
+def job(path: Path, kind: str = "curves", **changes: str) -> Job:
+    text = path.read_text("utf-8")
+    for before, after in changes.items():
+        text = text.replace(before, after)
+    return Job(kind, text, str(path), str(path.parent))
+
+
+def written(found: dict[str, Any]) -> str:
+    return json.dumps(found, allow_nan=False)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_is_painted(path: Path) -> None:
+    found = run(job(path))
+    text = written(found)
+    assert json.loads(text) == found
+    assert found["faults"] == []
+    assert [each["name"] for each in found["charts"]][:1] == ["motion"]
+    assert all(each["sentence"] for each in found["charts"])
+    assert found["animation"] is not None
+
+
+def test_the_pictures_of_a_common_cam_are_small() -> None:
+    text = json.dumps(run(job(SETZHUB)), separators=(",", ":"))
+    assert len(text) <= MOST
+
+
+EDITS = {
+    "nothing": [],
+    "plan": [("to = 58.5", "to = 50")],
+    "roller": [("roller_radius = 7.0", "roller_radius = 6")],
+    "linkage": [("crank = 160.5", "crank = 161")],
+    "limits": [("transmission_angle = 41", "transmission_angle = 50")],
+    "two": [("speed = 90", "speed = 80"), ("bore = 16", "bore = 15")],
+}
+
+
+@pytest.mark.parametrize("edits", EDITS.values(), ids=EDITS)
+def test_an_edit_is_painted_as_if_it_were_the_first(edits: list[tuple[str, str]]) -> None:
+    text = SETZHUB.read_text("utf-8")
+    after = text
+    for one, other in edits:
+        assert one in text
+        after = after.replace(one, other)
+    recent = Recent()
+    run(Job("curves", text, "a.toml"), recent)
+    edited = run(Job("curves", after, "a.toml"), recent)
+    assert edited == run(Job("curves", after, "a.toml"))
+
+
+def test_a_scene_with_faults_tells_them_with_their_lines() -> None:
+    text = SETZHUB.read_text("utf-8").replace("arm = 61.29", "arm = -1\nlenght = 3")
+    recent = Recent()
+    run(Job("curves", SETZHUB.read_text("utf-8")), recent)
+    found = run(Job("curves", text), recent)
+    lines = text.splitlines()
+    told = {each["key"]: each for each in found["faults"]}
+    assert {"follower.arm", "follower.lenght"} <= told.keys()
+    assert lines[told["follower.arm"]["line"] - 1] == "arm = -1"
+    assert "animation" not in found
+
+
+@pytest.mark.parametrize("text", ["", "=", "\ud800", "camgeo = 1", "a = [[[", "x" * 3_000_000])
+def test_a_text_that_is_no_scene_has_faults(text: str) -> None:
+    recent = Recent()
+    run(Job("curves", SETZHUB.read_text("utf-8")), recent)
+    for memory in (None, recent):
+        found = run(Job("curves", text), memory)
+        assert found["faults"]
+        written(found)
+
+
+def test_a_file_that_a_scene_names_is_read_again(tmp_path: Path) -> None:
+    for name in ("measured.toml", "measured.csv"):
+        (tmp_path / name).write_bytes((FIXTURES / "scenes" / name).read_bytes())
+    recent = Recent()
+    asked = job(tmp_path / "measured.toml")
+    before = run(asked, recent)
+    assert run(asked, recent) == before
+    data = (tmp_path / "measured.csv").read_text("utf-8")
+    (tmp_path / "measured.csv").write_text("not a table\n", "utf-8")
+    assert run(asked, recent)["faults"]
+    (tmp_path / "measured.csv").write_text(data, "utf-8")
+    assert run(asked, recent) == before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [b"", b"[]", b"3", b"{}", b'{"kind": 3}', b'{"kind": "curves", "other": 1}', b"\xff",
+     b'{"kind": "curves", "text": null}', b'{"kind": "curves", "arguments": []}', b"[" * 100_000],
+)  # fmt: skip
+def test_a_malformed_job_is_none(text: bytes) -> None:
+    with pytest.raises(JobError):
+        Job.from_json(text)
+
+
+def test_a_job_comes_out_as_it_went_in() -> None:
+    job = Job("change", 'name = "ü\ud800</script>"', "a.toml", "/tmp", {"edits": {"cam.speed": 3}})
+    assert Job.from_json(job.to_json()) == job
+
+
+@pytest.mark.parametrize(
+    "arguments", [{"a": float("nan")}, {"a": object()}, {"a": "x" * 17_000_000}]
+)
+def test_a_job_of_other_data_or_too_large_is_refused(arguments: dict[str, Any]) -> None:
+    with pytest.raises(JobError):
+        Job("curves", "", "", "", arguments).to_json()
+
+
+def test_an_unknown_kind_names_the_known_ones() -> None:
+    with pytest.raises(JobError, match="there is no job 'nonsense'; there are curves"):
+        run(Job("nonsense"))
