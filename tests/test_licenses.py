@@ -116,6 +116,13 @@ def test_nothing_required_is_under_the_gpl_and_the_notices_are_complete() -> Non
     assert faults(packages.values(), NOTICES) == []
 
 
+def test_neither_is_anything_that_the_designer_needs() -> None:
+    packages = required("camgeo[design]")
+    assert {"starlette", "uvicorn", "websockets", "anyio"} <= packages.keys()
+    del packages["camgeo"]
+    assert faults(packages.values(), NOTICES) == []
+
+
 def test_the_locked_packages_are_those_that_are_looked_at() -> None:
     lock = (ROOT / "requirements.lock").read_text("utf-8")
     locked = set(re.findall(r"(?m)^([a-z0-9-]+)==", lock))

@@ -54,6 +54,7 @@ COMMANDS = (
     "table",
     "plot",
     "watch",
+    "design",
     "report",
     "setup",
     "replay",

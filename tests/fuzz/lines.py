@@ -55,6 +55,10 @@ BY_METAVAR: Final = {
 }
 
 
+ENDING: Final = tuple(each for each in COMMANDS if each != "design")
+"""Commands that end by themselves."""
+
+
 @cache
 def commands() -> dict[str, argparse.ArgumentParser]:
     """The parsers of all commands."""
@@ -85,7 +89,7 @@ def ocv_projects() -> tuple[Path, ...]:
 def line(rng: Random) -> Step:
     """A command with some of its options, in 7 of 10 all with values that they may take."""
     broken = rng.random() < 0.3
-    command = rng.choice(COMMANDS)
+    command = rng.choice(ENDING)
     if broken and rng.random() < 0.05:
         command = rng.choice((*WORDS, "chek", "--version", "--help", "crank-slide"))
     words = [command]

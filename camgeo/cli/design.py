@@ -1,0 +1,100 @@
+"""`camgeo design`: a scene designed live in the browser, by a server on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+from pathlib import Path
+from typing import Final
+
+from camgeo.answers.answer import FINE
+from camgeo.cli.command import CallError
+from camgeo.cli.streams import notify, say
+from camgeo.errors import FileError
+
+DESIGNERS: Final = "camgeo.designers"
+"""Entry points of designers: callables that serve a scene on a desk to a browser."""
+
+EXTRA: Final = "pip install 'camgeo[design]'"
+
+HOST: Final = "127.0.0.1"
+
+SUMMARY: Final = (
+    "design a cam live in the browser: drag, see curve, mechanism, diagrams and findings follow,"
+    " save, build"
+)
+
+EXAMPLE: Final = "camgeo design fixtures/scenes/setzhub.toml"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    parser.add_argument(
+        "scene",
+        metavar="SCENE",
+        nargs="?",
+        help="scene file (TOML); default: the page offers those of the folder, and new ones",
+    )
+    parser.add_argument(
+        "--port", type=_port, default=0, help="port to listen at; default: one that is free"
+    )
+    parser.add_argument(
+        "--host",
+        default=HOST,
+        help=f"address to listen at; default {HOST}, which only this machine reaches",
+    )
+    parser.add_argument(
+        "--no-browser", action="store_true", help="print the address, and open no browser"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until Ctrl-C."""
+    from importlib.metadata import entry_points
+
+    from camgeo.designing.desk import Desk
+
+    try:
+        serve = entry_points(group=DESIGNERS)["browser"].load()
+    except ModuleNotFoundError as error:
+        message = f"the designer needs packages that are not installed ({error.name}): {EXTRA}"
+        raise CallError(message) from error
+    arguments.progress.end()
+    scene = None if arguments.scene is None else Path(arguments.scene)
+    if scene is not None and not scene.is_file():
+        raise FileError(f"{scene}: there is no such file")
+    scene = None if scene is None else scene.resolve()
+    desk = Desk(Path.cwd() if scene is None else scene.parent)
+    if scene is None:
+        desk.begin()
+    else:
+        desk.open(scene.name)
+
+    def tell(address: str, alone: bool) -> None:
+        for sentence in desk.told():
+            notify(sentence)
+        say(f"{arguments.scene or desk.folder}: designed at\n  {address}\nCtrl-C ends it.")
+        if not alone:
+            notify(
+                f"Other machines reach this server at {arguments.host}: whoever learns the address"
+                f" can change the scenes in {desk.folder}, and nothing is encrypted on the way."
+            )
+
+    try:
+        serve(desk, arguments.host, arguments.port, tell, browser=not arguments.no_browser)
+    except KeyboardInterrupt as stop:
+        if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
+            raise
+        notify("")  # after the ^C that terminals show
+    if desk.told():
+        notify(UNSAVED)
+    return FINE
+
+
+UNSAVED: Final = "edits that are not saved are kept until the scene is designed again"
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 65_536):
+        raise argparse.ArgumentTypeError("must be a whole number from 0 to 65535")
+    return int(text)

@@ -1,0 +1,182 @@
+"""The scene file of a designer: read, watched, and saved without overwriting what is new."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from camgeo.errors import FileError, unreadable
+from camgeo.reading import SCENE, check_size, read_within
+from camgeo.writing.transaction import settle, write_set
+
+SUFFIX: Final = ".toml"
+
+MOST_LISTED: Final = 500
+"""Scenes of a folder that are offered."""
+
+Stamp = tuple[int, int, int]
+"""What tells one state of a file from another: its number, time of change and size."""
+
+Disk = Literal["same", "changed", "gone"]
+"""How a file on disk is to what was read from it or saved last."""
+
+
+class OverwriteError(FileError):
+    """Saving would overwrite what the designer has not read; it does so only if it is told to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A scene file as it was read or saved last.
+
+    Attributes
+    ----------
+    path : absolute, without links.
+    digest : SHA-256 of its bytes, hexadecimal.
+    stamp : its state then; None if that is not known.
+    """
+
+    path: Path
+    digest: str
+    stamp: Stamp | None = None
+
+
+def place(folder: Path, name: str) -> Path:
+    """The path of the scene file `name` in `folder`, which is absolute and without links.
+
+    Raises
+    ------
+    FileError
+        If it is no scene's name, leaves the folder, or passes a link.
+    """
+    parts = Path(name).parts
+    plain = name.isprintable() and "\\" not in name and ":" not in name
+    if not plain or not parts or Path(name).is_absolute() or ".." in parts:
+        raise FileError(f"{name!r}: a scene must be named by a path in the folder {folder}")
+    if Path(name).suffix != SUFFIX or len(Path(name).name) == len(SUFFIX):
+        raise FileError(f"{name!r}: the name of a scene ends in {SUFFIX}")
+    path = folder
+    for part in parts:
+        path /= part
+        if _is_link(path):
+            raise FileError(f"{name!r}: {part!r} is a link, which is not followed")
+    return path
+
+
+def scenes(folder: Path) -> tuple[str, ...]:
+    """The names of the scene files in `folder`, in order; links and hidden files are none."""
+    try:
+        names = sorted(
+            each.name
+            for each in folder.iterdir()
+            if each.suffix == SUFFIX and each.name[0] != "." and each.name.isprintable()
+            and not each.is_symlink() and each.is_file()
+        )  # fmt: skip
+    except OSError:
+        return ()
+    return tuple(names[:MOST_LISTED])
+
+
+def read(path: Path) -> tuple[str, Opened]:
+    """The text of the scene file at `path`, and its state.
+
+    FileError if it cannot be read, is too large or no text in UTF-8.
+    """
+    try:
+        before = path.lstat()
+        if not stat.S_ISREG(before.st_mode):
+            raise FileError(f"{path.name}: is no plain file")
+        data = read_within(path, SCENE)
+        text = data.decode()
+    except FileNotFoundError as error:
+        raise FileError(f"{path.name}: there is no such file") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path.name}: is not text in UTF-8") from error
+    except OSError as error:
+        raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
+    return text, Opened(path, digest(data), _stamp(before))
+
+
+def disk(opened: Opened) -> Disk:
+    """How the file is now; a file that was written anew with the same bytes is the same."""
+    try:
+        found = opened.path.lstat()
+        if _stamp(found) == opened.stamp:
+            return "same"
+        if not stat.S_ISREG(found.st_mode) or found.st_size > SCENE.size:
+            return "changed"
+        same = digest(read_within(opened.path, SCENE)) == opened.digest
+    except FileNotFoundError:
+        return "gone"
+    except (OSError, FileError):
+        return "changed"
+    return "same" if same else "changed"
+
+
+def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opened:
+    """The file at `path` with this text, put in place at once and whole.
+
+    `before` is what is known of it. Unless it is there as known, or not at all, or has this text
+    already, it is overwritten with `force` only.
+
+    Raises
+    ------
+    OverwriteError
+        If it would be overwritten without `force`.
+    FileError, OutputError
+        If the text is too large or none, or the file cannot be written.
+    """
+    data = encoded(text, path.name)
+    if not force:
+        _refuse_overwriting(path, data, before)
+    mode = stat.S_IMODE(path.stat().st_mode) if path.is_file() else None
+    settle(path.parent)
+    write_set(path.parent, {path.name: data}, force=True)
+    try:
+        if mode is not None:
+            path.chmod(mode)  # a file in place of another is as private as that
+        found = path.lstat()
+    except OSError as error:
+        raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
+    return Opened(path, digest(data), _stamp(found))
+
+
+def encoded(text: str, name: str) -> bytes:
+    """The bytes of a scene's text; FileError if they are too many, or it is no text."""
+    try:
+        data = text.encode()
+    except UnicodeEncodeError as error:
+        raise FileError(f"{name}: is not text that UTF-8 can encode") from error
+    check_size(len(data), SCENE, name)
+    return data
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 of data, hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
+    if before is not None and before.path == path:
+        if disk(before) == "changed":
+            raise OverwriteError(f"{path.name} has been changed on disk since it was read")
+        return
+    if not path.exists() and not path.is_symlink():
+        return
+    if read(path)[1].digest != digest(data):
+        raise OverwriteError(f"{path.name} exists already")
+
+
+def _is_link(path: Path) -> bool:
+    try:
+        return path.is_symlink()
+    except (OSError, ValueError):
+        return False
+
+
+def _stamp(found: os.stat_result) -> Stamp:
+    return found.st_ino, found.st_mtime_ns, found.st_size

@@ -1,0 +1,188 @@
+"""What a page may say to the server: JSON texts, each checked before anything is done with it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from camgeo.errors import CamgeoError
+from camgeo.reading import SCENE
+
+LARGEST: Final = 3 * SCENE.size
+"""Bytes of a message: JSON spells some characters of a scene with two or more."""
+
+DEEPEST: Final = 8
+"""Tables and lists within each other in a message."""
+
+LONGEST_NAME: Final = 200
+"""Characters of names, keys and identifiers."""
+
+MOST_EDITS: Final = 200
+"""Keys that one message changes."""
+
+
+class MessageError(CamgeoError, ValueError):
+    """A message is none that is understood.
+
+    Attributes
+    ----------
+    id : of the message, if it has one.
+    """
+
+    def __init__(self, sentence: str, id_: str | int | None = None) -> None:
+        super().__init__(sentence)
+        self.id = id_
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A message of a page.
+
+    Attributes
+    ----------
+    kind : what is asked for.
+    id : by which the answer is known; None if the page gave none.
+    arguments : of the kind.
+    """
+
+    kind: str
+    id: str | int | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_index(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) < 1_000_000
+
+
+def _is_name(value: Any) -> bool:
+    return isinstance(value, str) and len(value) <= LONGEST_NAME
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_flag(value: Any) -> bool:
+    return isinstance(value, bool)
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) and len(value) <= MOST_EDITS and all(map(_is_name, value))
+
+
+def _is_place(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))
+
+
+def _is_names(value: Any) -> bool:
+    return isinstance(value, list) and len(value) <= MOST_EDITS and all(map(_is_name, value))
+
+
+Check = Callable[[Any], bool]
+
+CHANGES: Final[Mapping[str, Check]] = {
+    "edits": _is_table,
+    "handle": _is_name,
+    "segment": _is_table,
+    "table": _is_table,
+    "effect": _is_table,
+    "cure": _is_index,
+    "sized": _is_table,
+}
+"""What a change may be: one of these."""
+
+KINDS: Final[Mapping[str, Mapping[str, Check]]] = {
+    "hello": {"revision": _is_index},
+    "change": {**CHANGES, "to": _is_place, "step": _is_number, "gesture": _is_name},
+    "text": {"text": _is_text, "gesture": _is_name},
+    "undo": {},
+    "redo": {},
+    "save": {"path": _is_name, "force": _is_flag},
+    "open": {"path": _is_name},
+    "new": {"template": _is_name},
+    "reload": {},
+    "build": {"formats": _is_names},
+    "size": {"arguments": _is_table},
+    "solid": {},
+    "laws": {"segment": _is_index},
+    "templates": {},
+    "effects": {},
+    "pin": {},
+    "unpin": {},
+}
+"""The arguments of each kind of message; a kind states in NEEDED which it must have."""
+
+NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
+    "text": ("text",),
+    "open": ("path",),
+    "new": ("template",),
+    "laws": ("segment",),
+}
+
+
+def understood(text: str) -> Said:
+    """The message in a text.
+
+    Raises
+    ------
+    MessageError
+        If it is none, or not as its kind must be.
+    """
+    try:
+        found = json.loads(text, parse_constant=_no_number)
+        flat = _is_flat(found, DEEPEST)
+    except (ValueError, RecursionError):
+        raise MessageError("a message must be JSON, with finite numbers") from None
+    if not isinstance(found, dict) or not flat:
+        raise MessageError(f"a message must be a table, at most {DEEPEST} deep, of finite numbers")
+    id_ = found.pop("id", None)
+    if id_ is not None and not (_is_index(id_) or _is_name(id_)):
+        raise MessageError("id must be a short text or a whole number")
+    kind = found.pop("kind", None)
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise MessageError(f"kind must be one of {', '.join(KINDS)}", id_)
+    for key, value in found.items():
+        check = KINDS[kind].get(key)
+        if check is None:
+            raise MessageError(f"{kind} has no {key[:LONGEST_NAME]!r}", id_)
+        if value is None:
+            continue
+        if not check(value):
+            raise MessageError(f"{key} of {kind} is not what it must be", id_)
+    given = {key: value for key, value in found.items() if value is not None}
+    for key in NEEDED.get(kind, ()):
+        if key not in given:
+            raise MessageError(f"{kind} needs {key}", id_)
+    if kind == "change":
+        _check_change(given, id_)
+    return Said(kind, id_, given)
+
+
+def _check_change(given: Mapping[str, Any], id_: str | int | None) -> None:
+    stated = [key for key in CHANGES if key in given]
+    if len(stated) != 1:
+        raise MessageError(f"change needs one of {', '.join(CHANGES)}", id_)
+    if ("handle" in given) != ("to" in given):
+        raise MessageError("a handle needs a place to go to, and only that", id_)
+
+
+def _is_flat(value: Any, depth: int) -> bool:
+    """Whether a value has only so many levels, and no infinite number."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, dict):
+        return depth > 0 and all(_is_flat(each, depth - 1) for each in value.values())
+    if isinstance(value, list):
+        return depth > 0 and all(_is_flat(each, depth - 1) for each in value)
+    return True
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(name)

@@ -1,0 +1,145 @@
+"""Serving the designer: its socket, its processes, its end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import webbrowser
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, Final
+
+import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from camgeo.designing.children import Children
+from camgeo.designing.desk import Desk
+from camgeo.designing.job import Job
+from camgeo.errors import CamgeoError, unreadable
+from camgeo_export.designer.application import application
+from camgeo_export.designer.guard import Address, Guard, Keys, is_loopback
+from camgeo_export.designer.messages import LARGEST
+from camgeo_export.designer.session import Session
+
+MOST_CONNECTIONS: Final = 64
+"""Connections at the same time; more are closed at once. A page needs two or three."""
+
+HEAD: Final = 16_384
+"""Bytes of the head of a request."""
+
+PATIENCE: Final = 10.0
+"""Seconds in which a connection must have made a request, or opened a page."""
+
+BACKLOG: Final = 128
+
+END: Final = 2
+"""Seconds in which connections end when the server does."""
+
+
+class Connection(H11Protocol):
+    """A connection that is refused if there are too many, and closed if nothing comes of it."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # uvicorn narrows it too
+        super().connection_made(transport)
+        if len(self.connections) > MOST_CONNECTIONS:
+            transport.abort()
+            return
+        self.loop.call_later(PATIENCE, self._give_up)
+
+    def _give_up(self) -> None:
+        if self in self.connections and not self.headers:  # None until there is a request
+            self.transport.abort()
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that listens at host and port; CamgeoError if it cannot."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    found = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind((host, port))
+        found.listen(BACKLOG)
+    except OSError as error:
+        found.close()
+        raise CamgeoError(f"cannot listen at {host}, port {port}: {unreadable(error)}") from error
+    return found
+
+
+def serve(
+    desk: Desk, host: str, port: int, tell: Callable[[str, bool], None], *, browser: bool = True
+) -> None:
+    """Serve the scene on a desk until a signal arrives; then nothing is left running.
+
+    Parameters
+    ----------
+    host, port : where to listen; port 0 for any that is free.
+    tell : is told the address, once, and whether this machine alone reaches it.
+    browser : whether to open it.
+
+    Raises
+    ------
+    CamgeoError
+        If it cannot listen there.
+    """
+    with contextlib.closing(desk), listening(host, port) as found, Children() as children:
+        address = Address(host, found.getsockname()[1])
+        asyncio.run(_serve(desk, address, found, children, tell, browser=browser))
+
+
+def server_of(app: Guard) -> uvicorn.Server:
+    """The server of an application, with all limits. No request is logged: one has a token."""
+    config = uvicorn.Config(
+        app,
+        http=Connection,
+        ws="websockets-sansio",
+        ws_max_size=LARGEST,
+        ws_per_message_deflate=False,
+        h11_max_incomplete_event_size=HEAD,
+        timeout_keep_alive=30,
+        timeout_graceful_shutdown=END,
+        lifespan="off",
+        log_config=None,
+        log_level="critical",  # what strangers send is nothing to the user's terminal
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+    )
+    return uvicorn.Server(config)
+
+
+async def _serve(
+    desk: Desk,
+    address: Address,
+    found: socket.socket,
+    children: Children,
+    tell: Callable[[str, bool], None],
+    *,
+    browser: bool,
+) -> None:
+    keys = Keys()
+
+    def compute(job: Job, seconds: float) -> Mapping[str, Any]:
+        return children.submit(job, seconds).data
+
+    session = Session(desk, compute, children.cancel)
+    server = server_of(application(session, address, keys))
+    tell(f"http://{address.shown}/?token={keys.token}", is_loopback(address.host))
+    if browser:
+        url = f"http://{address.shown}/?token={keys.lend()}"
+        asyncio.get_running_loop().run_in_executor(None, partial(_open, url))
+    working = asyncio.create_task(session.run())
+    working.add_done_callback(lambda _: setattr(server, "should_exit", True))
+    try:
+        await server.serve(sockets=[found])
+    finally:
+        working.cancel()
+        children.close()
+        with contextlib.suppress(asyncio.CancelledError):
+            await working  # raises what has ended it
+
+
+def _open(url: str) -> None:
+    """Open the browser; without one the address that was printed is there."""
+    with contextlib.suppress(webbrowser.Error, OSError):
+        webbrowser.open(url)

@@ -1,0 +1,217 @@
+"""A session: what a page changes, all pages see; the newest wins, and nothing is overwritten."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.designing.children import Refused
+from camgeo.designing.job import Job
+from tests.designer.served import Served, computed, served
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    found = tmp_path / "scenes"
+    found.mkdir()
+    (found / "cam.toml").write_bytes(b"a = 1\n")
+    (found / "other.toml").write_bytes(b"b = 2\n")
+    return found
+
+
+def test_a_page_sees_the_scene_and_what_it_changes(folder: Path) -> None:
+    with served(folder, "cam.toml") as server, server.page() as page:
+        page.say("hello")
+        state = page.hear("state")
+        assert (state["file"], state["text"], state["saved"]) == ("cam.toml", "a = 1\n", True)
+        assert state["folder_files"] == ["cam.toml", "other.toml"]
+        assert "translating-roller" in state["templates"]
+        assert "dxf" in state["formats"]
+        assert page.hear("curves")["of"] == "a = 1\n"
+        page.say("change", id=5, edits={"a": 2})
+        curves = page.hear("curves", answers=5)
+        assert (curves["text"], curves["revision"], curves["label"]) == ("a = 2\n", 1, "a = 2")
+        state = page.hear("state")
+        assert (state["saved"], state["undo"], state["revision"]) == (False, "a = 2", 1)
+        assert page.hear("findings", revision=1)["of"] == "a = 2\n"
+        page.say("undo")
+        state = page.hear("state", revision=2)
+        assert (state["text"], state["redo"], state["saved"]) == ("a = 1\n", "a = 2", True)
+        assert page.hear("curves", revision=2)["of"] == "a = 1\n"
+        page.say("redo")
+        page.say("save")
+        page.hear("state", saved=True, undo="a = 2")
+    assert (folder / "cam.toml").read_bytes() == b"a = 2\n"
+    assert list((folder.parent / "states").iterdir()) == []
+
+
+def test_two_pages_see_the_same(folder: Path) -> None:
+    with served(folder, "cam.toml") as server, server.page() as one, server.page() as other:
+        for page in (one, other):
+            page.say("hello")
+            page.hear("curves", revision=0)
+        one.say("change", id=1, edits={"a": 2})
+        mine, theirs = one.hear("curves", revision=1), other.hear("curves", revision=1)
+        assert (mine.pop("answers"), theirs.pop("answers")) == (1, None)
+        assert mine == theirs
+        assert one.hear("state", revision=1) == other.hear("state", revision=1)
+        other.say("pin")
+        assert one.hear("pinned")["curves"]["text"] == "a = 2\n"
+        with server.page() as third:
+            third.say("hello")
+            assert third.hear("state")["text"] == "a = 2\n"
+            assert third.hear("pinned")["curves"]["text"] == "a = 2\n"
+
+
+def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
+    going = threading.Event()
+    done: list[Any] = []
+
+    def slow(job: Job, seconds: float) -> Mapping[str, Any]:
+        if job.kind == "change":
+            done.append(job.arguments["edits"]["a"])
+            going.wait(10.0)
+        return computed(job, seconds)
+
+    with served(folder, "cam.toml", slow) as server, server.page() as page:
+        page.say("hello")
+        page.hear("curves", revision=0)
+        for value in range(50):
+            page.say("change", id=value, edits={"a": value}, gesture="drag")
+        page.say("nonsense", id="all heard")
+        page.hear("refused", id="all heard")
+        going.set()
+        assert page.hear("curves", answers=49)["text"] == "a = 49\n"
+        assert done[1:] == [49]
+        page.say("undo")
+        assert page.hear("state", redo="a = 49")["text"] == "a = 1\n"
+
+
+def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path) -> None:
+    asked: list[str] = []
+
+    def counted(job: Job, seconds: float) -> Mapping[str, Any]:
+        if job.kind == "findings":
+            asked.append(job.text)
+        return computed(job, seconds)
+
+    with served(folder, "cam.toml", counted) as server, server.page() as page:
+        page.say("hello")
+        page.hear("findings", revision=0)
+        for value in range(10):
+            page.say("change", id=value, edits={"a": value})
+            page.hear("curves", answers=value)
+        assert page.hear("findings")["revision"] == 10
+    assert asked[-1] == "a = 9\n"
+    assert len(asked) <= 4
+
+
+def test_a_job_that_is_too_slow_is_told_and_the_text_stays(folder: Path) -> None:
+    def never(job: Job, seconds: float) -> Mapping[str, Any]:
+        if "slow" in job.text:
+            raise Refused(f"{job.kind}: took longer than {seconds:g} s")
+        return computed(job, seconds)
+
+    with served(folder, "cam.toml", never) as server, server.page() as page:
+        page.say("hello")
+        page.say("text", id=1, text="slow = 1\n")
+        curves = page.hear("curves", answers=1)
+        assert curves["faults"][0]["message"] == "curves: took longer than 10 s"
+        assert curves["text"] == "slow = 1\n"
+        page.say("change", id=2, edits={"a": 2})
+        assert "took longer" in page.hear("refused", id=2)["message"]
+        page.say("undo", id=3)
+        assert page.hear("curves", answers=3)["of"] == "a = 1\n"
+
+
+REFUSED: tuple[tuple[str, dict[str, Any], str], ...] = (
+    ("nonsense", {}, "kind must be one of"),
+    ("change", {"handle": "x", "to": [1, 2]}, "only edits are known here"),
+    ("open", {"path": "../cam.toml"}, "a path in the folder"),
+    ("open", {"path": "none.toml"}, "there is no such file"),
+    ("save", {"path": "/tmp/cam.toml"}, "a path in the folder"),
+    ("new", {"template": "nonsense"}, "there is no template"),
+    ("text", {"text": "\ud800"}, "not text that UTF-8 can encode"),
+)
+
+
+def test_refusals_are_sentences(folder: Path) -> None:
+    with served(folder, "cam.toml") as server, server.page() as page:
+        page.say("hello")
+        for number, (kind, arguments, sentence) in enumerate(REFUSED):
+            page.say(kind, id=number, **arguments)
+            assert sentence in page.hear("refused", id=number)["message"]
+        page.socket.send("{")
+        assert "must be JSON" in page.hear("refused", id=None)["message"]
+        page.say("text", id=9, text="a = 3\n")
+        assert page.hear("curves", answers=9)["text"] == "a = 3\n"
+        page.socket.send(b"bytes")
+        with pytest.raises(Exception, match="1003"):
+            page.hear("state", saved=7)
+
+
+def test_a_file_changed_on_disk_is_told_and_not_overwritten(folder: Path) -> None:
+    with served(folder, "cam.toml") as server, server.page() as page:
+        page.say("hello")
+        page.say("change", id=1, edits={"a": 2})
+        (folder / "cam.toml").write_bytes(b"a = 9\n")
+        page.hear("state", disk="changed")
+        assert "changed on disk" in page.hear("told")["message"]
+        page.say("save", id=2)
+        refused = page.hear("refused", id=2)
+        assert (refused["force"], "changed on disk" in refused["message"]) == (True, True)
+        assert (folder / "cam.toml").read_bytes() == b"a = 9\n"
+        page.say("reload")
+        assert page.hear("state", disk="same", saved=True)["text"] == "a = 9\n"
+        page.say("undo")
+        assert page.hear("state", saved=False, redo="cam.toml from disk")["text"] == "a = 2\n"
+        page.say("save", force=True)
+        page.hear("state", saved=True)
+    assert (folder / "cam.toml").read_bytes() == b"a = 2\n"
+
+
+def test_without_a_scene_there_are_templates_and_the_folder(folder: Path) -> None:
+    with served(folder) as server, server.page() as page:
+        page.say("hello")
+        state = page.hear("state")
+        assert (state["file"], state["text"], state["saved"]) == (None, "", True)
+        assert page.hear("curves")["charts"] == []
+        page.say("new", template="translating-roller")
+        assert "[follower]" in page.hear("state", file=None, saved=False)["text"]
+        page.say("save", id=1)
+        assert "needs a name" in page.hear("refused", id=1)["message"]
+        page.say("open", path="other.toml")
+        assert page.hear("state", file="other.toml")["text"] == "b = 2\n"
+        assert "unsaved edits of the new scene are kept" in page.hear("told")["message"]
+
+
+def test_what_is_built_is_downloaded(folder: Path) -> None:
+    with served(folder, "cam.toml") as server, server.page() as page:
+        page.say("build", id=1, formats=["dxf"])
+        assert page.hear("busy")["what"] == "build"
+        (file,) = page.hear("built", answers=1)["files"]
+        assert (file["name"], file["size"]) == ("cam ä.dxf", 3)
+        reply = server.get(file["url"])
+        assert (reply.status, reply.text) == (200, b"cam")  # type: ignore[attr-defined]  # see Served.get
+        assert reply.headers["content-disposition"].startswith('attachment; filename="cam__.dxf"')
+        page.say("build", id=2)
+        page.hear("built", answers=2)
+        assert server.get(file["url"]).status == 404
+        assert server.get("/files/all.zip").status == 200
+
+
+def test_a_page_that_takes_nothing_holds_up_no_other(server: Served) -> None:
+    with server.page() as idle, server.page() as page:
+        idle.say("hello")
+        for value in range(100):
+            page.say("change", id=value, edits={"a": value})
+            page.hear("curves", answers=value)
+        assert idle.hear("curves", revision=page_revision(server))["text"] == "a = 99\n"
+
+
+def page_revision(server: Served) -> int:
+    return server.session._revision
