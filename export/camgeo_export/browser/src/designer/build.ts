@@ -1,0 +1,49 @@
+// Makes the files of the scene, and offers them for download.
+
+import { button, el, say, shown, table } from "./dom";
+import type { Session } from "./session";
+import { number, t } from "./strings";
+
+export class Build {
+  readonly element = el("div", { class: "build" });
+  private readonly formats = el("fieldset", {}, el("legend", {}, t("build.formats")));
+  private readonly said = el("p", { class: "sentence" });
+  private readonly files = el("div");
+
+  constructor(private readonly session: Session) {
+    this.element.append(el("p", {}, t("build.intro")), this.formats, button(t("build.build"), () => this.build(), { id: "build-files", class: "main" }), this.said, this.files);
+    session.on(["built", "curves"], () => this.update());
+    session.on("state", () => this.offer());
+  }
+
+  private build(): void {
+    const boxes = [...this.formats.querySelectorAll<HTMLInputElement>("input")];
+    const formats = boxes.filter((box) => box.checked).map((box) => box.value);
+    this.session.send({ kind: "build", ...(boxes.length ? { formats } : {}) });
+  }
+
+  // A box for each format; those that the scene asks for are ticked.
+  private offer(): void {
+    const { formats = [], asked = [] } = this.session.state ?? {};
+    const text = JSON.stringify([formats, asked]);
+    shown(this.formats, formats.length > 0);
+    if (this.formats.dataset["shown"] === text) return;
+    this.formats.dataset["shown"] = text;
+    const boxes = formats.map((each) => el("label", { class: "box" }, el("input", { type: "checkbox", value: each, checked: asked.includes(each) || !asked.length }), ` ${each}`));
+    this.formats.replaceChildren(el("legend", {}, t("build.formats")), ...boxes);
+  }
+
+  private update(): void {
+    const { built, revision } = this.session;
+    if (!built) return;
+    const old = built.revision < revision;
+    this.files.classList.toggle("old", old);
+    say(this.said, old ? t("build.old") : built.message || t("build.done", { n: built.files.length }));
+    if (this.files.dataset["revision"] === String(built.revision)) return;
+    this.files.dataset["revision"] = String(built.revision);
+    const stated = (value: number | null | undefined): string => (value === null || value === undefined ? "" : number(value, 3));
+    const rows = built.files.map((file) => [el("a", { href: file.url, download: file.name }, file.name), t("build.bytes", { n: file.size.toLocaleString("en") }), stated(file.deviation), stated(file.tolerance)]);
+    const heads = [t("build.file"), t("build.size"), t("build.deviation"), t("build.tolerance")];
+    this.files.replaceChildren(rows.length ? table(t("build.title"), heads, rows, [1, 2, 3]) : "");
+  }
+}

@@ -1,0 +1,93 @@
+// The findings, each with its place and next step, and the cures, which are applied at a click.
+
+import { attribute, button, el, say, shown } from "./dom";
+import type { Finding } from "./model";
+import type { Session } from "./session";
+import { t } from "./strings";
+
+const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗" };
+
+export class Findings {
+  readonly element = el("div", { class: "findings" });
+  readonly verdict = el("a", { href: "#findings", class: "verdict" });
+  private readonly note = el("p", { class: "stale", hidden: true }, t("findings.old"));
+  private readonly sentence = el("p", { class: "sentence" });
+  private readonly bad = el("ul", { class: "list" });
+  private readonly kept = el("ul", { class: "list" });
+  private readonly summary = el("summary");
+  private readonly more = el("details", { hidden: true }, this.summary, this.kept);
+  private readonly cures = el("div", { class: "cures", hidden: true });
+
+  constructor(
+    private readonly session: Session,
+    private readonly reveal: (key: string) => boolean,
+  ) {
+    this.element.append(this.note, this.sentence, this.bad, this.cures, this.more);
+    say(this.sentence, t("findings.waiting"));
+  }
+
+  update(): void {
+    const found = this.session.findings;
+    const old = !found || found.revision < this.session.revision;
+    this.element.classList.toggle("old", old);
+    if (!found || old) return;
+    const all = found.findings ?? [];
+    const bad = all.filter((each) => each.severity !== "ok");
+    const verdict = found.verdict || t(all.length ? "findings.kept" : "findings.none");
+    say(this.sentence, verdict);
+    say(this.verdict, `${bad.length ? this.sign(bad) : SIGNS["ok"]} ${verdict}`);
+    attribute(this.verdict, "class", `verdict ${bad.length ? this.worst(bad) : "ok"}`);
+    this.list(this.bad, bad);
+    const kept = all.filter((each) => each.severity === "ok");
+    shown(this.more, kept.length > 0);
+    say(this.summary, t("findings.all", { n: kept.length }));
+    this.list(this.kept, kept);
+    const cures = found.cures ?? [];
+    shown(this.cures, cures.length > 0);
+    this.cures.replaceChildren(
+      el("p", {}, t("findings.cures")),
+      el(
+        "ul",
+        { class: "list" },
+        ...cures.map((cure) =>
+          cure.works
+            ? el("li", {}, el("span", {}, cure.sentence), button(t("findings.cure"), () => this.session.change({ cure: cure.index }), { "aria-label": t("findings.cure-label", { sentence: cure.sentence }), "data-cure": cure.index }))
+            : el("li", {}, t("findings.no-cure", { sentence: cure.sentence })),
+        ),
+      ),
+    );
+  }
+
+  private worst(bad: Finding[]): string {
+    return ["invalid", "no-disc", "broken", "warning"].find((each) => bad.some((one) => one.severity === each)) ?? "warning";
+  }
+
+  private sign(bad: Finding[]): string {
+    return SIGNS[this.worst(bad)] ?? "!";
+  }
+
+  // Drawn anew only if it says something else, so that no button goes from under a pointer.
+  private list(parent: HTMLElement, findings: Finding[]): void {
+    const text = JSON.stringify(findings);
+    if (parent.dataset["shown"] === text) return;
+    parent.dataset["shown"] = text;
+    parent.replaceChildren(...findings.map((each) => this.item(each)));
+  }
+
+  private item(finding: Finding): HTMLElement {
+    const { at_degrees: at, key } = finding;
+    const angle = at === null ? "" : String(Number(at.toFixed(1)));
+    return el(
+      "li",
+      { class: "finding" },
+      el("p", {}, el("strong", { class: `severity ${finding.severity}` }, `${SIGNS[finding.severity] ?? "!"} ${finding.mark}`), ` ${finding.about}: `, finding.sentence),
+      finding.step ? el("p", { class: "step" }, `${t("findings.step")}: ${finding.step}`) : null,
+      el(
+        "div",
+        { class: "actions" },
+        at === null ? null : button(t("findings.show", { angle }), () => this.session.angle.set(at), { "data-at": angle }),
+        key ? button(t("findings.edit", { key }), () => this.reveal(key)) : null,
+      ),
+    );
+  }
+}

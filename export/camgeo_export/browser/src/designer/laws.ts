@@ -1,0 +1,59 @@
+// The laws that fit a segment, as pictures to choose from.
+
+import { Drawing } from "../figure";
+import { button, el, fresh, say } from "./dom";
+import { written } from "./field";
+import type { Law, Segment } from "./model";
+import type { Session } from "./session";
+import { t } from "./strings";
+
+export class Laws {
+  readonly element: HTMLDialogElement;
+  private readonly title: HTMLElement;
+  private readonly list = el("ul", { class: "laws-list" });
+  private segment: Segment | null = null;
+
+  constructor(private readonly session: Session) {
+    const id = fresh();
+    this.title = el("h2", { id });
+    this.element = el("dialog", { "aria-labelledby": id, class: "laws-dialog" }, this.title, this.list, el("div", { class: "actions" }, button(t("dialog.cancel"), () => this.element.close())));
+    session.on("laws", () => this.show());
+  }
+
+  ask(segment: Segment, from: HTMLElement): void {
+    this.segment = segment;
+    this.element.addEventListener("close", () => from.isConnected && from.focus(), { once: true });
+    this.session.send({ kind: "laws", segment: segment.index });
+  }
+
+  private show(): void {
+    const { laws } = this.session;
+    if (!laws || !this.segment) return;
+    say(this.title, t("laws.title", { n: this.segment.index + 1 }));
+    this.list.replaceChildren(...laws.laws.map((law) => el("li", {}, this.choice(law))));
+    if (!this.element.open) this.element.showModal();
+    this.element.querySelector<HTMLElement>('[aria-pressed="true"]')?.focus();
+  }
+
+  private choice(law: Law): HTMLElement {
+    const title = law.title ?? law.name;
+    const now = law.name === this.segment?.law;
+    const facts = typeof law.facts === "string" ? law.facts : Array.isArray(law.facts) ? law.facts.join("; ") : Object.entries(law.facts ?? {}).map(([name, value]) => `${name} ${written(value)}`).join("; ");
+    const element = button("", () => this.take(law), { class: "law", "aria-pressed": String(now), "data-law": law.name });
+    element.append(el("strong", {}, now ? `${title} (${t("laws.now")})` : title));
+    if (law.figure) {
+      const drawing = new Drawing();
+      drawing.update(law.figure, t("laws.picture", { title }));
+      drawing.svg.setAttribute("aria-hidden", "true"); // the button has its name and its facts
+      element.append(drawing.svg);
+    }
+    if (facts) element.append(el("span", { class: "facts" }, facts));
+    return element;
+  }
+
+  private take(law: Law): void {
+    const key = this.segment?.fields.find((field) => /(^|\.)law$/.test(field.key))?.key;
+    this.element.close();
+    if (key) this.session.change({ edits: { [key]: law.name } });
+  }
+}

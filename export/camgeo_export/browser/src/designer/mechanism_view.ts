@@ -1,0 +1,146 @@
+// The mechanism: turning, with handles on its sizes, and with the places where something is wrong.
+
+import type { Animation, Mark } from "../data";
+import { liftAt, Mechanism } from "../mechanism";
+import { Player } from "../player";
+import { element, fixed } from "../svg";
+import { GREY } from "./compare";
+import { attribute, el, say, shown } from "./dom";
+import { Handles, type View } from "./handles";
+import type { Handle, Place } from "./model";
+import type { Session } from "./session";
+import { PLAYER, t } from "./strings";
+
+const SPACE = "mechanism";
+const SPEEDS = [30, 15, 8, 4, 2]; // seconds of a turn
+const SPEED = 8;
+const MOST = 40; // places that are drawn, and said in words
+const SIGN = "M0-7L7 5H-7Z"; // around a place
+
+// The disc of a pinned variant, in grey over the present one.
+function ghosts(found: Animation): Mark[] {
+  const style = { kind: "fill" as const, face: "", edge: GREY, width: 1.2, dashes: [3, 2], hatched: false, opacity: 1 };
+  return found.turning.flatMap((mark): Mark[] => {
+    if (mark.kind === "area") return [{ ...mark, style, layer: 3 }];
+    if (mark.kind === "circle") return [{ ...mark, style, layer: 3 }];
+    return [];
+  });
+}
+
+export class MechanismView {
+  readonly element = el("div", { class: "mechanism" });
+  readonly player: Player;
+  private readonly mechanism: Mechanism;
+  private readonly handles: Handles;
+  private readonly picture: HTMLElement;
+  private readonly none = el("p", { hidden: true });
+  private readonly old = el("p", { class: "stale", hidden: true }, t("mechanism.old"));
+  private readonly places = element("g");
+  private readonly listed = el("ul", { class: "list places" });
+  private readonly details = el("details", { hidden: true, open: true }, el("summary", {}, t("mechanism.places")), this.listed);
+
+  constructor(private readonly session: Session) {
+    const play = el("button", { type: "button", id: "play", "aria-pressed": "false" }, t("mechanism.play"));
+    const speed = el("select", { id: "speed" }, ...SPEEDS.map((n) => el("option", { value: n, selected: n === SPEED }, t("mechanism.turn", { n }))));
+    const slider = el("input", { type: "range", id: "angle", min: 0, max: 360, step: 0.5, value: 0, "aria-label": t("mechanism.angle") });
+    const field = el("input", { type: "number", id: "degrees", min: 0, max: 360, step: "any", value: 0, "aria-label": t("mechanism.degrees") });
+    const state = el("p", { class: "state", role: "status", "aria-live": "polite" });
+    const controls = { play, speed, slider, field, state };
+    const lift = (degrees: number): string => (session.curves?.animation ? liftAt(session.curves.animation, degrees) : "");
+    this.player = new Player(session.angle, controls, lift, PLAYER);
+    this.mechanism = new Mechanism(session.angle, t("mechanism.label"));
+    this.mechanism.overlay.append(this.places);
+    this.handles = new Handles(session, SPACE, t("mechanism.help"), () => {
+      // Handles are where the parts are at cam angle 0.
+      this.player.stop();
+      if (session.angle.degrees) session.angle.set(0);
+    });
+    this.picture = el("div", { class: "picture" }, this.mechanism.svg as unknown as Node, this.handles.layer);
+    this.element.append(
+      this.none,
+      this.old,
+      this.handles.exact,
+      this.picture,
+      el("div", { class: "controls", role: "group", "aria-label": t("mechanism.angle") }, play, el("label", {}, `${t("mechanism.speed")} `, speed), slider, el("span", {}, field, " °")),
+      state,
+      this.details,
+    );
+    session.on(["curves", "faults"], () => this.update());
+    session.on(["findings", "curves"], () => this.mark());
+    session.angle.listen((degrees) => this.turn(degrees));
+    new ResizeObserver(() => this.place()).observe(this.picture);
+  }
+
+  private update(): void {
+    const { curves, pinned, faults, held } = this.session;
+    const found = curves?.animation ?? null;
+    shown(this.none, !found);
+    shown(this.picture, Boolean(found));
+    shown(this.old, faults.length > 0 && Boolean(found));
+    this.picture.classList.toggle("old", faults.length > 0);
+    say(this.none, curves ? t("mechanism.none") : t("mechanism.waiting"));
+    if (!found) return this.handles.update([], () => null);
+    const other = pinned?.animation;
+    const low = other ? ([0, 1].map((k) => Math.min(found.low[k]!, other.low[k]!)) as [number, number]) : found.low;
+    const high = other ? ([0, 1].map((k) => Math.max(found.high[k]!, other.high[k]!)) as [number, number]) : found.high;
+    const both = other ? { ...found, low, high, turning: [...found.turning, ...ghosts(other)] } : found;
+    this.mechanism.update(both, held === SPACE);
+    const { width, height } = this.mechanism.svg.viewBox.baseVal;
+    this.picture.style.setProperty("--aspect", (width / height).toFixed(4));
+    this.place();
+  }
+
+  private place(): void {
+    const handles = (this.session.curves?.handles ?? []).filter((each) => each.space === SPACE);
+    this.handles.update(handles, (handle) => this.view(handle));
+  }
+
+  private view(_: Handle): View | null {
+    const { svg } = this.mechanism;
+    const { width, height } = svg.viewBox.baseVal;
+    if (!width || !height) return null;
+    const screen = svg.getBoundingClientRect().width / width || 1;
+    const pixel = 1 / (this.mechanism.scale * screen);
+    return {
+      part: (at) => {
+        const [x, y] = this.mechanism.toPicture(at);
+        return [x / width, y / height];
+      },
+      values: ([x, y]) => this.mechanism.at(x, y),
+      pixel: [pixel, pixel],
+    };
+  }
+
+  // Where something is wrong: signs on the disc, which turn with it, and the same in words.
+  private mark(): void {
+    const found = this.session.findings;
+    const places = found && found.revision >= this.session.revision && !this.session.faults.length ? (found.places ?? []) : [];
+    this.places.replaceChildren(...places.slice(0, MOST).map((place) => this.sign(place)));
+    shown(this.details, places.length > 0);
+    const words = places.slice(0, MOST).map((place) => place.label);
+    if (this.listed.dataset["shown"] !== JSON.stringify(words)) {
+      this.listed.dataset["shown"] = JSON.stringify(words);
+      this.listed.replaceChildren(...words.map((text) => el("li", {}, `! ${text}`)));
+    }
+    this.turn(this.session.angle.degrees);
+  }
+
+  private sign(place: Place): SVGElement {
+    const [x, y] = this.mechanism.toPicture([place.x, place.y]);
+    const sign = element("g", { class: `place ${/^[\w-]*$/.test(place.kind) ? place.kind : ""}`, transform: `translate(${fixed(x)} ${fixed(y)})`, "data-kind": place.kind });
+    const title = element("title");
+    title.textContent = place.label;
+    const text = element("text", { y: 4, "text-anchor": "middle", "font-size": 8 });
+    text.textContent = "!";
+    sign.append(title, element("circle", { r: 11 }), element("path", { d: SIGN }), text);
+    return sign;
+  }
+
+  private turn(degrees: number): void {
+    attribute(this.picture, "data-turned", degrees ? "true" : null);
+    const found = this.mechanism.animation;
+    if (!found) return;
+    const [x, y] = this.mechanism.toPicture([0, 0]).map(fixed);
+    this.places.setAttribute("transform", `rotate(${fixed(-found.rotation * degrees)} ${x} ${y})`);
+  }
+}

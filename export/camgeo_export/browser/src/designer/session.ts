@@ -1,0 +1,192 @@
+// What the page knows, and who wants to be told of it. Views ask for changes here, and draw what comes.
+
+import { CamAngle } from "../angle";
+import { announce } from "./announce";
+import { type Ask, Connection } from "./connection";
+import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer, Value } from "./model";
+import { t } from "./strings";
+import { painted, timings, took } from "./timings";
+
+export type Topic = "state" | "curves" | "faults" | "refused" | "findings" | "pinned" | "connection" | "built" | "solid" | "sized" | "laws" | "effects" | "busy" | "told" | "hold";
+
+const NEVER: Fault[] = [];
+const ANSWERS = ["built", "solid", "sized", "refused"]; // of what the page is told to wait for
+
+export class Session {
+  state: State | null = null;
+  text = "";
+  curves: Curves | null = null; // the last without faults
+  faults: Fault[] = NEVER;
+  refused = "";
+  overwrites = false; // whether what was refused can be forced
+  findings: (Found & { revision: number }) | null = null;
+  pinned: Curves | null = null;
+  built: { files: BuiltFile[]; certificate: Value; revision: number; message: string } | null = null;
+  solid: { solids: { name: string; places: string }[]; revision: number } | null = null;
+  sized: (Sized & { revision: number }) | null = null;
+  laws: { segment: number; laws: Law[] } | null = null;
+  effects: Effect[] = [];
+  busy = "";
+  message = "";
+  connected = false;
+  ended = false;
+  readonly angle = new CamAngle();
+  held = ""; // the picture that must not change its scale, because something is dragged in it
+  revision = -1;
+
+  private readonly calls = new Map<Topic, (() => void)[]>();
+  private readonly due = new Set<Topic>();
+  private readonly connection: Connection;
+  private gestures = 0;
+  private scheduled = false;
+
+  constructor() {
+    this.connection = new Connection({
+      message: (found) => this.heard(found),
+      answered: (id, asked) => {
+        if (!asked) return;
+        const answered = performance.now();
+        painted((at) => took({ id, gesture: asked.gesture, input: asked.input, sent: asked.sent, answered, painted: at }));
+      },
+      connected: (is, ended) => {
+        if (is && this.state) announce(t("connection.back"));
+        [this.connected, this.ended] = [is, ended];
+        this.tell("connection");
+      },
+    });
+  }
+
+  // Whether a change is on its way.
+  get waits(): boolean {
+    return this.connection.busy;
+  }
+
+  open(): void {
+    this.connection.open();
+  }
+
+  on(topics: Topic | Topic[], call: () => void): void {
+    for (const topic of [topics].flat()) this.calls.set(topic, [...(this.calls.get(topic) ?? []), call]);
+  }
+
+  // Tells those who listen, once in the next frame however often it is asked for.
+  tell(...topics: Topic[]): void {
+    for (const topic of topics) this.due.add(topic);
+    if (this.scheduled) return;
+    this.scheduled = true;
+    const now = (): void => {
+      if (!this.scheduled) return;
+      this.scheduled = false;
+      const calls = new Set([...this.due].flatMap((topic) => this.calls.get(topic) ?? []));
+      this.due.clear();
+      for (const call of calls) call();
+    };
+    requestAnimationFrame(now);
+    if (document.hidden) window.setTimeout(now, 50); // no frames are drawn then
+  }
+
+  // A name under which several changes are one step to undo.
+  gesture(): string {
+    this.gestures += 1;
+    return `${Math.floor(performance.timeOrigin)}-${this.gestures}`;
+  }
+
+  change(change: Change, ask: Omit<Ask, "change"> = {}, slot: string | null = null): number {
+    return this.connection.change({ ...ask, change }, slot);
+  }
+
+  write(text: string, gesture: string): number {
+    return this.connection.change({ change: { text }, gesture }, "text");
+  }
+
+  send(message: ToServer): void {
+    this.connection.send(message);
+  }
+
+  hold(name: string): void {
+    this.held = name;
+    this.tell("hold", "curves");
+  }
+
+  private heard(found: FromServer): void {
+    if (this.busy && ANSWERS.includes(found.kind)) {
+      this.busy = "";
+      this.tell("busy");
+    }
+    switch (found.kind) {
+      case "state": {
+        const { kind: _, text, ...rest } = found;
+        this.state = rest;
+        this.revision = Math.max(this.revision, found.revision);
+        if (typeof text === "string") this.text = text;
+        this.tell("state");
+        break;
+      }
+      case "curves": {
+        const { kind: _, revision, answers: __, ...rest } = found;
+        if (revision < this.revision) return;
+        this.revision = revision;
+        if (typeof rest.text === "string") this.text = rest.text;
+        this.refused = rest.refused ?? "";
+        this.faults = rest.faults;
+        if (rest.charts) this.curves = rest;
+        this.tell("curves", "faults");
+        if (this.refused) announce(t("text.refused", { message: this.refused }));
+        else if (this.faults.length) announce(`${t("text.faults", { n: this.faults.length })} ${this.faults[0]?.message ?? ""}`);
+        else if (rest.label) announce(t("announce.changed", { label: rest.label }));
+        break;
+      }
+      case "findings": {
+        const { kind: _, ...rest } = found;
+        if (found.revision < this.revision) return;
+        this.findings = rest;
+        this.tell("findings");
+        painted((at) => timings.findings.push(at));
+        break;
+      }
+      case "refused":
+        this.refused = found.message;
+        this.overwrites = found.force === true;
+        this.tell("faults", "refused");
+        announce(t("text.refused", { message: found.message }));
+        break;
+      case "built":
+        this.built = { files: found.files, certificate: found.certificate ?? null, revision: found.revision ?? this.revision, message: found.message ?? "" };
+        this.tell("built");
+        announce(t("build.done", { n: found.files.length }));
+        break;
+      case "solid":
+        this.solid = { solids: found.solids ?? [], revision: found.revision ?? this.revision };
+        this.tell("solid");
+        break;
+      case "sized": {
+        const { kind: _, ...rest } = found;
+        this.sized = { ...rest, revision: found.revision ?? this.revision };
+        this.tell("sized");
+        announce(found.sentence ?? t("size.none"));
+        break;
+      }
+      case "laws":
+        this.laws = { segment: found.segment ?? -1, laws: found.laws };
+        this.tell("laws");
+        break;
+      case "effects":
+        this.effects = found.effects;
+        this.tell("effects");
+        break;
+      case "pinned":
+        this.pinned = found.curves;
+        this.tell("pinned", "curves");
+        break;
+      case "busy":
+        this.busy = found.what;
+        this.tell("busy");
+        break;
+      case "told":
+        this.message = found.message;
+        this.tell("told");
+        announce(found.message);
+        break;
+    }
+  }
+}

@@ -1,0 +1,109 @@
+// The text of the scene: edited beside the picture, with its faults at their lines.
+
+import { attribute, button, el, say, shown } from "./dom";
+import type { Session } from "./session";
+import { t } from "./strings";
+
+const REST = 250; // milliseconds without a key before what was typed is sent
+const MOST = 4000; // lines that are numbered
+
+export class TextEditor {
+  readonly element = el("div", { class: "text" });
+  readonly area: HTMLTextAreaElement;
+  private readonly gutter = el("div", { class: "gutter", "aria-hidden": "true" });
+  private readonly list = el("div", { class: "faults", id: "faults" });
+  private readonly said = el("p", { class: "sentence" });
+  private timer = 0;
+  private typed = false; // and not yet sent
+  private waiting = ""; // what was sent last
+  private gesture: string | null = null;
+  private lines = -1;
+
+  constructor(private readonly session: Session) {
+    this.area = el("textarea", { id: "text-area", spellcheck: "false", autocomplete: "off", autocapitalize: "off", wrap: "off", rows: 24, "aria-label": t("text.label"), "aria-describedby": "faults" });
+    this.area.addEventListener("input", () => {
+      this.typed = true;
+      this.number();
+      clearTimeout(this.timer);
+      this.timer = window.setTimeout(() => this.flush(), REST);
+    });
+    this.area.addEventListener("blur", () => {
+      this.flush();
+      this.gesture = null;
+    });
+    this.area.addEventListener("scroll", () => {
+      this.gutter.scrollTop = this.area.scrollTop;
+    });
+    this.element.append(this.said, this.list, el("div", { class: "editor" }, this.gutter, this.area));
+  }
+
+  // Sends what was typed and not yet sent.
+  flush(): void {
+    clearTimeout(this.timer);
+    if (!this.typed) return;
+    this.typed = false;
+    this.waiting = this.area.value;
+    this.gesture ??= this.session.gesture();
+    this.session.write(this.waiting, this.gesture);
+  }
+
+  // A new step to undo begins.
+  rest(): void {
+    this.flush();
+    this.gesture = null;
+  }
+
+  update(): void {
+    const { text } = this.session;
+    const late = this.typed || (document.activeElement === this.area && this.waiting !== "" && text !== this.waiting && this.session.waits);
+    if (!late && this.area.value !== text) {
+      const { selectionStart, selectionEnd, scrollTop } = this.area;
+      this.area.value = text;
+      this.area.setSelectionRange(selectionStart, selectionEnd);
+      this.area.scrollTop = scrollTop;
+    }
+    this.number();
+    this.faults();
+  }
+
+  private faults(): void {
+    const { faults, refused } = this.session;
+    const sentence = [refused && t("text.refused", { message: refused }), faults.length ? t("text.faults", { n: faults.length }) : ""].filter(Boolean).join(" ");
+    say(this.said, sentence || t("text.fault-none"));
+    this.said.classList.toggle("bad", sentence !== "");
+    attribute(this.area, "aria-invalid", faults.length ? "true" : null);
+    const told = JSON.stringify(faults);
+    if (this.list.dataset["shown"] === told) return;
+    this.list.dataset["shown"] = told;
+    shown(this.list, faults.length > 0);
+    const items = faults.map((fault) => {
+      const line = fault.line;
+      const where = line ? button(t("text.fault-at", { line }), () => this.go(line)) : null;
+      const words = [fault.key && !fault.message.includes(fault.key) ? `${fault.key}: ${fault.message}` : fault.message, fault.hint ?? ""].filter(Boolean).join(" ");
+      return el("li", {}, where, el("span", {}, ` ${words}`));
+    });
+    this.list.replaceChildren(el("ul", { class: "list" }, ...items));
+    this.lines = -1;
+    this.number();
+  }
+
+  private number(): void {
+    const count = this.area.value.split("\n").length;
+    if (count === this.lines) return;
+    this.lines = count;
+    const bad = new Set(this.session.faults.map((fault) => fault.line));
+    const numbers = Array.from({ length: Math.min(count, MOST) }, (_, k) => el("div", bad.has(k + 1) ? { class: "bad" } : {}, bad.has(k + 1) ? `${t("text.mark")} ${k + 1}` : String(k + 1)));
+    this.gutter.replaceChildren(...numbers);
+    this.gutter.scrollTop = this.area.scrollTop;
+  }
+
+  private go(line: number): void {
+    const before = this.area.value.split("\n").slice(0, line - 1).join("\n").length;
+    const start = line > 1 ? before + 1 : 0;
+    const end = this.area.value.indexOf("\n", start);
+    this.area.focus();
+    this.area.setSelectionRange(start, end < 0 ? this.area.value.length : end);
+    const high = this.area.scrollHeight / Math.max(1, this.lines);
+    this.area.scrollTop = Math.max(0, (line - 4) * high);
+  }
+}
