@@ -32,6 +32,7 @@ export class Charts {
   // A diagram is drawn only while it is to be seen.
   private card(first: Drawable): Kept<Drawable> {
     const own = new Chart(this.session.angle, this.stop);
+    own.svg.setAttribute("aria-label", first.title);
     const sentence = el("span");
     const extremes = new Extremes(this.session);
     const element = el("figure", { class: "chart", "data-chart": first.name }, own.svg as unknown as Node, el("figcaption", {}, el("strong", {}, first.title), ": ", sentence), extremes.element);

@@ -91,7 +91,7 @@ export function table(label: string, heads: string[], rows: Content[][], numeric
   const look = (k: number): Given => (numeric.includes(k) ? { class: "number" } : {});
   return el(
     "div",
-    { class: "wide", role: "region", tabindex: 0, "aria-label": label },
+    { class: "wide", role: "group", tabindex: 0, "aria-label": label },
     el(
       "table",
       {},

@@ -35,7 +35,7 @@ export class MotionView {
     this.table = new Extremes(session);
     this.plan = new Plan(session, (segment, from) => this.laws.ask(segment, from));
     this.picture = el("div", { class: "picture" }, this.chart.svg as unknown as Node, this.handles.layer);
-    this.element.append(this.none, this.handles.exact, this.picture, this.sentence, this.table.element, this.laws.element);
+    this.element.append(this.none, this.handles.exact, el("div", { class: "wide", tabindex: 0, role: "group", "aria-label": t("motion.picture") }, this.picture), this.sentence, this.table.element, this.laws.element);
     session.on(["curves", "faults"], () => this.update());
   }
 

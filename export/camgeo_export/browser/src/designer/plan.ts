@@ -25,7 +25,7 @@ export class Plan {
     this.hidden = el("p", { hidden: true }, t("motion.none"));
     this.element = el(
       "div",
-      { class: "wide plan", role: "region", tabindex: 0, "aria-label": t("plan.title") },
+      { class: "wide plan", role: "group", tabindex: 0, "aria-label": t("plan.title") },
       el("table", {}, el("thead", {}, el("tr", {}, ...heads)), body),
       this.hidden,
     );
