@@ -7,24 +7,70 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from camgeo.answers.report import Chart
 from camgeo.answers.report.readings import Reading, plain, readings, shown
 from camgeo.design import Design
-from camgeo.designing.job import Job
+from camgeo.designing.edits import changed
+from camgeo.designing.faults import sentence, told
+from camgeo.designing.form import form
+from camgeo.designing.handles import handles
+from camgeo.designing.job import Job, JobError
+from camgeo.designing.plan import plan
 from camgeo.designing.recent import Recent
-from camgeo.errors import CamgeoError
+from camgeo.errors import CamgeoError, SceneError
 from camgeo.figure import diagrams, motion
 from camgeo.figure.animation import animation
 from camgeo.figure.model import Figure, data_of
 from camgeo.figure.thinned import thinned, thinned_turn
+from camgeo.scene.document import Document
 
 
 def curves(job: Job, recent: Recent) -> dict[str, Any]:
-    """The scene as pictures; see `painted`. SceneError if it is not valid."""
-    return painted(recent.design(job))
+    """The scene as pictures, and all that can be changed in it.
+
+    With faults there are no pictures; form and plan are there as long as the text is TOML.
+    """
+    try:
+        design = recent.design(job)
+    except SceneError as error:
+        try:
+            found = recent.document(job)
+        except SceneError:  # no TOML, which has no form
+            return {"faults": told(error), "form": [], "plan": []}
+        return {"faults": told(error), **_stated(found)}
+    held = _tried(lambda: {"handles": [each.to_data() for each in handles(design)]})
+    return {**painted(design), **(held or {"handles": []}), **_stated(design.scene.stated.scene)}
+
+
+def change(job: Job, recent: Recent) -> dict[str, Any]:
+    """The text with the change that the arguments ask for, its name, and the `curves` of the text.
+
+    A change that cannot be made leaves the text as it is: `refused` says why, in a sentence. One
+    after which the scene is not valid is made, and `faults` say what is wrong.
+    """
+    try:
+        design = recent.design(job)
+    except SceneError:  # such a text can be changed too
+        design = None
+    try:
+        found = changed(job.text, job.file, job.folder or None, job.arguments, design)
+    except JobError:
+        raise
+    except CamgeoError as error:
+        return {"text": job.text, "refused": sentence(error), "faults": told(error)}
+    after = replace(job, text=found.text)
+    return {"text": found.text, "label": found.label, **curves(after, recent)}
+
+
+def _stated(found: Document) -> dict[str, Any]:
+    return {
+        "form": [each.to_data() for each in form(found)],
+        "plan": [each.to_data() for each in plan(found)],
+    }
 
 
 def painted(design: Design) -> dict[str, Any]:

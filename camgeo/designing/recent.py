@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from camgeo.design import Design
 from camgeo.designing.job import Job
-from camgeo.errors import SceneError
-from camgeo.scene.document import Document, Source, document
+from camgeo.scene.document import Document, Source, document, document_of_tree
 from camgeo.scene.load import parse_scene
 from camgeo.scene.scene import Scene
+from camgeo.scene.tree import edited, refused
 
 
 class Recent:
@@ -34,16 +35,27 @@ class Recent:
         earlier = self._design
         if earlier is None or (job.file, job.folder) != self._of[1:]:
             return Design(parse_scene(job.text, job.file, job.folder or None))
-        try:
-            found = document(job.text.encode())
-        except (SceneError, UnicodeEncodeError):
-            return Design(parse_scene(job.text, job.file, job.folder or None))
+        found = self.document(job)
         source = Source.of(job.file, job.folder or None, job.text)
         scene = Scene.of(_grafted(found, earlier.scene), source, earlier.scene)
         made = Design(scene)
         if _moves_alike(scene, earlier.scene):
             made.__dict__["drive"] = earlier.drive
         return made
+
+    def document(self, job: Job) -> Document:
+        """The values of a job's text, right or wrong; SceneError if it is not TOML."""
+        try:
+            return document(job.text.encode())
+        except UnicodeEncodeError as error:
+            raise refused("is not text that UTF-8 can encode") from error
+
+    def edited(self, job: Job, edits: Mapping[str, Any]) -> Scene:
+        """The scene of a job, which may have faults, with other values; SceneError if it has some
+        then.
+        """
+        found = document_of_tree(edited(self.document(job).exact, edits))
+        return Scene.of(found, Source.of(job.file, job.folder or None, job.text))
 
 
 def _grafted(found: Document, earlier: Scene) -> Document:

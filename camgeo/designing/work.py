@@ -5,16 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from camgeo.designing import painting
+from camgeo.designing import judging, making, offers, painting
+from camgeo.designing.faults import told
 from camgeo.designing.job import Job, JobError
 from camgeo.designing.recent import Recent
-from camgeo.errors import CamgeoError, Fault, SceneError
+from camgeo.errors import CamgeoError
+from camgeo.scene.new import KINDS, template
 
 Work = Callable[[Job, Recent], dict[str, Any]]
-"""Does a job; a SceneError becomes the faults of the result, another CamgeoError one fault."""
+"""Does a job; JobError if its arguments are wrong, any other CamgeoError tells faults."""
 
 WORK: Final[Mapping[str, Work]] = {
     "curves": painting.curves,
+    "change": painting.change,
+    "findings": judging.findings,
+    "build": making.build,
+    "size": making.size,
+    "solid": making.solid,
+    "laws": offers.laws,
+    "templates": offers.templates,
+    "effects": offers.effects,
 }
 """What is done for each kind of job."""
 
@@ -36,29 +46,18 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
         If there is no such kind of job, or its arguments are wrong.
     """
     if job.kind not in WORK:
-        raise JobError(f"there is no job {job.kind!r}; there are {', '.join(WORK)}")
+        raise JobError(f"there is no job {job.kind[:60]!r}; there are {', '.join(WORK)}")
     try:
         return {"faults": [], **WORK[job.kind](job, recent or Recent())}
     except JobError:
         raise
-    except SceneError as error:
-        return {"faults": [_fault(each) for each in error.faults]}
     except CamgeoError as error:
-        return {"faults": [_fault(Fault("", "", str(error)))]}
+        return {"faults": told(error)}
 
 
 def warm_up() -> None:
-    """Import what jobs need, and compile what is compiled once, with a small scene."""
-    from camgeo.scene.new import template  # no job needs it
-
-    run(Job("curves", template("oscillating-roller")))
-
-
-def _fault(fault: Fault) -> dict[str, Any]:
-    return {
-        "key": fault.key,
-        "value": fault.value,
-        "message": fault.message,
-        "hint": fault.hint,
-        "line": fault.line,
-    }
+    """Import what quick jobs need, and compile what is compiled once, with a small scene."""
+    text = template(KINDS[0])
+    for kind in ("curves", "findings"):
+        run(Job(kind, text))
+    run(Job("change", text, arguments={"edits": {"name": "warm"}}))

@@ -42,8 +42,9 @@ def test_every_scene_is_painted(path: Path) -> None:
 
 
 def test_the_pictures_of_a_common_cam_are_small() -> None:
-    text = json.dumps(run(job(SETZHUB)), separators=(",", ":"))
-    assert len(text) <= MOST
+    found = run(job(SETZHUB))
+    pictures = {key: value for key, value in found.items() if key != "form"}
+    assert len(json.dumps(pictures, separators=(",", ":"))) <= MOST
 
 
 EDITS = {

@@ -166,13 +166,14 @@ class Check(Answer):
         return tuple(chain(self.findings, *self.effects.values(), *parts, milling))
 
 
-def check(design: Design) -> Check:
-    """Compare a design with its limits."""
+def check(design: Design, *, machining: bool = True) -> Check:
+    """Compare a design with its limits; without its milling programs if not `machining`."""
     cams = zip((design.name, f"{design.name}-{RETURN}"), design.judgement.cams, strict=False)
     found = design.findings
     wrong = any(finding.severity == "invalid" for finding in found)
     named = () if wrong else design.scene.effects
     parts = _parts(design) if design.judgement.cams and not forbidding(found) else {}
+    milled = machining and design.scene.milling is not None and not forbidding(found)
     return Check(
         design.scene,
         found,
@@ -180,7 +181,7 @@ def check(design: Design) -> Check:
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
         parts,
-        None if design.scene.milling is None or forbidding(found) else _machining(design),
+        _machining(design) if milled else None,
     )
 
 

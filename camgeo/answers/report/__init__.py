@@ -161,7 +161,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
     table = tried("value table", lambda: design.tabulated.written(STEP))
     solids: dict[str, bytes] = {}
     if turn is not None:
-        solids = tried("solid", lambda: _solids(design, progress)) or {}
+        solids = tried("solid", lambda: coarse_solids(design, progress)) or {}
     prices = certificate = None
     if quick:
         left_out.append("price list of accuracy and certificate: --quick leaves them out")
@@ -241,7 +241,8 @@ def _prices(design: Design, progress: Progress) -> Survey:
     return Survey(tuple(rows), (), (), knee_of(rows))
 
 
-def _solids(design: Design, progress: Progress) -> dict[str, bytes]:
+def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[str, bytes]:
+    """Binary STL files of the bodies by name, coarser than made; raises as `make_files`."""
     from camgeo.writing.write import CERTIFICATE, make_files
 
     coarse = max(FACETS * design.cam.follower.base_radius, LEAST)

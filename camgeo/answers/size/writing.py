@@ -15,16 +15,16 @@ OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
 
 
 def scene_with(scene: Scene, made: Made) -> Scene:
-    """The scene with the sizes of `made`, which are in its unit.
+    """The scene with the sizes of `made`; SceneError if it would not be valid."""
+    return scene.with_values(edits_with(scene, made))
+
+
+def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
+    """The values, by key, that the scene has with the sizes of `made`, which are in its unit.
 
     A rocker on the other side of its arm is moved the other way by the same linkage. A yoke is
     widened or narrowed by as much as both of its sides move. A return disc on a carriage
     stays as it is, because its roller does; a return arm stays on its side of the main arm.
-
-    Raises
-    ------
-    SceneError
-        If the scene would not be valid.
     """
     edits: dict[str, Any] = {f"follower.{key}": each for key, each in made.lengths.items()}
     before = scene.follower
@@ -44,7 +44,7 @@ def scene_with(scene: Scene, made: Made) -> Scene:
         edits["follower.yoke.breadth"] = float(breadth + wider)
     if scene.stated.has("follower", "return", "spacing"):
         edits |= _return_roller(scene, made.cam)
-    return scene.with_values(edits)
+    return edits
 
 
 def _return_roller(scene: Scene, cam: Cam) -> dict[str, float]:

@@ -1,0 +1,153 @@
+"""What the designer is told of a scene: findings with next steps, cures, and where they are."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.answers.answer import MARKS
+from camgeo.answers.check import Check, check
+from camgeo.answers.report import Advised, advised
+from camgeo.check.cures.cure import Cure
+from camgeo.check.finding import Finding
+from camgeo.check.judge import RETURN
+from camgeo.designing.arguments import Arguments
+from camgeo.designing.job import Job
+from camgeo.designing.recent import Recent
+from camgeo.errors import GeometryError
+from camgeo.outline.path import Flank
+from camgeo.units import TURN
+from camgeo.wording import counted
+
+KEYS: Final[Mapping[str, str]] = {
+    "transmission-angle": "limits.transmission_angle",
+    "linkage-transmission-angle": "limits.linkage_transmission_angle",
+    "radius-ratio": "limits.radius_ratio",
+    "closing-error": "limits.closing_error",
+    "undercut": "follower.roller_radius",
+    "global-undercut": "follower.roller_radius",
+    "convexity": "follower.base_radius",
+    "cusp": "follower.roller_radius",
+    "outline": "follower.roller_radius",
+    "lost-stroke": "limits.undercut",
+    "lobe": "limits.undercut",
+    "dead-centre": "linkage",
+    "linkage-branch": "linkage",
+}
+"""Key of the scene that a finding is about, by the name of the finding or its beginning."""
+
+KINDS: Final[Mapping[str, str]] = {
+    "undercut": "undercut",
+    "global-undercut": "undercut",
+    "convexity": "undercut",
+    "cusp": "cusp",
+}
+"""Kinds of places by the names of findings or their beginning; all others are of kind "limit"."""
+
+RANGE: Final = 33
+"""Points of a range of the cam angle: more than its picture needs."""
+
+
+def findings(job: Job, recent: Recent) -> dict[str, Any]:
+    """The findings, what to do about them, and where they are.
+
+    Argument `machining`: whether milling programs are planned and simulated too, true if it is not
+    given.
+    """
+    machining = Arguments(job).flag("machining", otherwise=True)
+    design = recent.design(job)
+    found = check(design, machining=machining)
+    listed = advised(found)
+    return {
+        "verdict": _verdict(listed),
+        "findings": [_finding(each) for each in listed],
+        "cures": [_cure(index, each) for index, each in enumerate(found.cures)],
+        "places": list(_places(found)),
+    }
+
+
+def _verdict(found: tuple[Advised, ...]) -> str:
+    """How many findings there are, and how many of them are bad."""
+    severities = Counter[str](each.finding.severity for each in found)
+    bad = [
+        f"{severities[each]} {MARKS[each]}" for each in MARKS if severities[each] and each != "ok"
+    ]
+    several = counted(len(found), "finding")
+    return f"{several}: {', '.join(bad)}." if bad else f"{several}: all limits are kept."
+
+
+def _finding(each: Advised) -> dict[str, Any]:
+    found = each.finding
+    return {
+        "about": each.about,
+        "name": found.name,
+        "severity": found.severity,
+        "mark": MARKS[found.severity],
+        "sentence": found.sentence,
+        "value": _finite(found.value),
+        "limit": _finite(found.limit),
+        "unit": found.unit,
+        "at_degrees": None if found.cam_angle is None else _finite(math.degrees(found.cam_angle)),
+        "key": _key(found.name),
+        "step": each.step,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _key(name: str) -> str:
+    found = [each for each in KEYS if name.removeprefix(f"{RETURN}: ").startswith(each)]
+    return KEYS[max(found, key=len)] if found else ""
+
+
+def _cure(index: int, cure: Cure) -> dict[str, Any]:
+    return {"sentence": cure.sentence, "works": cure.works, "index": index, "key": cure.key}
+
+
+def _places(found: Check) -> Iterator[dict[str, Any]]:
+    """Where findings are that are not good, on the discs at cam angle 0 [mm]: a point, or for a
+    range of the cam angle the middle of the flank there and `points` along it.
+    """
+    if not found.curves:
+        return
+    for finding in found.findings:
+        if finding.severity == "ok":
+            continue
+        angles = _angles(finding)
+        if angles is None:
+            continue
+        name = finding.name.removeprefix(f"{RETURN}: ")
+        disc = list(found.curves.values())[-1 if name != finding.name else 0]
+        flank = next((each for each in Flank if name.endswith(f"-{each}")), None)
+        curve = disc.flanks[0][1] if flank is None else disc.curve(flank)
+        try:
+            points = curve.point(angles)
+        except GeometryError:  # the roller centre stands still in the cam
+            continue
+        if not np.all(np.isfinite(points)):
+            continue
+        middle = points[len(points) // 2]
+        place: dict[str, Any] = {
+            "x": round(float(middle.real), 4),
+            "y": round(float(middle.imag), 4),
+            "kind": next((KINDS[each] for each in KINDS if name.startswith(each)), "limit"),
+            "label": f"{finding.name} at {math.degrees(angles[len(angles) // 2]) % 360.0:.1f}°",
+            "severity": finding.severity,
+        }
+        if len(points) > 1:
+            place["points"] = [[round(float(z.real), 4), round(float(z.imag), 4)] for z in points]
+        yield place
+
+
+def _angles(finding: Finding) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+    """Cam angles [rad] of its place; None if it is of the whole turn."""
+    if finding.cam_range is not None:
+        start, end = finding.cam_range
+        return np.linspace(start, end if end > start else end + TURN, RANGE)
+    return None if finding.cam_angle is None else np.array([finding.cam_angle])

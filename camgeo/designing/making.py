@@ -1,0 +1,139 @@
+"""What the designer makes of a scene: its files, its solids, and the smallest cam."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.answers.build import told
+from camgeo.answers.report import coarse_solids
+from camgeo.answers.size import CamSize
+from camgeo.answers.size import size as size_of
+from camgeo.answers.size.rendering import text
+from camgeo.answers.size.writing import edits_with
+from camgeo.check.sizing.smallest import Rating
+from camgeo.designing.arguments import Arguments
+from camgeo.designing.job import Job
+from camgeo.designing.recent import Recent
+from camgeo.units import MM_PER
+from camgeo.writing.write import CERTIFICATE, make_files
+
+FACETS: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""Triangles of a binary STL."""
+
+BEFORE: Final = 84
+"""Bytes of a binary STL before its triangles."""
+
+
+def build(job: Job, recent: Recent) -> dict[str, Any]:
+    """The files of the scene, the bytes that `camgeo build` writes; none of them is written.
+
+    Argument `formats`: names of writers; those of the scene if it is not given. Without an outline
+    there are no files, and `findings` say why.
+    """
+    formats = Arguments(job).texts("formats")
+    design = recent.design(job)
+    poor = [each.sentence for each in told(design)]
+    if not design.judgement.has_outline:
+        return {"files": [], "certificate": None, "findings": poor}
+    output = design.scene.output
+    names = output.formats if formats is None else formats
+    contents, reports = make_files(design.discs, names, output.tolerance)
+    files = [
+        {
+            "name": each.name,
+            "format": each.format,
+            "size": each.size,
+            "tolerance": each.tolerance,
+            "deviation": each.deviation,
+            "bytes": _text(contents[each.name]),
+        }
+        for each in reports
+    ]
+    certificate = contents[CERTIFICATE]
+    files.append(
+        {
+            "name": CERTIFICATE,
+            "format": "certificate",
+            "size": len(certificate),
+            "tolerance": None,
+            "deviation": None,
+            "bytes": _text(certificate),
+        }
+    )
+    poor += [finding.sentence for each in reports for finding in each.findings]
+    return {"files": files, "certificate": json.loads(certificate), "findings": poor}
+
+
+def solid(job: Job, recent: Recent) -> dict[str, Any]:
+    """The bodies, coarser than they are made: three coordinates [mm] of three corners of each
+    triangle, single precision, little-endian; none if the part has no thickness.
+    """
+    found = coarse_solids(recent.design(job))
+    return {"solids": [{"name": name, "places": _places(data)} for name, data in found.items()]}
+
+
+def size(job: Job, recent: Recent) -> dict[str, Any]:
+    """The smallest cam, and the `edits` of the scene that make it; none if there is no such scene.
+
+    Arguments, each of them optional: `transmission_angle` [degrees], `radius_ratio`,
+    `radius_of_curvature` [unit of the scene], `arm`, the shortest and the longest.
+    """
+    given = Arguments(job)
+    design = recent.design(job)
+    unit = MM_PER[design.scene.unit]
+    angle, arms = given.number("transmission_angle"), given.pair("arm")
+    found = size_of(
+        design,
+        transmission_angle=None if angle is None else math.radians(angle),
+        radius_ratio=given.number("radius_ratio"),
+        radius_of_curvature=unit * (given.number("radius_of_curvature") or 0.0),
+        arms=None if arms is None else (unit * arms[0], unit * arms[1]),
+    )
+    made = found.best.made
+    sizes = [
+        _rating(name, each, unit)
+        for name, each in (("present design", found.present), ("smallest", found.written))
+        if each is not None
+    ]
+    return {
+        "sizes": sizes,
+        "sentence": _sentence(found),
+        "text": text(found),
+        "edits": {} if made is None else edits_with(found.scene, made),
+    }
+
+
+def _sentence(found: CamSize) -> str:
+    if found.written is None:
+        return found.infeasible or "The requirement can only just be met: no scene surely keeps it."
+    unit = MM_PER[found.scene.unit]
+    now = found.written.base_radius / unit
+    sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
+    if found.present is not None:
+        sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
+    return f"{sentence}."
+
+
+def _rating(name: str, rating: Rating, unit: float) -> dict[str, Any]:
+    """Lengths in the unit of the scene, angles in degrees."""
+    return {
+        "name": name,
+        "base_radius": rating.base_radius / unit,
+        "arm_side": rating.arm_side,
+        "transmission_angle": math.degrees(rating.transmission_angle.value),
+        "radius_ratio": rating.radius_ratio.value,
+    }
+
+
+def _places(stl: bytes) -> str:
+    corners = np.frombuffer(stl, FACETS, offset=BEFORE)["corners"]
+    return _text(np.ascontiguousarray(corners).tobytes())
+
+
+def _text(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")

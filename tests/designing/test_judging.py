@@ -1,0 +1,83 @@
+"""What is told of a scene: the findings of a check, and where they are on the disc."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.answers.check import check
+from camgeo.design import Design
+from camgeo.designing.job import Job, JobError
+from camgeo.designing.recent import Recent
+from camgeo.designing.work import run
+from camgeo.scene.load import load_scene
+from camgeo.scene.new import template
+from tests.answers.documents import FIXTURES, SCENES
+
+REFUSED = FIXTURES / "refused"
+
+
+def job(path: Path, **arguments: Any) -> Job:
+    return Job("findings", path.read_text("utf-8"), str(path), str(path.parent), arguments)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_findings_are_those_of_a_check(path: Path) -> None:
+    recent, asked = Recent(), job(path, machining=False)
+    found = run(asked, recent)
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    checked = check(recent.design(asked), machining=False)
+    assert found["faults"] == []
+    assert [each["sentence"] for each in found["findings"]] == [
+        each.sentence for each in checked.everything
+    ]
+    assert [each["sentence"] for each in found["cures"]] == [
+        each.sentence for each in checked.cures
+    ]
+    bad = [each for each in found["findings"] if each["severity"] != "ok"]
+    assert all(each["step"] for each in bad)
+
+
+def test_programs_are_judged_unless_they_are_left_out() -> None:
+    scene = Job("findings", template("milled"))
+    about = [each["about"] for each in run(scene)["findings"]]
+    less = run(Job("findings", template("milled"), arguments={"machining": False}))["findings"]
+    assert any(each.startswith("program") for each in about)
+    assert [each["about"] for each in less] == [
+        each for each in about if not each.startswith("program")
+    ]
+
+
+@pytest.mark.parametrize("name", ["global_undercut", "return_undercut", "undercut_tappet"])
+def test_undercut_is_shown_where_it_is(name: str) -> None:
+    path = REFUSED / f"{name}.toml"
+    places = run(job(path, machining=False))["places"]
+    undercut = [each for each in places if each["kind"] == "undercut"]
+    assert undercut
+    design = Design(load_scene(path))
+    disc = design.cams[-1 if "return" in undercut[0]["label"] else 0].disc
+    phi = np.linspace(0.0, math.tau, 20001)
+    curve = disc.inner_curve.point(phi)
+    for each in undercut:
+        assert np.min(np.abs(curve - complex(each["x"], each["y"]))) < 0.05
+        angle = math.radians(float(each["label"].split()[-1].removesuffix("°")))
+        there = disc.inner_curve.point(np.array([angle]))[0]
+        step = np.max(np.abs(np.diff(curve))) * 0.05 / math.degrees(phi[1])
+        assert abs(there - complex(each["x"], each["y"])) <= step + 1e-3
+
+
+def test_a_scene_with_faults_has_no_findings() -> None:
+    found = run(Job("findings", "camgeo = 1"))
+    assert found["faults"]
+    assert "findings" not in found
+
+
+@pytest.mark.parametrize("value", [1, "yes", [True], None])
+def test_wrong_arguments_are_told(value: Any) -> None:
+    with pytest.raises(JobError, match="machining must be true or false"):
+        run(Job("findings", template("milled"), arguments={"machining": value}))

@@ -1,0 +1,146 @@
+"""What is made of a scene: the bytes of the command line, solids, the smallest cam, offers."""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.designing.job import Job, JobError
+from camgeo.designing.recent import Recent
+from camgeo.designing.work import run
+from camgeo.effects.registry import effect_names
+from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.new import KINDS, template
+from tests.answers.documents import FIXTURES
+
+SCENES = FIXTURES / "scenes"
+ROLLER = template("translating-roller")
+
+
+def job(kind: str, name: str, **arguments: Any) -> Job:
+    path = SCENES / f"{name}.toml"
+    return Job(kind, path.read_text("utf-8"), str(path), "", arguments)
+
+
+@pytest.mark.parametrize("name", ["setzhub", "conjugate_lever"])
+def test_files_are_those_of_the_command_line(name: str, tmp_path: Path) -> None:
+    formats = ["dxf", "csv", "stl"]
+    found = run(job("build", name, formats=formats))
+    Design(load_scene(SCENES / f"{name}.toml")).write(tmp_path, formats)
+    made = {each["name"]: base64.b64decode(each["bytes"]) for each in found["files"]}
+    assert made == {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert found["certificate"] == json.loads(made["certificate.json"])
+    for each in found["files"]:
+        assert each["size"] == len(made[each["name"]])
+
+
+def test_a_cam_without_outline_has_no_files_but_findings() -> None:
+    path = FIXTURES / "refused" / "undercut_tappet.toml"
+    found = run(Job("build", path.read_text("utf-8")))
+    assert found["files"] == []
+    assert found["findings"]
+
+
+def test_an_unknown_format_is_a_fault() -> None:
+    found = run(Job("build", ROLLER, arguments={"formats": ["stone"]}))
+    assert found["faults"][0]["value"] == "stone"
+
+
+def test_solids_are_triangles_within_the_disc() -> None:
+    path = SCENES / "setzhub.toml"
+    (found,) = run(job("solid", "setzhub"))["solids"]
+    places = np.frombuffer(base64.b64decode(found["places"]), "<f4").reshape(-1, 3, 3)
+    scene = load_scene(path)
+    assert scene.follower is not None
+    radius = np.hypot(places[..., 0], places[..., 1])
+    assert np.all(np.isfinite(places))
+    assert 0.5 * scene.follower.base_radius < np.max(radius) < 3.0 * scene.follower.base_radius
+    assert np.ptp(places[..., 2]) == pytest.approx(12.0)
+
+
+def test_the_smallest_cam_keeps_its_requirement() -> None:
+    text = (SCENES / "setzhub.toml").read_text("utf-8")
+    found = run(job("size", "setzhub"))
+    assert found["sentence"].startswith("The smallest base radius is ")
+    smaller = parse_scene(text).with_values(found["edits"])
+    assert smaller.follower is not None
+    (own,) = (each for each in found["sizes"] if each["name"] == "smallest")
+    assert smaller.follower.base_radius == pytest.approx(own["base_radius"])
+    broken = [each for each in Design(smaller).findings if each.severity not in ("ok", "warning")]
+    assert broken == []
+    applied = run(Job("change", text, arguments={"edits": found["edits"]}), Recent())
+    assert applied["faults"] == []
+
+
+def test_what_is_required_of_the_smallest_cam_can_be_stated() -> None:
+    one, other = (run(job("size", "setzhub", transmission_angle=each)) for each in (42, 50.5))
+    radii = [each["sizes"][-1]["base_radius"] for each in (one, other)]
+    assert radii[0] < radii[1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "arguments"),
+    [("size", {"arm": [1]}), ("size", {"arm": 3}), ("size", {"radius_ratio": "x"}),
+     ("size", {"transmission_angle": 10**400}), ("size", {"arm": [None, 1]}),
+     ("build", {"formats": "dxf"}), ("build", {"formats": [1]}), ("laws", {}),
+     ("laws", {"segment": -1}), ("laws", {"segment": 99}), ("laws", {"segment": True})],
+)  # fmt: skip
+def test_wrong_arguments_are_told(kind: str, arguments: dict[str, Any]) -> None:
+    with pytest.raises(JobError):
+        run(Job(kind, ROLLER, arguments=arguments))
+
+
+def test_every_law_offered_makes_a_valid_scene() -> None:
+    text = (SCENES / "setzhub.toml").read_text("utf-8")
+    found = run(Job("laws", text, arguments={"segment": 1}))
+    json.dumps(found, allow_nan=False)
+    assert found["law"] == "polynomial-345"
+    assert {"polynomial-345", "modified-sine", "straight-line"} <= {
+        each["name"] for each in found["laws"]
+    }
+    scene = parse_scene(text)
+    for each in found["laws"]:
+        made = scene.with_values(each["edits"])
+        assert made.values["motion"][1]["law"] == each["name"]
+        assert each["facts"]
+
+
+def test_parameters_of_other_laws_are_dropped_with_them() -> None:
+    text = (SCENES / "setzhub.toml").read_text("utf-8")
+    text = text.replace('law = "polynomial-345"', 'law = "scca"\ncurved = 0.5', 1)
+    offered = {
+        each["name"]: each["edits"]
+        for each in run(Job("laws", text, arguments={"segment": 1}))["laws"]
+    }
+    scene = parse_scene(text)
+    assert "curved" in scene.with_values(offered["scca"]).values["motion"][1]
+    assert "curved" not in scene.with_values(offered["modified-sine"]).values["motion"][1]
+
+
+def test_laws_are_offered_for_a_segment_whose_law_is_wrong() -> None:
+    text = (SCENES / "setzhub.toml").read_text("utf-8")
+    text = text.replace('law = "polynomial-345"', 'law = "sine-straight"', 1)
+    assert run(Job("curves", text))["faults"]
+    offered = [each["name"] for each in run(Job("laws", text, arguments={"segment": 1}))["laws"]]
+    assert "polynomial-345" in offered
+    assert "sine-straight" not in offered
+
+
+def test_a_dwell_has_no_law() -> None:
+    with pytest.raises(JobError, match="dwell"):
+        run(job("laws", "setzhub", segment=0))
+
+
+def test_all_templates_and_effects_are_offered() -> None:
+    templates = run(Job("templates"))["templates"]
+    assert [each["name"] for each in templates] == list(KINDS)
+    assert run(Job("curves", templates[0]["text"]))["faults"] == []
+    effects = run(Job("effects"))["effects"]
+    assert [each["name"] for each in effects] == list(effect_names())
+    assert all(each["sentence"] for each in effects)
