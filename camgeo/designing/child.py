@@ -6,6 +6,7 @@ process that started it, however that ended.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import queue
@@ -13,33 +14,36 @@ import signal
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from camgeo.designing import frames
 from camgeo.designing.frames import LARGEST_RESULT, BrokenFrame, Mark
 from camgeo.designing.job import LARGEST, Job, JobError
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run, warm_up
+
+Run = Callable[[Job], dict[str, Any]]
 
 
-def serve(memory: int) -> None:
+def serve(memory: int, prepared: Callable[[], Run]) -> None:
     """Do the jobs that come on the standard input until it ends; results go to the standard output.
 
     Parameters
     ----------
     memory : that jobs may take [bytes]; held where the operating system can limit it.
+    prepared : makes what does them, and takes the time for that.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it closes its input
     results = _own_output()
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, jobs), daemon=True).start()
-    warm_up()
+    run = prepared()
+    gc.collect()
+    gc.freeze()  # what is there now stays: no job looks through it
     _limit_memory(memory)
-    recent = Recent()
     frames.send(results, b"W")
     while True:
-        mark, data = _done(jobs.get(), recent, memory)
+        mark, data = _done(jobs.get(), run, memory)
         frames.send(results, mark, data)
         if mark == b"M":
             os._exit(1)  # what is left of its memory is in pieces
@@ -73,10 +77,10 @@ def _limit_memory(memory: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def _done(data: bytes, recent: Recent, memory: int) -> tuple[Mark, bytes]:
+def _done(data: bytes, run: Run, memory: int) -> tuple[Mark, bytes]:
     """The result of a job, or why there is none."""
     try:
-        result = run(Job.from_json(data), recent)
+        result = run(Job.from_json(data))
         text = json.dumps(result, allow_nan=False, separators=(",", ":")).encode()
     except JobError as error:
         return b"R", str(error).encode()

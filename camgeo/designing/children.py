@@ -42,10 +42,14 @@ LANES: Final[Mapping[str, str]] = {
 QUICK: Final = "quick"
 
 CODE: Final = (
-    "import sys; sys.path[:] = sys.argv[2:]; from camgeo.designing.child import serve;"
-    " serve(int(sys.argv[1]))"
+    "import importlib, sys; sys.path[:] = sys.argv[3:];"
+    " from camgeo.designing.child import serve;"
+    " serve(int(sys.argv[1]), importlib.import_module(sys.argv[2]).prepared)"
 )
 """What a process runs, with the search path of the one that starts it, and no other."""
+
+WORK: Final = "camgeo.designing.work"
+"""The module whose `prepared` makes what does jobs."""
 
 
 class Refused(CamgeoError, RuntimeError):
@@ -73,9 +77,9 @@ class Result:
 class Child:
     """One process, for one thread at a time."""
 
-    def __init__(self, memory: int = MEMORY) -> None:
+    def __init__(self, memory: int, work: str) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", CODE, str(memory), *sys.path],
+            [sys.executable, "-P", "-c", CODE, str(memory), work, *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
@@ -147,14 +151,16 @@ class Children:
     Parameters
     ----------
     memory : that a job may take [bytes].
+    work : see `WORK`.
     """
 
-    def __init__(self, memory: int = MEMORY) -> None:
+    def __init__(self, memory: int = MEMORY, work: str = WORK) -> None:
         self._memory = memory
+        self._work = work
         self._lock = threading.Lock()
         self._turns = {lane: threading.Lock() for lane in (QUICK, *LANES.values())}
         self._busy: dict[str, Child] = {}
-        self._spare: Child | None = Child(memory)
+        self._spare: Child | None = Child(memory, work)
         self._closed = False
 
     def __enter__(self) -> Self:
@@ -226,8 +232,8 @@ class Children:
             if self._spare is None or not self._spare.lives:
                 if self._spare is not None:
                     self._spare.close()
-                self._spare = Child(self._memory)
-            self._busy[lane], self._spare = self._spare, Child(self._memory)
+                self._spare = Child(self._memory, self._work)
+            self._busy[lane], self._spare = self._spare, Child(self._memory, self._work)
             return self._busy[lane]
 
     def _replace(self, lane: str, child: Child) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Final
 
 from camgeo.designing import judging, making, offers, painting
@@ -55,9 +56,10 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
         return {"faults": told(error)}
 
 
-def warm_up() -> None:
-    """Import what quick jobs need, and compile what is compiled once, with a small scene."""
+def prepared() -> Callable[[Job], dict[str, Any]]:
+    """What does jobs one after the other, warm: imported, and tried with a small scene."""
     text = template(KINDS[0])
     for kind in ("curves", "findings"):
         run(Job(kind, text))
     run(Job("change", text, arguments={"edits": {"name": "warm"}}))
+    return partial(run, recent=Recent())

@@ -2,37 +2,222 @@
 
 from __future__ import annotations
 
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from camgeo.designing import frames
 from camgeo.designing.children import Children, Refused
-from camgeo.designing.job import Job
+from camgeo.designing.frames import BrokenFrame
+from camgeo.designing.job import Job, JobError
 from camgeo.scene.new import template
+from tests.long_form import LONG
+from tests.test_architecture import ROOT
 
-SCENE = template("translating-roller")
 SECONDS = 60.0
+"""More than any of these jobs takes, however busy the machine is."""
+
+BOMBS = "tests.designing.bombs"
+
+KILLS = 200 if LONG else 8
+
+PROC = Path("/proc/self/fd")
 
 
 @pytest.fixture(scope="module")
 def children() -> Iterator[Children]:
-    with Children() as found:
+    with Children(memory=200_000_000, work=BOMBS) as found:
         yield found
 
 
-def test_a_job_has_its_result(children: Children) -> None:
-    found = children.submit(Job("curves", SCENE), SECONDS)
-    assert found.data["faults"] == []
-    assert found.data["animation"] is not None
+def served(children: Children) -> int:
+    """The process that serves the next job."""
+    found = children.submit(Job("fine", "ü"), SECONDS)
+    assert found.data["text"] == "ü"
+    process: int = found.data["process"]
+    return process
 
 
-def test_an_unknown_job_is_refused_and_the_next_one_served(children: Children) -> None:
-    with pytest.raises(Refused, match=r"^nonsense: there is no job 'nonsense'"):
-        children.submit(Job("nonsense", SCENE), SECONDS)
-    assert children.submit(Job("curves", SCENE), SECONDS).data["faults"] == []
+def test_a_scene_is_painted_by_a_process() -> None:
+    with Children() as found:
+        result = found.submit(Job("curves", template("translating-roller")), SECONDS)
+        assert result.data["faults"] == []
+        assert result.text.startswith(b'{"faults":[]')
+        with pytest.raises(Refused, match=r"^nonsense: there is no job 'nonsense'"):
+            found.submit(Job("nonsense"), SECONDS)
+        assert found.submit(Job("curves", "="), SECONDS).data["faults"]
 
 
-def test_a_job_that_is_too_slow_is_killed_and_the_next_one_served(children: Children) -> None:
-    with pytest.raises(Refused, match=r"^curves: took longer than 0.0001 s$"):
-        children.submit(Job("curves", SCENE), 0.0001)
-    assert children.submit(Job("curves", SCENE), SECONDS).data["faults"] == []
+def test_jobs_go_to_the_same_process_one_after_the_other(children: Children) -> None:
+    assert served(children) == served(children)
+
+
+@pytest.mark.parametrize(
+    ("kind", "seconds", "told"),
+    [
+        ("endless", 0.05, r"^endless: took longer than 0\.05 s$"),
+        ("greedy", SECONDS, r"^greedy: took more than 0\.2 GB of memory$"),
+        ("gone", SECONDS, r"^gone: ended the process that computed it$"),
+    ],
+)
+def test_a_job_that_ends_its_process_is_refused_alone(
+    children: Children, kind: str, seconds: float, told: str
+) -> None:
+    if kind == "greedy" and not Path("/proc/self/statm").exists():
+        pytest.skip("memory is limited where /proc tells how much is in use")
+    before = served(children)
+    with pytest.raises(Refused, match=told):
+        children.submit(Job(kind), seconds)
+    assert served(children) != before
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [
+        ("broken", r"^broken: met an error in camgeo itself: IndexError: "),
+        ("deep", r"^deep: is nested too deeply$"),
+        ("infinite", r"^infinite: met an error in camgeo itself: ValueError: "),
+    ],
+)
+def test_a_job_that_fails_leaves_its_process(children: Children, kind: str, told: str) -> None:
+    before = served(children)
+    with pytest.raises(Refused, match=told):
+        children.submit(Job(kind), SECONDS)
+    assert served(children) == before
+
+
+def test_a_job_that_is_too_large_is_not_sent(children: Children) -> None:
+    before = served(children)
+    with pytest.raises(JobError, match="too large"):
+        children.submit(Job("fine", "x" * 17_000_000), SECONDS)
+    assert served(children) == before
+
+
+def test_lanes_do_not_wait_for_each_other() -> None:
+    """A job of kind "build" is one of this module's too, and has a process of its own."""
+    with Children(work=BOMBS) as found:
+        served(found)
+        errors: list[str] = []
+
+        def build() -> None:
+            try:
+                found.submit(Job("build", arguments={"as": "endless"}), SECONDS)
+            except Refused as error:
+                errors.append(str(error))
+
+        thread = threading.Thread(target=build)
+        thread.start()
+        served(found)
+        while not errors and thread.is_alive():
+            found.cancel("build")
+            time.sleep(0.01)
+        thread.join(SECONDS)
+        assert errors == ["build: was cancelled"]
+
+
+def test_closing_refuses_what_is_being_done() -> None:
+    found = Children(work=BOMBS)
+    served(found)
+    errors: list[str] = []
+
+    def ask() -> None:
+        try:
+            found.submit(Job("endless"), SECONDS)
+        except Refused as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    time.sleep(0.05)
+    found.close()
+    thread.join(SECONDS)
+    assert not thread.is_alive()
+    assert len(errors) == 1
+    with pytest.raises(Refused, match="was cancelled"):
+        found.submit(Job("fine"), SECONDS)
+
+
+def offspring() -> set[str]:
+    """Processes that this one has started and that are not done with, ended ones among them."""
+    tasks = Path("/proc/self/task").glob("*/children")
+    return {child for task in tasks for child in task.read_text("ascii").split()}
+
+
+@pytest.mark.skipif(not PROC.exists(), reason="open files are counted where /proc lists them")
+def test_kills_leave_nothing_behind() -> None:
+    files, processes = len(list(PROC.iterdir())), offspring()
+    with Children(work=BOMBS) as found:
+        served(found)
+        between = len(list(PROC.iterdir()))
+        for _ in range(KILLS):
+            with pytest.raises(Refused):
+                found.submit(Job("endless"), 0.001)
+        served(found)
+        assert len(list(PROC.iterdir())) == between
+        assert len(offspring() - processes) == 2  # the one that serves, and the spare
+    assert len(list(PROC.iterdir())) == files
+    assert offspring() <= processes
+
+
+PARENT = """
+import os, threading
+from camgeo.designing.children import Children
+from camgeo.designing.job import Job
+found = Children(work="tests.designing.bombs")
+idle = found.submit(Job("fine"), 60.0).data["process"]
+busy = found.submit(Job("build"), 60.0).data["process"]
+endless = Job("build", arguments={"as": "endless"})
+threading.Thread(target=found.submit, args=(endless, 60.0)).start()
+print(idle, busy, found._spare.process.pid, flush=True)
+"""
+
+
+def lives(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text("ascii").rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+@pytest.mark.skipif(not PROC.exists(), reason="processes are watched where /proc lists them")
+def test_children_end_with_a_parent_that_is_killed() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PARENT], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        found = [int(each) for each in parent.stdout.readline().split()]
+        assert len(found) == 3
+        assert all(map(lives, found))
+        os.kill(parent.pid, signal.SIGKILL)
+    end = time.monotonic() + SECONDS
+    while any(map(lives, found)) and time.monotonic() < end:
+        time.sleep(0.01)
+    assert not any(map(lives, found))
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"J", frames.HEAD.pack(b"J", 5) + b"1234", frames.HEAD.pack(b"x", 0),
+     frames.HEAD.pack(b"J", 11) + b"x" * 11, frames.HEAD.pack(b"J", 2**63)],
+)  # fmt: skip
+def test_what_is_no_frame_is_broken(data: bytes) -> None:
+    with pytest.raises(BrokenFrame):
+        frames.receive(io.BytesIO(data), 10)
+
+
+def test_a_frame_comes_out_as_it_went_in() -> None:
+    stream = io.BytesIO()
+    frames.send(stream, b"R", b"why")
+    frames.send(stream, b"J")
+    stream.seek(0)
+    assert frames.receive(stream, 10) == (b"R", b"why")
+    assert frames.receive(stream, 10) == (b"J", b"")
