@@ -262,7 +262,7 @@ def _values(table: Table) -> str:
             for row in table.values
         ]
         label = f"Values from {names[0]} to {names[-1]}"
-        blocks.append(_table(label, (first, *names), rows, long=True))
+        blocks.append(_table(label, (first, *names), rows))
     return (
         f"<p>A row every {STEP}°; <code>camgeo table</code> has any step.</p><details><summary>"
         f"{counted(len(table.values), 'row')}</summary>{''.join(blocks)}</details>"
@@ -316,12 +316,11 @@ def _certificate(report: Report) -> str:
     )
 
 
-def _table(label: str, heads: Sequence[str], rows: Iterable[str], *, long: bool = False) -> str:
+def _table(label: str, heads: Sequence[str], rows: Iterable[str]) -> str:
     """A table; no other on the page has its `label`."""
     head = "".join(f'<th scope="col">{escape(each)}</th>' for each in heads)
-    kind = "wide long" if long else "wide"
     return (
-        f'<div class="{kind}" tabindex="0" role="region" aria-label="{escape(label)}">'
+        f'<div class="wide" tabindex="0" role="region" aria-label="{escape(label)}">'
         f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
     )
 

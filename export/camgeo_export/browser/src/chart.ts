@@ -70,7 +70,7 @@ export class Chart {
       this.cursors = turns.map((drawn) => {
         const { left, right, top, bottom } = drawn.plane.box;
         const line = into.add("line", { y1: top, y2: bottom, class: "cursor" });
-        const y = drawn.panel.legend ? bottom - 4 : top + 9;
+        const y = drawn.legend.startsWith("upper") ? bottom - 4 : top + 9;
         const text = into.add("text", { x: left + 4, y, class: "value", "font-size": 7.5 });
         const sheet = { x: left, y: top, width: right - left, height: bottom - top, class: "sheet" };
         into.add("rect", { ...sheet, "data-panel": drawn.index });

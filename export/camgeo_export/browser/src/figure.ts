@@ -12,6 +12,7 @@ export interface Drawn {
   plane: Plane;
   turn: boolean; // whether its x axis is one turn of the cam, in degrees
   curves: Line[]; // those that are not rules or aids
+  legend: string; // the corner in which its legend is; empty if none covers it
 }
 
 const FEWEST = 100; // points of a curve
@@ -77,13 +78,13 @@ export class Drawing {
       words(group, panel.title, { ...above, "text-anchor": "middle", "font-size": panel.title_size });
     }
     const lines = panel.marks.filter((mark) => mark.kind === "line");
-    if (panel.legend?.entries.length) {
-      const { legend } = panel;
-      if (legend.place === "best") this.corners[index] ??= emptiest(legend, box, lines, plane);
-      drawLegend(legend, group, box, this.corners[index] ?? legend.place);
-    }
+    const legend = panel.legend?.entries.length ? panel.legend : null;
+    let place = legend?.place ?? "";
+    if (legend && place === "best") place = this.corners[index] ??= emptiest(legend, box, lines, plane);
+    if (legend) drawLegend(legend, group, box, place);
     const turn = !panel.bare && panel.x.limits[0] === 0 && panel.x.limits[1] === 360;
-    return { index, panel, plane, turn, curves: lines.filter((mark) => mark.points.length > FEWEST) };
+    const curves = lines.filter((mark) => mark.points.length > FEWEST);
+    return { index, panel, plane, turn, curves, legend: legend?.anchor ? "" : place };
   }
 }
 
