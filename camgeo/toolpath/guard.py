@@ -12,14 +12,20 @@ from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.bench import Bench
+from camgeo.toolpath.bench import SAME, Bench
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, SCREWS, Clamp, Obstacle
 from camgeo.toolpath.moves import Heights
 from camgeo.toolpath.sweep import Area, polygon
+from camgeo.toolpath.tool import ToolError
 
 COARSE: Final = 0.01
 """Tolerance [mm] of the contours with which clamps are compared; it counts against them."""
+
+LARGEST: Final = 1e5
+"""Distance from the cam axis to which work may reach, and radius of a tool [mm]: a hundred metres,
+beyond any machine. On it chords within the fineness of a simulation, 1e-3 mm, are some 20,000 a
+turn, so that verdicts never rest on coarser ones."""
 
 LOOSE_CORE: Final = "loose-core"
 """Name of findings on waste that is cut free in one piece."""
@@ -96,6 +102,13 @@ def require_room(bench: Bench) -> None:
         if height is not None and height >= thickness:
             message = f"must be less than the thickness of the part, {thickness:g} mm"
             raise GeometryError(message, f"holding.{key}", f"{height:g}")
+    if (bore := milling.stock.bore) is not None:
+        around = [each for each in bench.part.boundaries if each.hole and each.nearest() > 0.0]
+        what = "the bore of the part" if around else "the width of the part"
+        free = 2.0 * min(each.nearest() for each in around or [bench.part.outermost])
+        if bore > free * (1.0 + SAME):
+            message = f"must be at most {what}, {free:g} mm"
+            raise GeometryError(message, "stock.bore", f"{bore:g}")
     if milling.stock.outline is None:
         return
     blank = _polygon(milling.stock.outline)
@@ -108,6 +121,38 @@ def require_room(bench: Bench) -> None:
                     f"the blank is too small: {lacking:.3g} mm are missing at one side of the part",
                     "stock",
                 )
+
+
+def require_size(bench: Bench) -> None:
+    """That nothing is larger than what programs are made and simulated for.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene.
+    """
+    milling = bench.milling
+    for tool in milling.tools:
+        for field, wide in (
+            ("diameter", tool.diameter),
+            ("shank_diameter", tool.shank_diameter or 0.0),
+        ):
+            if wide > 2.0 * LARGEST:
+                message = f"must be at most {2.0 * LARGEST:g} mm for a milling program"
+                raise ToolError(message, tool, field)
+    around = [each for each in bench.part.boundaries if not each.hole]
+    blank = milling.stock.outline
+    for what, key, boundaries in (
+        ("part", "output.gcode", around),
+        ("blank", "stock", [] if blank is None else [blank]),
+    ):
+        reach = max((each.farthest()[0] for each in boundaries), default=0.0)
+        if reach > LARGEST:
+            raise GeometryError(
+                f"the {what} reaches {reach:.3g} mm from the cam axis; milling programs are made"
+                f" and simulated for up to {LARGEST:g} mm",
+                key,
+            )
 
 
 def told_of_holding(bench: Bench, cuts: Sequence[Cut]) -> Iterator[Finding]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from camgeo.toolpath.setup import Setup
-from camgeo.toolpath.stages import Flaw, Slab, Stage
+from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
 from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
 
 TOUCHING = 1e-4
@@ -38,7 +39,8 @@ class Piece:
 
 def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
     """The connected parts of the material."""
-    single = [[(k, each) for each in parts(slab.material)] for k, slab in enumerate(slabs)]
+    apart = each_once(parts, areas(slabs))
+    single = [[(k, each) for each in found] for k, found in enumerate(apart)]
     offsets = np.concatenate(([0], np.cumsum([len(each) for each in single]))).astype(int)
     owner = list(range(int(offsets[-1])))
 
@@ -47,9 +49,12 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
             number = owner[number]
         return number
 
-    for k in range(len(slabs) - 1):
-        shared = overlap([area for _, area in single[k]], [area for _, area in single[k + 1]])
-        for low, high in np.argwhere(shared > TOUCHING):
+    shared: dict[tuple[int, int], list[list[int]]] = {}
+    for k, (low_parts, high_parts) in enumerate(pairwise(apart)):
+        both = (id(low_parts), id(high_parts))
+        if both not in shared:
+            shared[both] = np.argwhere(overlap(low_parts, high_parts) > TOUCHING).tolist()
+        for low, high in shared[both]:
             owner[root(int(offsets[k] + low))] = root(int(offsets[k + 1] + high))
     flat = [each for slab in single for each in slab]
     groups: dict[int, list[tuple[int, Area]]] = {}
@@ -137,6 +142,24 @@ def _may_stay(slab: Slab, setup: Setup) -> bool:
     return high is not None and high - SAME <= slab.z0 and slab.z1 <= top + SAME
 
 
+def _left_on(
+    material: Area, target: Area, near: Iterable[Area], allowed: float
+) -> Iterator[tuple[Area, float]]:
+    """What is left beside the section `target` of the part, with its thickness [mm]; or only over
+    or under the sections `near` by, with 0.
+    """
+    beside = shapely.difference(material, grown(target, allowed))
+    thick = parts(grown(grown(beside, -0.5 * allowed), 0.5 * allowed))
+    close = grown(target, 2.0 * allowed)
+    faces = shapely.difference(shapely.union_all(list(near)), target)
+    for each in thick:
+        if not target.is_empty and shapely.intersects(each, close):
+            points = shapely.points(shapely.get_coordinates(each))
+            yield each, float(np.max(shapely.distance(points, target)))
+        elif float(shapely.intersection(each, faces).area) > TOUCHING:
+            yield each, 0.0
+
+
 def _rests(
     stage: Stage,
     part: Sequence[Area],
@@ -146,21 +169,16 @@ def _rests(
 ) -> Iterator[Flaw]:
     """Material that is left beside the part, or on one of its faces."""
     found: list[Flaw] = []
+    known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
         if slab.material.is_empty or _may_stay(slab, setup):
             continue
-        beside = shapely.difference(slab.material, grown(target, allowed))
-        thick = parts(grown(grown(beside, -0.5 * allowed), 0.5 * allowed))
-        close = grown(target, 2.0 * allowed)
-        faces = shapely.difference(shapely.union_all(part[max(k - 1, 0) : k + 2]), target)
-        for each in thick:
-            if not target.is_empty and shapely.intersects(each, close):
-                points = shapely.points(shapely.get_coordinates(each))
-                size = float(np.max(shapely.distance(points, target)))
-            elif float(shapely.intersection(each, faces).area) > TOUCHING:
-                size = slab.z1 - slab.z0
-            else:
-                continue
+        near = {id(each): each for each in part[max(k - 1, 0) : k + 2]}
+        same = (id(slab.material), id(target), *sorted(near))
+        if same not in known:
+            known[same] = list(_left_on(slab.material, target, near.values(), allowed))
+        for each, thickness in known[same]:
+            size = thickness or slab.z1 - slab.z0
             left, low, right, high = each.bounds
             rounding = max((z1 - z0 for z0, z1 in corners if z0 < slab.middle < z1), default=0.0)
             by_corner = size <= rounding + allowed

@@ -95,8 +95,9 @@ def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
     start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
     centre = complex(*move.centre)
     sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
-    parts = Arc(start, end, sweep, centre).split(largest)
-    rise = (move.end[2] - at[2]) / len(parts)
-    for count, arc in enumerate(parts[:-1], start=1):
-        yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
+    if abs(sweep) > largest:
+        parts = Arc(start, end, sweep, centre).split(largest)
+        rise = (move.end[2] - at[2]) / len(parts)
+        for count, arc in enumerate(parts[:-1], start=1):
+            yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
     yield move

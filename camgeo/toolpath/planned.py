@@ -143,9 +143,6 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
         return
     diameter, there = 2.0 * bore.round_radius, stock.bore or 0.0
     keyway = "the keyway is left to be broached" if bore.core is not None else ""
-    if there > diameter:
-        message = f"must be at most the bore of the part, {diameter:g} mm"
-        raise GeometryError(message, "stock.bore", f"{there:g}")
     if there == diameter:
         text = f"bore: the blank has it, {diameter:g} mm; it is not milled"
         yield told("bore-left-out", f"{text}; {keyway}" if keyway else text)

@@ -11,7 +11,7 @@ from camgeo.part.engraving import text_of
 from camgeo.part.part import Part
 from camgeo.toolpath.bench import Bench
 from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.guard import guarded, require_room, told_of_holding
+from camgeo.toolpath.guard import guarded, require_room, require_size, told_of_holding
 from camgeo.toolpath.judged import left_out
 from camgeo.toolpath.milling import MillingSpec
 from camgeo.toolpath.moves import Heights
@@ -50,14 +50,15 @@ def sequence_of(
     Raises
     ------
     GeometryError
-        With the key of the scene, if a tool does not fit, something is missing, a clamp is in the
-        way, or what is cut free is not held.
+        With the key of the scene, if a tool does not fit, something is missing or too large, a
+        clamp is in the way, or what is cut free is not held.
     """
     part.require_heights()
     if part.layers[0] not in part.disc and milling.second is None and not milling.turned:
         message = "a hub on the lower face is milled from there: state [second_side]"
         raise GeometryError(message, key="part.hub.side", value=part.layers[0].name)
     bench = Bench(part, milling, compensation)
+    require_size(bench)
     require_room(bench)
     findings: list[Finding] = []
     if milling.operations:

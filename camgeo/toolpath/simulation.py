@@ -26,7 +26,17 @@ from camgeo.toolpath.left import left_flaws
 from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
 from camgeo.toolpath.setup import Run, Setup
 from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
-from camgeo.toolpath.sweep import NOTHING, Area, grown, parts, place_in, polygon, swept, swept_below
+from camgeo.toolpath.sweep import (
+    NOTHING,
+    Area,
+    Known,
+    grown,
+    parts,
+    place_in,
+    polygon,
+    swept,
+    swept_below,
+)
 
 FINENESS: Final = 1e-3
 """Deviation of chords [mm] unless stated."""
@@ -99,7 +109,12 @@ def simulate(
 
 def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:
     """Heights [mm] between which rounded corners of cutters are, where those are lowest."""
-    own = ((tip, tip + run.point) for run in runs if run.rounded for tip in _lowest(run))
+    rounded = (run for run in runs if run.rounded and run.point > 0.0)
+    own = (
+        (tip, tip + run.point)
+        for run in rounded
+        for tip in _lowest(course_of(run.moves, run.start))
+    )
     return (*own, *(() if setup.before is None else setup.before.corners))
 
 
@@ -128,7 +143,7 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
         flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
         ends = course.to_z[course.lengths == 0.0]  # of plunges and drilled holes
         found += [*course.from_z[flat].tolist(), *ends.tolist()]
-        found += [z for tip in _lowest(run) for z in run.slices(tip, highest)]
+        found += [z for tip in _lowest(course) for z in run.slices(tip, highest)]
     heights: list[float] = []
     for z in sorted(z for z in found if lowest <= z <= highest):
         if not heights or z - heights[-1] > level:
@@ -136,10 +151,9 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     return heights
 
 
-def _lowest(run: Run) -> list[float]:
+def _lowest(course: Course) -> list[float]:
     """Z of the tip at its lowest, if it moves at all [mm]."""
-    lowest = course_of(run.moves, run.start).lowest
-    return [float(np.min(lowest))] if len(lowest) else []
+    return [float(np.min(course.lowest))] if len(course) else []
 
 
 def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[Area]:
@@ -191,6 +205,7 @@ class _Bench:
         self.setup, self.slabs, self.part = setup, slabs, part
         self.fineness, self.allowed, self.level = fineness, allowed, level
         self.kernels = each_once(lambda area: grown(area, -allowed), part)
+        self.known: Known = {}
 
     def run(self, run: Run) -> list[Flaw]:
         """The flaws of one operation, the worst of each kind."""
@@ -275,7 +290,7 @@ class _Bench:
         bottoms = [-np.inf if slab.material.is_empty else slab.z0 + level for slab in self.slabs]
         if run.point <= 0.0:
             heights = sorted({*tops, *bottoms})
-            areas = swept_below(course, heights, run.radius, self.fineness)
+            areas = swept_below(course, heights, run.radius, self.fineness, self.known)
             at = dict(zip(heights, areas, strict=True))
             return [at[z] for z in tops], [at[z] for z in bottoms]
         middles = [slab.middle for slab in self.slabs]

@@ -24,7 +24,7 @@ FINEST: Final = 1e-5
 
 NOTHING: Final = shapely.Polygon()
 
-LONGEST: Final = 100
+LONGEST: Final = 200
 """Points of a line that is widened at once. A line of several turns is met by itself at every turn:
 in parts its area takes a quarter of the time."""
 
@@ -46,30 +46,66 @@ def swept(course: Course, radius: float, fineness: float) -> Area:
         return NOTHING
     chains = (part for chain in _chains(_once(course), fineness) for part in _in_parts(chain))
     shapes = [_shape(part) for part in chains]
-    return shapely.union_all(shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness)))
+    found = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
+    while len(found) > 1:  # neighbours first: half the time of all at once
+        rest = found[len(found) // 2 * 2 :]
+        found = np.append(shapely.union(found[:-1:2], found[1::2]), rest)
+    return found[0]
+
+
+Known = dict[tuple[float, float, bytes], tuple[Area, Area]]
+"""What has been swept: areas and the same a little grown, by radius, fineness and pieces."""
 
 
 def swept_below(
-    course: Course, heights: Iterable[float], radius: float, fineness: float
+    course: Course, heights: Iterable[float], radius: float, fineness: float, known: Known
 ) -> list[Area]:
     """What a circle of `radius` [mm] passes over with its tip not above each of `heights` [mm],
     which ascend.
 
-    What is new at a height is added to the area at the one before; where nothing is new, both are
-    the same object.
+    What is new at a height is added to the area at the one before. Where nothing reaches beyond
+    that by more than twice the fineness, as chords of the same path do, both are the same object,
+    so that what follows is computed once for all slabs between passes. What equal pieces sweep is
+    looked up in `known`, and added to it.
     """
     same = alike(course)
     highest, lowest = course.highest, course.lowest
+    level = course.from_z == course.to_z
     done = np.zeros(len(course), dtype=np.bool_)
     area: Area = NOTHING
+    wide: Area = NOTHING
     found = []
     for z in heights:
         fresh = (lowest <= z) & ~done[same]
-        if np.any(fresh):
-            more = swept(below(taken(course, fresh), z), radius, fineness)
-            area = more if area.is_empty else shapely.union(area, more)
-            done[same[highest <= z]] = True
+        for which in (fresh & level, fresh & ~level):
+            if not np.any(which):
+                continue
+            pieces = below(taken(course, which), z)
+            more, more_wide = _swept_once(pieces, radius, fineness, known)
+            if area.is_empty:
+                area, wide = more, more_wide
+            elif not shapely.covers(wide, more):
+                area = shapely.union(area, more)
+                wide = _wide(area, fineness)
+        done[same[fresh & (highest <= z)]] = True
         found.append(area)
+    return found
+
+
+def _swept_once(course: Course, radius: float, fineness: float, known: Known) -> tuple[Area, Area]:
+    """What is swept, looked up in `known` or added to it, and the same a little grown."""
+    columns = (course.starts, course.ends, course.sweeps, course.centres)
+    key = (radius, fineness, b"".join(each.tobytes() for each in columns))
+    if key not in known:
+        area = swept(course, radius, fineness)
+        known[key] = area, _wide(area, fineness)
+    return known[key]
+
+
+def _wide(area: Area, fineness: float) -> Area:
+    """`area` with what chords may leave at its edge, prepared for questions."""
+    found = grown(area, 2.0 * fineness)
+    shapely.prepare(found)
     return found
 
 

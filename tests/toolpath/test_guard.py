@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.contour import POINTS
 from camgeo.errors import GeometryError
 from camgeo.toolpath.cut import ContourCut
+from camgeo.toolpath.guard import LARGEST
 from camgeo.toolpath.holding import Clamp, Holding, Tabs
 from camgeo.toolpath.moves import Heights
+from camgeo.toolpath.simulation import FINENESS
 from camgeo.toolpath.stock import Stock
 from tests.toolpath.milled import BORE, RIM, THICKNESS, named, sequence, tool
 
@@ -122,3 +127,24 @@ def test_the_blank_contains_the_part(stock: Stock) -> None:
     assert caught.value.key == "stock"
     found = sequence(GROOVE, stock=Stock(shape="round", diameter=RIM, bore=BORE), holding=None)
     assert found.cuts
+
+
+def test_nothing_is_larger_than_what_is_simulated() -> None:
+    """Chords within the fineness of the simulation are no more than it can follow."""
+    far = Stock(length=2.0 * LARGEST, width=170.0, bore=25.0)
+    with pytest.raises(
+        GeometryError, match=r"the blank reaches 1e\+05 mm .* for up to 100000"
+    ) as it:
+        sequence(GROOVE, stock=far)
+    assert it.value.key == "stock"
+    with pytest.raises(GeometryError, match="must be at most 200000 mm") as it:
+        sequence(INNER, tool(2.1 * LARGEST))
+    assert it.value.key == "tool.diameter"
+    assert math.pi / math.acos(1.0 - FINENESS / LARGEST) < 25_000 < POINTS
+
+
+def test_the_hole_of_the_blank_leaves_the_part() -> None:
+    sequence(INNER, stock=Stock(length=170.0, width=170.0, bore=BORE))
+    with pytest.raises(GeometryError, match=f"at most the bore of the part, {BORE:g} mm") as it:
+        sequence(INNER, stock=Stock(length=170.0, width=170.0, bore=BORE + 1e-3))
+    assert it.value.key == "stock.bore"

@@ -10,7 +10,16 @@ import pytest
 from camgeo.contour.contour import Contour
 from camgeo.toolpath.course import below, course_of
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
-from camgeo.toolpath.sweep import NOTHING, parts, place_in, polygon, rings, swept, swept_below
+from camgeo.toolpath.sweep import (
+    NOTHING,
+    Known,
+    parts,
+    place_in,
+    polygon,
+    rings,
+    swept,
+    swept_below,
+)
 
 FEED = 100.0
 
@@ -76,9 +85,32 @@ def test_what_is_new_at_each_height_is_added() -> None:
         moves.append(Feed((30.0, 0.0, -depth), FEED))
     course = course_of(moves, (30.0, 0.0, 0.0))
     heights = [-5.0, -4.0, -3.1, -2.0, -1.3, 0.0, 1.0]
-    found = swept_below(course, heights, RADIUS, fineness)
+    found = swept_below(course, heights, RADIUS, fineness, {})
     for z, area in zip(heights, found, strict=True):
         afresh = swept(below(course, z), RADIUS, fineness)
         assert area.symmetric_difference(afresh).area < 4.0 * fineness * 4.0 * math.pi * 33.0
     assert found[0].is_empty
     assert found[-1] is found[-2]  # nothing is new there
+
+
+def test_what_is_swept_again_is_the_same_object() -> None:
+    """Ramps that end elsewhere in each pass, as read from a program, leave the areas as they are:
+    what is asked of slabs is asked once.
+    """
+    around = [0.0, 0.4, 0.9, 2.0, 2.7, 3.5, 4.4, 5.2]
+    moves: list[Move] = []
+    for depth in range(1, 30):
+        for lap in (around, [each + 0.01 * depth for each in around]):
+            moves += [
+                ArcFeed(
+                    (30.0 * math.cos(end), 30.0 * math.sin(end), -depth), (0.0, 0.0), True, FEED
+                )
+                for end in [*lap[1:], lap[0]]
+            ]
+    course = course_of(moves, (30.0, 0.0, 0.0))
+    heights = [-29.0 + 0.5 * k for k in range(58)]
+    known: Known = {}
+    found = swept_below(course, heights, RADIUS, 1e-3, known)
+    assert len({id(each) for each in found}) == 1
+    again = swept_below(course, heights[:1], RADIUS, 1e-3, known)
+    assert again[0] is known[next(iter(known))][0]

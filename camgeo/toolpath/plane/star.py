@@ -62,8 +62,8 @@ class Star:
         start, centre, sweep = self.starts[index], self.centres[index], self.sweeps[index]
         chord = self.ends[index] - start
         straight = (np.conj(start) * chord).imag / (np.conj(ray) * chord).imag
-        foot = (np.conj(ray) * centre).real
-        off = (np.conj(ray) * centre).imag
+        seen = np.conj(ray) * centre
+        foot, off = seen.real, seen.imag
         half = np.sqrt(np.maximum(np.abs(start - centre) ** 2 - off * off, 0.0))
         r = np.where(sweep == 0.0, straight, foot + np.sign(sweep) * half)
         along = np.where(sweep == 0.0, chord, 1j * np.sign(sweep) * (r * ray - centre))

@@ -31,6 +31,7 @@ from camgeo_export.gcode.comments import (
 )
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
+from camgeo_export.verify.heights import at_no_height
 
 COARSE: Final = 0.01
 """Tolerance [mm] of a wall by which the two halves of a loop are told apart."""
@@ -106,40 +107,14 @@ def _of_cut(
         ),
         _feeds(cut, others, rounding, tolerance, program.step),
     ]  # fmt: skip
-    slope = 0.0
-    for move in moves:
-        if move.start != move.end and move.z_start != move.z_end:
-            slope = abs(move.z_end - move.z_start) / move.course.length
-        # A piece of a ramp that is too short for its drop to be printed is level.
-        short = 0.0 < move.course.length * slope <= program.step
-        if not (short or _at_a_height(cut, move, program.step)):
-            note = f"line {move.line}: a cut at Z {move.z_end:g} mm, which is not one of its depths"
-            return [*checks, failed("moves", note, cut.name)]
+    if (stray := at_no_height(cut, moves, program.step)) is not None:
+        note = f"line {stray.line}: a cut at Z {stray.z_end:g} mm, which is not one of its depths"
+        return [*checks, failed("moves", note, cut.name)]
     lowest = min((move.z_end for move in moves), default=cut.bottom)
     if lowest > cut.bottom + program.step:
         note = f"no deeper than Z {lowest:g} mm, not Z {cut.bottom:g} mm"
         return [*checks, failed("moves", note, cut.name)]
     return checks
-
-
-def _at_a_height(cut: Cut, move: CutterMove, step: float) -> bool:
-    """Whether a cut is level or ends straight down at a height of its operation, or slopes.
-
-    Over tabs it is level at their tops, and on the way to the first slope at the upper face.
-    """
-    if not cut.bottom - step <= move.z_end <= cut.top + step:
-        return False
-    heights = list(cut.depths)
-    if move.start != move.end:
-        if move.z_start != move.z_end:
-            return True
-        if isinstance(cut, ContourCut) and cut.tabs is not None:
-            heights.append(cut.bottom + cut.tabs.height)
-    elif not _drops(move):
-        return False
-    else:
-        heights.append(cut.top)
-    return any(abs(move.z_end - z) <= step for z in heights)
 
 
 def _drops(move: CutterMove) -> bool:

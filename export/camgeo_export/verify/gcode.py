@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from camgeo.contour.contour import Contour
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import Product, programs_of, sides_of
@@ -33,6 +35,7 @@ from camgeo_export.gcode.measure import bench_of, beyond_slack
 from camgeo_export.gcode.moves import Loop
 from camgeo_export.interpreter.run import Run, notes_of, run_bytes
 from camgeo_export.verify.cutting import cutting_checks
+from camgeo_export.verify.heights import near
 from camgeo_export.verify.leads import lead_checks
 from camgeo_export.verify.lines import WORK, work_findings
 from camgeo_export.verify.plane import contour_checks
@@ -213,14 +216,14 @@ def _key(contour: Contour) -> bytes:
 
 def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
     """One closed path at each depth."""
-    heights = [loop.z for loop in loops]
-    missing = [depth for depth in cut.depths if all(abs(z - depth) > slack for z in heights)]
-    count = len(cut.depths)
+    depths = np.array(cut.depths)
+    missing = depths[~near(depths, (loop.z for loop in loops), slack)].tolist()
+    count = len(depths)
     found = f"{count - len(missing)} of {count}"
     note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
-    stray = [loop.z for loop in loops if loop.level]
-    stray = [z for z in stray if all(abs(z - depth) > slack for depth in cut.depths)]
-    if stray and not missing:
+    level = np.array([loop.z for loop in loops if loop.level])
+    stray = level[~near(level, cut.depths, slack)]
+    if len(stray) and not missing:
         note = f"a closed path at Z {stray[0]:g} mm, which is not one of its depths"
     return Check("passes", cut.name, found, ok=not note, note=note)
 
