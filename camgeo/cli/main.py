@@ -64,6 +64,7 @@ COMMANDS = (
     "machines",
     "slotted-lever",
     "accuracy",
+    "sweep",
     "explain",
     "stability",
 )

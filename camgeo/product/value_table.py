@@ -13,18 +13,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Demanded, Drive
-from camgeo.curve.extremes import radius_of_curvature
+from camgeo.cam.drive import Drive
 from camgeo.displayed import Displayed
 from camgeo.errors import GeometryError, meant
 from camgeo.formats.csv import FORMAT, CsvSpec, exact_step
 from camgeo.lazy import Ledger, lazy
-from camgeo.motion.motion import Jet
-from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, frozen
-from camgeo.outline.convex import touch
 from camgeo.pickled import Pickled
-from camgeo.units import MM_PER, LengthUnit, LiftUnit
+from camgeo.product.quantities import of_effect, quantities
+from camgeo.units import LengthUnit
 from camgeo.wording import counted
 
 if TYPE_CHECKING:  # few scenes name an effect
@@ -36,22 +33,10 @@ FULL_TURN = Decimal(360)
 NUMBERS: Final = 5_000_000
 """In a table at most: 40 MB, as text twice as much, and both are there several times."""
 
-POWERS = ("s", "s^2", "s^3")
-
-MARKS = ("", "'", "''", "'''")
-"""Units of a motion's derivatives over the cam angle."""
-
-ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
-"""Name of a prescribed angle that is not the follower's own."""
-
-Columns = list[tuple[str, FloatArray]]
-"""Headings, each with its values (n,)."""
+CAM_ANGLE: Final = "phi [deg]"
 
 CURVES = ("pitch", "inner", "outer", "contact")
 """Names of curves in the headings of their coordinates."""
-
-SWING = ("omega", "alpha", "j")
-"""Prefixes of the names of angular velocity, acceleration and jerk."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,19 +155,14 @@ class TabulatedCam(Pickled):
         return rounded(self.stated(step), self.scene.output.options[FORMAT].decimals)
 
     def _table(self, degrees: FloatArray, unit: LengthUnit | None = None) -> Table:
-        if len(degrees) > 1:
-            _require_few(len(degrees), len(self._table(degrees[:1], unit).names))
-        phi, unit = np.radians(degrees), unit or self.scene.unit
-        columns: Columns = [("phi [deg]", degrees)]
-        motions = _motions(self.drive, self.scene.lift_unit, phi)
-        for name, motion in motions:
-            columns += _angle(name, motion) if name else _length(unit, motion)
-        columns += _in_time(self.drive, motions, unit, phi)
-        if self.cam is not None:
-            columns += _of_cam(self.cam, unit, phi)
-        columns += [_of_effect(unit, column, phi) for column in self.columns()]
-        names = tuple(name for name, _ in columns)
-        return Table(names, np.column_stack([values for _, values in columns]))
+        unit = unit or self.scene.unit
+        columns = quantities(self.drive, self.scene.lift_unit, self.cam, unit)
+        columns += [of_effect(unit, each) for each in self.columns()]
+        _require_few(len(degrees), len(columns) + 1)
+        phi = np.radians(degrees)
+        values = [degrees, *(quantity(phi, "right") for _, quantity in columns)]
+        names = (CAM_ANGLE, *(name for name, _ in columns))
+        return Table(names, np.column_stack(values))
 
 
 def _require_few(rows: int, columns: int) -> None:
@@ -191,87 +171,6 @@ def _require_few(rows: int, columns: int) -> None:
         size = f"{counted(rows, 'row')} of {counted(columns, 'column')}"
         message = f"{size} are more than {counted(NUMBERS, 'number')}"
         raise GeometryError(message, "output.csv.step")
-
-
-def _of_cam(cam: Cam, unit: LengthUnit, phi: FloatArray) -> Columns:
-    """Curves, transmission angle and curvature.
-
-    A flat face has one curve, the outline on which its contact runs, and the position of the
-    contact on the face.
-    """
-    disc, mm = cam.disc, MM_PER[unit]
-    pitch = disc.pitch_curve
-    columns: Columns = []
-    curves = [("contact", pitch.point(phi))]
-    if cam.follower.has_pitch_curve:
-        curves = [
-            ("pitch", pitch.point(phi)),
-            ("inner", disc.inner_curve.point(phi)),
-            ("outer", disc.outer_curve.point(phi)),
-        ]
-    for name, points in curves:
-        columns.append((f"{name} x [{unit}]", points.real / mm))
-        columns.append((f"{name} y [{unit}]", points.imag / mm))
-    if not cam.follower.has_pitch_curve:
-        columns.append((f"on face [{unit}]", touch(pitch, phi, "right").contact[0] / mm))
-    kappa = pitch.curvature(phi)
-    columns.append(("mu [deg]", np.degrees(pitch.transmission_angle(phi))))
-    columns.append((f"kappa [1/{unit}]", kappa * mm))
-    columns.append((f"r_K [{unit}]", radius_of_curvature(kappa) / mm))
-    return columns
-
-
-def _motions(drive: Drive, lift_unit: LiftUnit, phi: FloatArray) -> list[tuple[str, Jet]]:
-    """The motion that the scene prescribes, and the follower's own if it differs.
-
-    Each (4, n) with the name of its angle, empty for a length.
-    """
-    found = [("psi" if lift_unit == "rad" else "", drive.motion.jet(phi))]
-    if drive.demanded_of != "follower":
-        found.insert(0, (ANGLES.get(drive.demanded_of, ""), drive.plan.jet(phi)))
-    return found
-
-
-def _length(unit: LengthUnit, motion: Jet) -> list[tuple[str, FloatArray]]:
-    return [
-        (f"s{mark} [{unit}{rate}]", values / MM_PER[unit])
-        for mark, rate, values in zip(MARKS, ("", "/rad", "/rad^2", "/rad^3"), motion, strict=True)
-    ]
-
-
-def _angle(name: str, motion: Jet) -> list[tuple[str, FloatArray]]:
-    rates = zip(MARKS[1:], ("1", "1/rad", "1/rad^2"), motion[1:], strict=True)
-    return [
-        (f"{name} [deg]", np.degrees(motion[0])),
-        *((f"{name}{mark} [{rate}]", values) for mark, rate, values in rates),
-    ]
-
-
-def _in_time(
-    drive: Drive, motions: list[tuple[str, Jet]], unit: LengthUnit, phi: FloatArray
-) -> Columns:
-    """Time and derivatives in time: of the motion the scene prescribes, and of the follower."""
-    course = drive.time_course
-    if course is None:
-        return []
-    columns = [("t [s]", course.time(phi))]
-    for name, motion in motions:
-        timed = in_time(motion, course, phi)[1:]
-        if name:
-            for kind, power, values in zip(SWING, POWERS, timed, strict=True):
-                columns.append((f"{kind}_{name} [deg/{power}]", np.degrees(values)))
-            continue
-        for kind, power, values in zip(("v", "a", "j"), POWERS, timed, strict=True):
-            columns.append((f"{kind} [{unit}/{power}]", values / MM_PER[unit]))
-    return columns
-
-
-def _of_effect(unit: LengthUnit, column: Column, phi: FloatArray) -> tuple[str, FloatArray]:
-    """Heading and values of an effect's column, lengths in `unit`."""
-    own, values = column.unit, column.values(phi, "right")
-    if own == "mm" or own.startswith("mm/"):
-        own, values = unit + own.removeprefix("mm"), values / MM_PER[unit]
-    return f"{column.name} [{own}]" if own else column.name, values
 
 
 def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
@@ -283,9 +182,9 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
         return whole
     columns = whole.columns
     if spec.columns is not None:
-        named = {_bare(heading): heading for heading in columns}
+        named = {bare(heading): heading for heading in columns}
         known = columns | _polar(columns, unit)
-        named |= {_bare(heading): heading for heading in known}
+        named |= {bare(heading): heading for heading in known}
         for place, name in enumerate(spec.columns, 1):
             if name not in named:
                 hint = meant(name, named)
@@ -311,7 +210,7 @@ def rounded(table: Table, decimals: int | None) -> Table:
     return replace(table, values=near.reshape(table.values.shape), decimals=decimals)
 
 
-def _bare(heading: str) -> str:
+def bare(heading: str) -> str:
     """The name of a column without its unit."""
     return heading.rpartition(" [")[0] or heading
 

@@ -29,7 +29,18 @@ NAMES: Final = ("CUT", "0", "polynomial-345", "laws", "cams", "outlines", *FAMIL
 
 BY_METAVAR: Final = {
     "SCENE": (SCENE,),
-    "FILE": ("o.svg", "o.png", "o.csv", "o.toml", "o.json", "o.pdf", "o.html", "sub/o.svg", "o"),
+    "FILE": (
+        "o.svg",
+        "o.png",
+        "o.csv",
+        "o.toml",
+        "o.json",
+        "o.pdf",
+        "o.html",
+        "sub/o.svg",
+        "o",
+        "o.sqlite",
+    ),
     "DIR": ("out", ".", "a/b/c"),
     "FORMATS": (
         "dxf",
@@ -50,6 +61,16 @@ BY_METAVAR: Final = {
     "MEASURED": ("points.csv", "out/setzhub.csv", "points-outer.csv"),
     "PROJECT": ("project.ocv",),
     "WHAT": tuple(plots.names()),
+    "KEY=VALUES": (
+        "follower.base_radius=40:60:3",
+        "cam.speed=60,90",
+        "motion.2.law=modified-sine,cycloidal",
+        "follower.base_radius=40:60",
+        "motion.1.dwell,motion.3.dwell=20/10,10/20",
+        "name=a,b",
+    ),
+    "NAMES": ("transmission-angle", "verdict,laws", "diameter,peak:a", "peak:mu,min:kappa", "mass"),
+    "COUNT": ("1", "3", "5"),
     "COMMAND": ("check", "build", "table"),
     "NAME": NAMES,
 }

@@ -1,0 +1,118 @@
+"""What `camgeo sweep` finds, as text and as a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from camgeo.answers.sweep import Design, Span, Sweep
+from camgeo.wording import counted
+
+FEW: Final = 40
+"""Rows that are printed; of more, only the least and the greatest answers."""
+
+MOST_REASONS: Final = 8
+
+LONGEST: Final = 100
+"""Characters of a reason that are printed."""
+
+REASON: Final = "reason"
+
+
+def text(answer: Sweep) -> str:
+    """What the family answers; of a small one all rows."""
+    lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_drawn(answer)}"]
+    if answer.count <= FEW:
+        lines += ["", *aligned(_cells(answer, answer.designs))]
+    else:
+        for span in answer.spans:
+            lines += ["", *_span(span)]
+    if answer.failed:
+        lines += ["", f"{counted(answer.failed, 'design')} failed:"]
+        for reason, count in list(answer.reasons.items())[:MOST_REASONS]:
+            lines.append(f"  {count:>7,}  {short(reason, LONGEST)}")
+        rest = len(answer.reasons) - MOST_REASONS
+        if rest > 0:
+            lines.append(f"           and for {counted(rest, 'other reason')}")
+    return "\n".join(lines)
+
+
+def _drawn(answer: Sweep) -> str:
+    sample = answer.sample
+    if sample is None:
+        return ""
+    return f", drawn with {sample.method}, seed {sample.seed}"
+
+
+def _span(span: Span) -> list[str]:
+    """The least and the greatest answer to a question, each with its design."""
+    head = headed(span)
+    if span.words:
+        found = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
+        return [f"{head}: {found}"]
+    if span.least is None or span.greatest is None:
+        return [f"{head}: no design has an answer"]
+    lines = [f"{head}: {counted(span.count, 'answer')}"]
+    for what, design in (("least", span.least), ("greatest", span.greatest)):
+        values = ", ".join(f"{key} = {shown(value)}" for key, value in design.values.items())
+        lines.append(f"  {what:8}  {shown(design.answers[span.word])}  at {values}")
+    return lines
+
+
+def headed(span: Span) -> str:
+    """Heading of the answers, with their unit."""
+    return f"{span.word} [{span.unit}]" if span.unit else span.word
+
+
+def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
+    rows = [[*answer.keys, *(headed(span) for span in answer.spans), REASON]]
+    for each in designs:
+        cells = [*each.values.values(), *each.answers.values()]
+        rows.append([*(shown(cell) for cell in cells), short(each.reason, LONGEST)])
+    if not answer.failed:
+        rows = [row[:-1] for row in rows]
+    return rows
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of cells as lines, columns two spaces apart."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def short(words: str, most: int) -> str:
+    """The words, cut where they are too many."""
+    return words if len(words) <= most else f"{words[: most - 3]}..."
+
+
+def shown(value: object) -> str:
+    """A value for reading."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def comma_separated(answer: Sweep) -> bytes:
+    """All rows as CSV in UTF-8; each number in the shortest form that reads back the same."""
+    found = io.BytesIO()
+    stream = io.TextIOWrapper(found, "utf-8", newline="")
+    rows = csv.writer(stream, lineterminator="\n")
+    rows.writerow([*answer.keys, *(headed(span) for span in answer.spans), REASON])
+    for each in answer.designs:
+        cells = [_exact(value) for value in (*each.values.values(), *each.answers.values())]
+        rows.writerow([*cells, each.reason])
+    stream.flush()
+    return found.getvalue()
+
+
+def _exact(value: object) -> str:
+    if value is None:
+        return ""
+    return str(value).lower() if isinstance(value, bool) else str(value)

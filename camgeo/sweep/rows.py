@@ -1,0 +1,166 @@
+"""Rows of a sweep, and the work that makes them, as it is sent to where it is done."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from camgeo._version import __version__
+from camgeo.design import Design
+from camgeo.errors import CamgeoError, VersionError
+from camgeo.scene.document import Source, document, document_of_tree
+from camgeo.scene.scene import Scene
+from camgeo.scene.tree import edited
+from camgeo.sweep.asked import Asked
+from camgeo.sweep.family import Family, Point
+from camgeo.sweep.reading import read, reason_of
+
+if TYPE_CHECKING:
+    from camgeo.lazy import Ledger
+
+NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
+"""Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
+not read another file of its own machine under the same name."""
+
+LISTED: Final = "; "
+"""Between the reasons of one row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What one design of a family answers.
+
+    Attributes
+    ----------
+    point : the values that make the design.
+    values : what was asked, in the order asked; None where there is no answer.
+    units : of the values, likewise; empty where there is none.
+    reason : why something is missing; empty if nothing is, or if that is no failure, as of a
+        finding that the design does not give rise to.
+    """
+
+    point: Point
+    values: tuple[float | str | None, ...]
+    units: tuple[str, ...]
+    reason: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether something that was asked has no answer."""
+        return bool(self.reason)
+
+
+@dataclass(frozen=True, slots=True)
+class Versions:
+    """What decides the bits of a row: the versions of camgeo, numpy and Python."""
+
+    camgeo: str
+    numpy: str
+    python: str
+
+    @classmethod
+    def here(cls) -> Versions:
+        """Those of this process."""
+        return cls(__version__, np.__version__, platform.python_version())
+
+    def require_here(self) -> None:
+        """Raise VersionError, naming what differs, unless this process has the same."""
+        here = self.here()
+        for name in ("camgeo", "numpy", "python"):
+            mine, theirs = getattr(here, name), getattr(self, name)
+            if mine != theirs:
+                label = name.capitalize() if name == "python" else name
+                raise VersionError(
+                    f"a worker has {label} {mine}, the sweep was started with {theirs}; rows of"
+                    " both would not be comparable"
+                )
+
+
+@dataclass(frozen=True)
+class Work:
+    """All that a worker needs, wherever it runs; it can be pickled.
+
+    Attributes
+    ----------
+    text : TOML of the scene that the family starts from.
+    contents : of the files that designs name, by these names.
+    keys : that vary.
+    asked : of each design.
+    versions : with which the rows are to be computed.
+    """
+
+    text: str
+    contents: tuple[tuple[str, bytes], ...]
+    keys: tuple[str, ...]
+    asked: tuple[Asked, ...]
+    versions: Versions
+
+    @classmethod
+    def of(cls, family: Family, asked: Iterable[Asked]) -> Work:
+        """The work on a family, for processes with the versions of this one."""
+        contents = tuple(sorted(family.contents().items()))
+        text = family.scene.to_toml()
+        return cls(text, contents, family.keys, tuple(asked), Versions.here())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: whoever receives the work builds the scene."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @cached_property
+    def source(self) -> Source:
+        """Where scenes get the contents of their files."""
+        folder = NOWHERE.resolve() if self.contents else None
+        return Source("", folder, self.text).having(dict(self.contents))
+
+    @cached_property
+    def base(self) -> Scene:
+        """The scene that the family starts from; VersionError in a process of other versions."""
+        self.versions.require_here()
+        return Scene.of(document(self.text.encode()), self.source)
+
+    def scene_of(self, point: Point) -> Scene:
+        """The scene of a design; SceneError with its faults."""
+        edits: Mapping[str, object] = dict(zip(self.keys, point, strict=True))
+        tree = edited(self.base.stated.scene.exact, edits)
+        return Scene.of(document_of_tree(tree), self.source, self.base)
+
+    def row(self, point: Point, ledger: Ledger | None = None) -> Row:
+        """The row of a design; one that there is not gives a row with the reason."""
+        base = self.base
+        assert base is not None  # its errors are not those of one design
+        try:
+            scene = self.scene_of(point)
+            design = Design(scene) if ledger is None else Design(scene, ledger)
+        except CamgeoError as error:
+            nothing = (None,) * len(self.asked), ("",) * len(self.asked)
+            return Row(point, *nothing, reason_of(error))
+        found = [read(design, each) for each in self.asked]
+        reasons: dict[str, list[str]] = {}
+        for asked, reading in zip(self.asked, found, strict=True):
+            if reading.reason:
+                reasons.setdefault(reading.reason, []).append(asked.word)
+        told = [f"{', '.join(words)}: {reason}" for reason, words in reasons.items()]
+        return Row(
+            point,
+            tuple(each.value for each in found),
+            tuple(each.unit for each in found),
+            LISTED.join(told),
+        )
+
+
+def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:
+    """The rows of several designs, as a worker computes them."""
+    known = _known(work)
+    return tuple(known.row(point) for point in points)
+
+
+@lru_cache(maxsize=1)
+def _known(work: Work) -> Work:
+    """The work as it came first, with its scene: each chunk brings another copy."""
+    return work

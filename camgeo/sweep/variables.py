@@ -1,0 +1,194 @@
+"""What varies in a family: keys of the scene, and the values that they take."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from typing import Final
+
+from camgeo.errors import GeometryError
+
+Value = int | float | str | bool
+"""A value at a key of a scene, in the units of the scene."""
+
+LARGEST_WHOLE: Final = 2**53
+"""Whole numbers below it are written without a fraction, as a key for a whole number needs."""
+
+QUOTED: Final = r"\"[^\"]*\"|'[^']*'"
+"""Text in a list that may have commas and colons."""
+
+TIED: Final = "/"
+"""Between the values of tied keys: `A,B=1/2,3/4` gives A 1 with B 2, and A 3 with B 4."""
+
+FORMS: Final = (
+    "must be START:STOP:COUNT, a list as 1,2,3, or START:STOP where designs are samples,"
+    " e.g. follower.base_radius=30:60:31"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """Values that are stated.
+
+    Attributes
+    ----------
+    rows : a row for each step of the variable, with a value for each of its keys.
+    """
+
+    rows: tuple[tuple[Value, ...], ...]
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.rows)
+
+    def at(self, place: int) -> tuple[Value, ...]:
+        """Those at a place, from 0."""
+        return self.rows[place]
+
+    def share(self, share: float) -> tuple[Value, ...]:
+        """Those at a share, from 0 to below 1, of the list."""
+        return self.rows[min(int(share * self.count), self.count - 1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Evenly spaced numbers, the same for all keys of a variable.
+
+    Attributes
+    ----------
+    start, stop : the first and the last number, exactly as stated.
+    steps : how many numbers; None for a range that is only sampled.
+    keys : how many keys take the number.
+    """
+
+    start: Decimal
+    stop: Decimal
+    steps: int | None
+    keys: int = 1
+
+    @property
+    def count(self) -> int:
+        """How many there are; 0 if it is only sampled."""
+        return self.steps or 0
+
+    def at(self, place: int) -> tuple[Value, ...]:
+        """That at a place, from 0: the exact number, rounded once."""
+        first, last = Fraction(self.start), Fraction(self.stop)
+        parts = max(self.count - 1, 1)
+        return (plain(float(first + (last - first) * place / parts)),) * self.keys
+
+    def share(self, share: float) -> tuple[Value, ...]:
+        """That at a share, from 0 to below 1, of the range."""
+        if self.steps is not None:
+            return self.at(min(int(share * self.count), self.count - 1))
+        start, stop = float(self.start), float(self.stop)
+        return (plain(start + (stop - start) * share),) * self.keys
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """Keys of a scene that vary together.
+
+    Attributes
+    ----------
+    keys : as messages spell them.
+    values : that they take.
+    """
+
+    keys: tuple[str, ...]
+    values: Listed | Range
+
+
+def plain(number: float) -> int | float:
+    """The number, as an integer if it is whole."""
+    if number.is_integer() and abs(number) < LARGEST_WHOLE:
+        return int(number)
+    return number
+
+
+def parse(text: str) -> Variable:
+    """The variable that `KEY=VALUES` states on a command line, as `--vary`.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if it states none.
+    """
+    names, equals, values = text.partition("=")
+    keys = tuple(name.strip() for name in names.split(","))
+    if not equals or not all(keys) or not values.strip():
+        raise GeometryError(FORMS, "vary", text)
+    if ":" in re.sub(QUOTED, "", values):
+        parts = [_decimal(word) for word in values.split(":")]
+        if len(parts) not in (2, 3) or None in parts:
+            raise GeometryError(FORMS, names, values)
+        start, stop, *count = [part for part in parts if part is not None]
+        whole = int(count[0]) if count and count[0] == count[0].to_integral_value() else None
+        if count and whole is None:
+            raise GeometryError("COUNT must be a whole number from 1", names, values)
+        return Variable(keys, spaced(names, start, stop, whole, len(keys)))
+    words = re.findall(rf"\s*(?:{QUOTED})\s*|[^,]+", values)
+    return Variable(keys, listed(names, [_row(names, word, len(keys)) for word in words]))
+
+
+def spaced(key: str, start: Decimal, stop: Decimal, steps: int | None, keys: int = 1) -> Range:
+    """A checked range; GeometryError with `key` if it has no number, or one for two ends."""
+    stated = f"{start}:{stop}" + ("" if steps is None else f":{steps}")
+    if steps is not None and steps < 1:
+        raise GeometryError("is an empty range: COUNT must be at least 1", key, stated)
+    if start == stop and steps != 1:
+        raise GeometryError("is an empty range: START and STOP are the same", key, stated)
+    if start != stop and steps == 1:
+        raise GeometryError("has one value for two ends: COUNT must be at least 2", key, stated)
+    if not all(math.isfinite(float(each)) for each in (start, stop, stop - start)):
+        raise GeometryError("is too large a number", key, stated)
+    return Range(start, stop, steps, keys)
+
+
+def listed(key: str, rows: Sequence[tuple[Value, ...]]) -> Listed:
+    """A list that is checked; GeometryError with `key` if it is empty or repeats itself."""
+    if not rows:
+        raise GeometryError("is an empty list", key)
+    seen = set()
+    for row in rows:
+        mark = repr(row)
+        if mark in seen:
+            shown = TIED.join(str(value) for value in row)
+            raise GeometryError(f"{shown} is listed twice", key)
+        seen.add(mark)
+    return Listed(tuple(rows))
+
+
+def _row(key: str, word: str, keys: int) -> tuple[Value, ...]:
+    """The values of tied keys in one word of a list; a single one is for all of them."""
+    parts = word.split(TIED) if keys > 1 else [word]
+    if len(parts) == 1:
+        return (_value(word),) * keys
+    if len(parts) != keys:
+        message = f"{word.strip()} has {len(parts)} values for {keys} keys"
+        raise GeometryError(message, key)
+    return tuple(_value(part) for part in parts)
+
+
+def _value(word: str) -> Value:
+    """What a word means: a truth value, a number, or text, which may be quoted."""
+    word = word.strip()
+    if word[:1] in "\"'" and word[-1:] == word[:1] and len(word) > 1:
+        return word[1:-1]
+    if word in ("true", "false"):
+        return word == "true"
+    number = _decimal(word)
+    return word if number is None else plain(float(number))
+
+
+def _decimal(word: str) -> Decimal | None:
+    try:
+        number = Decimal(word.strip())
+    except InvalidOperation:
+        return None
+    return number if number.is_finite() else None

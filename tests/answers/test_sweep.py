@@ -1,0 +1,76 @@
+"""The result of `camgeo sweep`, rendered as text, as CSV and as JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+from contextlib import closing
+
+import pytest
+
+from camgeo.answers.render import text
+from camgeo.answers.sweep import answer_of, rendering
+from camgeo.answers.sweep.rendering import FEW, comma_separated
+from camgeo.sweep.stated import family_of
+from camgeo.sweep.sweep import sweep
+from tests.answers.documents import document
+from tests.sweep.families import SETZHUB, family
+
+ASK = ("largest-acceleration", "transmission-angle")
+
+
+def test_document_table_and_text_are_of_one_result() -> None:
+    with closing(sweep(family("follower.base_radius=45,50,-1"), ASK)) as result:
+        answer = answer_of(result)
+        reported = document(answer)
+        rows = list(csv.reader(io.StringIO(comma_separated(answer).decode())))
+        words = text(answer)
+    assert (reported["count"], reported["failed"], answer.exit_code) == (3, 1, 0)
+    assert reported["keys"] == ["follower.base_radius"]
+    assert reported["scene"]["sha256"] == SETZHUB.identity
+    first, _, bad = reported["designs"]
+    assert first["values"] == {"follower.base_radius": 45}
+    assert bad["answers"] == dict.fromkeys(ASK)
+    assert "follower.base_radius = -1: must be" in bad["reason"]
+    head, *body = rows
+    assert head == ["follower.base_radius", "largest-acceleration [mm/s^2]",
+                    "transmission-angle [deg]", "reason"]  # fmt: skip
+    assert [float(cell) for cell in body[0][1:3]] == list(first["answers"].values())
+    assert body[2] == ["-1", "", "", bad["reason"]]
+    angle = reported["questions"][1]
+    assert (angle["unit"], angle["count"]) == ("deg", 2)
+    assert angle["least"] == first
+    lines = words.splitlines()
+    assert lines[0] == "setzhub: 3 designs"
+    assert "1 design failed:" in lines
+    assert f"{first['answers']['transmission-angle']:.7g}" in lines[3]
+
+
+def test_of_many_designs_only_the_ends_are_printed() -> None:
+    with closing(sweep(family(f"follower.base_radius=45:60:{FEW + 1}"), ASK)) as many:
+        answer = answer_of(many)
+        words = text(answer).splitlines()
+        least = min(each.answers["transmission-angle"] for each in answer.designs)  # type: ignore[type-var]  # numbers
+    assert words[0] == f"setzhub: {FEW + 1} designs"
+    assert len(words) < 15
+    place = words.index(f"transmission-angle [deg]: {FEW + 1} answers")
+    assert words[place + 1] == f"  least     {least:.7g}  at follower.base_radius = 45"
+
+
+def test_words_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rendering, "FEW", 1)
+    with closing(sweep(family("follower.base_radius=40,50"), ["verdict"])) as result:
+        answer = answer_of(result)
+        document(answer)
+        assert "\nverdict: broken 1, invalid 1" in text(answer)
+        assert answer.spans[0].least is None
+
+
+def test_how_designs_were_drawn_is_told() -> None:
+    from camgeo.sweep.family import Sample
+
+    drawn = family_of(SETZHUB, ["follower.base_radius=45:60"], Sample(3, "random", 7))
+    with closing(sweep(drawn, ["laws"])) as result:
+        answer = answer_of(result)
+        assert document(answer)["sample"] == {"method": "random", "seed": 7}
+        assert text(answer).startswith("setzhub: 3 designs, drawn with random, seed 7\n")

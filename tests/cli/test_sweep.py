@@ -1,0 +1,92 @@
+"""`camgeo sweep`: options, files, messages."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import main
+from camgeo.sweep import engine
+from camgeo.sweep.rows import rows_of
+from tests.sweep.families import FIXTURES, LAWS, RADII
+
+Capture = pytest.CaptureFixture[str]
+
+SCENE = str(FIXTURES / "scenes" / "setzhub.toml")
+
+FAMILY = ("--vary", RADII, "--vary", LAWS, "--ask", "laws,largest-acceleration")
+
+
+def call(*words: str) -> int:
+    return main(["sweep", SCENE, *words])
+
+
+def test_a_store_and_other_files(tmp_path: Path, capsys: Capture) -> None:
+    store, table, document = (tmp_path / f"runs{end}" for end in (".sqlite", ".csv", ".json"))
+    words = [word for path in (store, table, document) for word in ("-o", str(path))]
+    assert call(*FAMILY, *words) == 0
+    out, err = capsys.readouterr()
+    assert out.startswith("setzhub: 8 designs\n")
+    assert err.splitlines() == [f"{path}: 8 rows" for path in (store, table, document)]
+    assert len(table.read_text().splitlines()) == 9
+    assert json.loads(document.read_text())["count"] == 8
+    with closing(sqlite3.connect(store)) as database:
+        assert database.execute("SELECT count(*) FROM designs").fetchone() == (8,)
+    assert call(*FAMILY, *words) == 2
+    assert "exists: resume it" in capsys.readouterr().err
+    assert call(*FAMILY, "-o", str(store), "--resume", "--json") == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out) == json.loads(document.read_text())
+    assert err == f"{store}: 8 rows, 8 of them known before\n"
+    assert call(*FAMILY, *words, "--force") == 0
+
+
+def test_ctrl_c_keeps_what_is_done(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "runs.sqlite"
+    calls: list[int] = []
+
+    def interrupted(work: object, points: object) -> object:
+        calls.append(1)
+        if len(calls) > 1:
+            raise KeyboardInterrupt
+        return rows_of(work, points)  # type: ignore[arg-type]  # passed on
+
+    monkeypatch.setattr(engine, "rows_of", interrupted)
+    assert call(*FAMILY, "-o", str(store)) == 130
+    err = capsys.readouterr().err
+    assert f"{store}: keeps the rows that were finished; --resume computes the others" in err
+    monkeypatch.undo()
+    assert call(*FAMILY, "-o", str(store), "--resume") == 0
+    assert "8 rows, 1 of them known before" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--vary", "follower.base_radis=1,2", "--ask", "laws"], "did you mean follower.base_radi"),
+        (["--vary", "follower.base_radius=3:3:5", "--ask", "laws"], "is an empty range"),
+        (["--vary", "cam.speed=1:2:1000000000", "--ask", "laws"], "1,000,000,000 designs are more"),
+        (["--vary", RADII, "--ask", "lawz"], 'did you mean "laws"?'),
+        (["--vary", RADII], "names nothing: say what is asked"),
+        (["--ask", "laws"], "nothing varies"),
+        ([*FAMILY, "-o", "runs.xls"], "'runs.xls' must end in one of .sqlite, .csv, .json"),
+        ([*FAMILY, "-o", "a.sqlite", "-o", "b.sqlite"], "-o may name one store only"),
+        ([*FAMILY, "-o", "a.csv", "-o", "a.csv"], "-o must name different files"),
+        ([*FAMILY, "--resume"], "--resume needs a store"),
+        ([*FAMILY, "--seed", "1"], "--method and --seed need --samples"),
+        ([*FAMILY, "--samples", "0"], "must be at least 1"),
+    ],
+)
+def test_wrong_calls(words: list[str], message: str, capsys: Capture) -> None:
+    try:
+        code: object = call(*words)
+    except SystemExit as end:
+        code = end.code
+    assert code == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,239 @@
+"""Stores: what they keep whatever happens, and which of them are refused."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from camgeo.design import Design
+from camgeo.errors import CamgeoError, FileError, OutputError
+from camgeo.sweep import local
+from camgeo.sweep.asked import asked_of
+from camgeo.sweep.engine import Chunks
+from camgeo.sweep.family import Family, Point
+from camgeo.sweep.local import kind_of, mounted
+from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.sweep.store import Heading, Store
+from camgeo.sweep.sweep import Result, progress_words, sweep
+from tests.sweep.families import SETZHUB, family
+
+ASK = ("largest-acceleration", "laws")
+
+
+class Counting:
+    """A loop in chunks of two that counts the designs, and stops after `most` of them."""
+
+    name = "counting"
+
+    def __init__(self, most: int = 1000, error: type[BaseException] = KeyboardInterrupt) -> None:
+        self.points: list[Point] = []
+        self.most = most
+        self.error = error
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        while chunk := tuple(point for _, point in zip(range(2), points, strict=False)):
+            if len(self.points) >= self.most:
+                raise self.error
+            self.points += chunk
+            yield rows_of(work, chunk)
+
+
+def run(path: Path | None, engine: Counting | None = None, **given: object) -> Result:
+    return sweep(family(), ASK, store=path, engine=engine or Counting(), **given)  # type: ignore[arg-type]  # options of it
+
+
+def rows(result: Result) -> list[Row]:
+    with closing(result):
+        return list(result.rows)
+
+
+def heading(found: Family, *ask: str) -> Heading:
+    return Heading.of(found, Work.of(found, asked_of(Design(found.scene), ask or ASK)))
+
+
+def whole(path: Path, count: int) -> None:
+    """The file alone is a sound database with so many rows."""
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+    with closing(sqlite3.connect(path)) as database:
+        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        assert database.execute("SELECT count(*) FROM designs").fetchone() == (count,)
+
+
+def test_a_store_has_the_rows_of_the_loop_and_is_one_file(tmp_path: Path) -> None:
+    path = tmp_path / "runs.sqlite"
+    kept, memory = rows(run(path)), rows(run(None))
+    assert kept == memory
+    assert [row.point for row in kept] == list(family().points())
+    assert [row.units for row in kept] == [("mm/s^2", "")] * 8
+    whole(path, 8)
+    with closing(sqlite3.connect(path)) as database:
+        columns = '"follower.base_radius", "motion[2].law", "largest-acceleration", "laws"'
+        found = database.execute(f"SELECT {columns} FROM designs").fetchall()
+    assert sorted(found) == sorted((*row.point, *row.values) for row in kept)
+
+
+def test_others_may_read_a_store_whose_rows_are_still_read(tmp_path: Path) -> None:
+    with closing(run(tmp_path / "runs.sqlite")) as result:
+        next(result.rows)
+        whole(tmp_path / "runs.sqlite", 8)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError])
+def test_what_was_finished_is_kept_and_only_the_rest_is_computed(
+    tmp_path: Path, error: type[BaseException]
+) -> None:
+    path = tmp_path / "runs.sqlite"
+    first = Counting(5, error)
+    with pytest.raises(error):
+        run(path, first)
+    whole(path, 6)
+    second = Counting()
+    result = run(path, second, existing="resume")
+    assert result.computed == len(second.points) == 2
+    assert first.points + second.points == list(family().points())
+    assert rows(result) == rows(run(None))
+    again = Counting()
+    assert len(rows(run(path, again, existing="resume"))) == 8
+    assert again.points == []
+
+
+def test_a_larger_family_of_the_same_keys_goes_on(tmp_path: Path) -> None:
+    path, engine = tmp_path / "runs.sqlite", Counting()
+    run(path).close()
+    larger = family("follower.base_radius=45:60:7", "motion.2.law=modified-sine,polynomial-345")
+    result = sweep(larger, ASK, store=path, existing="resume", engine=engine)
+    assert len(engine.points) == result.computed == 6
+    assert [row.point for row in rows(result)] == list(larger.points())
+
+
+# Stores that are refused --------------------------------------------------------------------------
+
+
+def test_a_store_that_exists_is_neither_overwritten_nor_extended_unasked(tmp_path: Path) -> None:
+    path = tmp_path / "runs.sqlite"
+    run(path).close()
+    before = path.read_bytes()
+    with pytest.raises(OutputError, match="exists: resume it, replace it"):
+        run(path)
+    assert path.read_bytes() == before
+    replaced = Counting()
+    run(path, replaced, existing="replace").close()
+    assert len(replaced.points) == 8
+    whole(path, 8)
+
+
+@pytest.mark.parametrize(
+    ("other", "ask", "message"),
+    [
+        (family(scene=SETZHUB.with_values({"cam.speed": 91})), ASK, "is of another scene"),
+        (family("follower.base_radius=45,46"), ASK, "varies other keys: follower.base_radius, mo"),
+        (family(), ("laws",), "answers other questions: largest-acceleration, laws in place"),
+    ],
+)
+def test_a_store_of_something_else_is_refused_and_left_alone(
+    tmp_path: Path, other: Family, ask: tuple[str, ...], message: str
+) -> None:
+    path = tmp_path / "runs.sqlite"
+    run(path).close()
+    before = path.read_bytes()
+    with pytest.raises(FileError) as error:
+        sweep(other, ask, store=path, existing="resume")
+    assert f"{path} {message}" in str(error.value)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["camgeo", "numpy", "python", "format"])
+def test_a_store_of_another_version_is_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "runs.sqlite"
+    run(path).close()
+    with closing(sqlite3.connect(path)) as database, database:
+        database.execute("UPDATE sweep SET value = '0.1' WHERE name = ?", [name])
+    with pytest.raises(FileError, match=r"another (version|format)"):
+        run(path, existing="resume")
+    run(path, existing="replace").close()
+    whole(path, 8)
+
+
+def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "runs.sqlite"
+    path.write_bytes(b"not a database, but long enough to be taken for one" * 20)
+    other = tmp_path / "other.sqlite"
+    with closing(sqlite3.connect(other)) as database, database:
+        database.execute("CREATE TABLE mine (a)")
+    for file, message in ((path, "is no store of a sweep"), (other, "of another program")):
+        before = file.read_bytes()
+        for existing in ("resume", "replace"):
+            with pytest.raises(FileError, match=message):
+                run(file, existing=existing)
+        assert file.read_bytes() == before
+
+
+def test_a_second_writer_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "runs.sqlite"
+    with closing(Store(path, heading(family()))) as first:
+        for existing in ("resume", "replace"):
+            with pytest.raises(OutputError, match="another process writes it"):
+                run(path, existing=existing)
+        first.add(rows_of(first.heading.work, [(45, "modified-sine")]))
+    engine = Counting()
+    run(path, engine, existing="resume").close()
+    assert len(engine.points) == 7
+
+
+def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "runs.sqlite"
+    with closing(Store(path, heading(family()))) as store:
+        work = store.heading.work
+        store.add(rows_of(work, [(45, "modified-sine")]))
+        pages = store._open.execute("PRAGMA page_count").fetchone()[0]
+        store._open.execute(f"PRAGMA max_page_count={pages}")
+        many = [Row((float(k), "x" * 500), (1.0, 2.0), ("", "")) for k in range(100)]
+        with pytest.raises(OutputError, match=r"the disk is full; the rows finished before are"):
+            store.add(many)
+        assert len(store) == 1
+    whole(path, 1)
+
+
+def test_a_folder_that_there_is_not(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="cannot be written"):
+        run(tmp_path / "none" / "runs.sqlite")
+
+
+def test_a_network_file_system_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mounts = tmp_path / "mounts"
+    mounts.write_text(f"/dev/sda / ext4 rw 0 0\nhost:/x {tmp_path} nfs4 rw 0 0\n")
+    monkeypatch.setattr(local, "MOUNTS", mounts)
+    with pytest.raises(OutputError, match=r"lies on a network file system \(nfs4\)"):
+        run(tmp_path / "runs.sqlite")
+    assert [each.name for each in tmp_path.iterdir()] == ["mounts"]
+
+
+def test_the_innermost_mount_counts() -> None:
+    lines = ["/dev/a / ext4", "h:/ /net nfs", "tmpfs /net/a\\040b tmpfs", "broken", "x /net cifs"]
+    assert mounted(lines, Path("/home")) == "ext4"
+    assert mounted(lines, Path("/net/x")) == "cifs"
+    assert mounted(lines, Path("/net/a b/c")) == "tmpfs"
+    assert mounted(lines, Path("/network")) == "ext4"
+    assert mounted([], Path("/x")) == ""
+    assert isinstance(kind_of(Path("/")), str)
+
+
+# How far it is ------------------------------------------------------------------------------------
+
+
+def test_progress_tells_rate_and_time_left() -> None:
+    assert progress_words(50, 1000, 50, 0.5) == "50 of 1,000 designs, 100/s"
+    assert progress_words(600, 1000, 500, 5.0) == "600 of 1,000 designs, 100/s, 4 s left"
+    said: list[str] = []
+    with closing(sweep(family(), ASK, engine=Counting(), progress=said.append)):
+        assert said[-1].startswith("8 of 8 designs, ")
+
+
+def test_nothing_is_stored_if_the_question_is_wrong(tmp_path: Path) -> None:
+    with pytest.raises(CamgeoError):
+        sweep(family(), ["nothing"], store=tmp_path / "runs.sqlite")
+    assert list(tmp_path.iterdir()) == []
