@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -64,6 +65,13 @@ def options(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
     )
+    parser.add_argument(
+        "--workers",
+        metavar="COUNT",
+        type=int,
+        default=1,
+        help="processes of this machine that compute; default 1, 0 for one on each core",
+    )
     group = parser.add_mutually_exclusive_group()
     group.add_argument(
         "--resume", action="store_true", help="compute only what the store does not have"
@@ -76,11 +84,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Sweep, and print or write what is found."""
     from camgeo.answers.sweep import answer_of
     from camgeo.scene.load import load_scene
+    from camgeo.sweep.engine import engine_of
     from camgeo.sweep.family import Sample
     from camgeo.sweep.stated import family_of, words_of
     from camgeo.sweep.sweep import sweep
 
     store, files = _outputs(arguments)
+    workers = arguments.workers or os.cpu_count() or 1
+    engine = engine_of("loop" if workers == 1 else "pool", workers)
     sample = None
     if arguments.samples is not None:
         sample = Sample(arguments.samples, arguments.method or "sobol", arguments.seed or 0)
@@ -93,6 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
             words_of(arguments.ask),
             store=store,
             existing="resume" if arguments.resume else "replace" if arguments.force else "refuse",
+            engine=engine,
             progress=arguments.progress,
         )
     except KeyboardInterrupt:

@@ -86,6 +86,7 @@ class Loop:
 
 ENGINES: Final = {
     "loop": "camgeo.sweep.engine:Loop",
+    "pool": "camgeo.sweep.pool:Pool",
 }
 """The classes of engines by their names; each takes the number of workers."""
 

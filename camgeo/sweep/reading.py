@@ -46,11 +46,13 @@ class Reading:
 
 
 def read(design: Design, asked: Asked) -> Reading:
-    """What the design answers. Every error but a signal becomes a reason."""
+    """What the design answers. Every error but want of memory becomes a reason."""
     try:
         found = ANSWERS[asked.group](design, asked)
     except NoValueError as none:
         return Reading(None, reason=shortened(str(none)))
+    except MemoryError:
+        raise  # which is none of the design's
     except Exception as error:
         return Reading(None, reason=reason_of(error))
     if isinstance(found.value, float):

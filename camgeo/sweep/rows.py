@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo._version import __version__
 from camgeo.design import Design
-from camgeo.errors import CamgeoError, VersionError
+from camgeo.errors import VersionError
 from camgeo.scene.document import Source, document, document_of_tree
 from camgeo.scene.scene import Scene
 from camgeo.scene.tree import edited
@@ -137,7 +137,9 @@ class Work:
         try:
             scene = self.scene_of(point)
             design = Design(scene) if ledger is None else Design(scene, ledger)
-        except CamgeoError as error:
+        except MemoryError:
+            raise  # which is none of the design's
+        except Exception as error:
             nothing = (None,) * len(self.asked), ("",) * len(self.asked)
             return Row(point, *nothing, reason_of(error))
         found = [read(design, each) for each in self.asked]

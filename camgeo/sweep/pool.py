@@ -1,0 +1,159 @@
+"""The local pool: as many processes of this machine as one asks for, each with one BLAS thread."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import connection
+from typing import Final
+
+from camgeo.sweep.engine import Chunks, Pace
+from camgeo.sweep.family import Point
+from camgeo.sweep.rows import Row, Work, rows_of
+
+THREADS: Final = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+"""Variables that state how many threads the BLAS of a process starts, read when it is loaded."""
+
+AHEAD: Final = 2
+"""Chunks handed out for each worker: one is computed, the next one is there when it is done."""
+
+DEADLY: Final = 2
+"""Times that a design alone may end its process before that is its answer."""
+
+DIED: Final = "the process that computed it died, {times} times: killed, or out of memory"
+
+Chunk = tuple[Point, ...]
+
+
+class Pool:
+    """Computes chunks in processes of this machine; see `camgeo.sweep.engine.Engine`.
+
+    The processes end with this one, however it ends. A program that uses the pool must be one that
+    can be imported: its own work stands below `if __name__ == "__main__"`.
+
+    Parameters
+    ----------
+    workers : how many processes.
+    """
+
+    name = "pool"
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        """See `Engine.rows`.
+
+        If a process dies, all chunks that were handed out are lost, and any may be to blame. They
+        are computed again one at a time, and a chunk that does it again is taken apart.
+        """
+        pace, suspects = Pace(), deque[Chunk]()
+        deaths: dict[Point, int] = {}
+        executor = _started(self._workers)
+        running: dict[Future[tuple[tuple[Row, ...], float]], Chunk] = {}
+        try:
+            while True:
+                if suspects and not running:
+                    chunk = suspects.popleft()
+                    running[_submitted(executor, work, chunk)] = chunk
+                alone = len(running) == 1
+                while not suspects and len(running) < AHEAD * self._workers:
+                    if not (chunk := pace.take(points)):
+                        break
+                    running[_submitted(executor, work, chunk)] = chunk
+                    alone = False
+                if not running:
+                    return
+                finished, _ = wait(running, return_when=FIRST_COMPLETED)
+                lost: list[Chunk] = []
+                for future in finished:
+                    chunk = running.pop(future)
+                    try:
+                        found, seconds = future.result()
+                    except BrokenProcessPool:
+                        lost.append(chunk)
+                    else:
+                        pace.note(len(chunk), seconds)
+                        yield found
+                if lost:
+                    lost += running.values()
+                    running.clear()
+                    executor.shutdown(cancel_futures=True)
+                    executor = _started(self._workers)
+                    if not alone:
+                        suspects.extendleft(reversed(lost))
+                    elif len(lost[0]) > 1:
+                        suspects.extendleft((point,) for point in reversed(lost[0]))
+                    else:
+                        (point,) = lost[0]
+                        deaths[point] = deaths.get(point, 0) + 1
+                        if deaths[point] < DEADLY:
+                            suspects.appendleft(lost[0])
+                        else:
+                            yield (_dead(work, point, deaths[point]),)
+        finally:
+            executor.shutdown(cancel_futures=True)
+
+
+def _submitted(
+    executor: ProcessPoolExecutor, work: Work, chunk: Chunk
+) -> Future[tuple[tuple[Row, ...], float]]:
+    """The chunk handed out; a process that is started for it has one BLAS thread."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        return executor.submit(_computed, work, chunk)
+    except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
+        failed: Future[tuple[tuple[Row, ...], float]] = Future()
+        failed.set_exception(error)
+        return failed
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:
+    """The rows of a chunk, and the seconds that they took."""
+    start = time.perf_counter()
+    found = rows_of(work, chunk)
+    return found, time.perf_counter() - start
+
+
+def _dead(work: Work, point: Point, times: int) -> Row:
+    count = len(work.asked)
+    return Row(point, (None,) * count, ("",) * count, DIED.format(times=times))
+
+
+def _started(workers: int) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin)
+
+
+def _begin() -> None:
+    """In a worker: leave Ctrl-C to the driver, and end with it even if it is killed."""
+    with contextlib.suppress(ValueError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)
