@@ -8,6 +8,7 @@ from decimal import Decimal
 from typing import Any
 
 import tomlkit
+from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array, Float, Table, Trivia
 
 from camgeo.scene.tree import Tree
@@ -19,9 +20,13 @@ def written_into(text: str, tree: Tree) -> str:
     Only what differs is written. If the values of a text cannot be changed one by one,
     it is written anew, without its comments.
     """
-    found = tomlkit.parse(text)
-    _change(found, tomllib.loads(text, parse_float=Decimal), tree)
-    written = tomlkit.dumps(found)
+    try:
+        found = tomlkit.parse(text)
+        _change(found, tomllib.loads(text, parse_float=Decimal), tree)
+        written = tomlkit.dumps(found)
+    except (TOMLKitError, LookupError, AttributeError, TypeError, ValueError):
+        # tomlkit stumbles over some texts that are valid: tables in several places, dotted keys.
+        return tomlkit.dumps(_item(tree))
     if "\r\n" in text:
         written = written.replace("\r\n", "\n").replace("\n", "\r\n")
     if text and not _says(written, tree):
@@ -44,6 +49,8 @@ def _same(one: Any, other: Any) -> bool:
         return len(one) == len(other) and all(map(_same, one, other))
     if isinstance(one, bool) or isinstance(other, bool):
         return one is other
+    if one != one or other != other:  # no number
+        return str(one) == str(other)
     return bool(one == other) and (bool(one) or str(one)[:1] == str(other)[:1])
 
 
@@ -88,7 +95,7 @@ def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
         del node[place]
     for index in range(place, place + more):
         node.insert(index, _item(after[index], inline=isinstance(node, Array)))
-    kept = [*before[:place], *after[place : place + more], *before[place + max(0, -more) :]]
+    kept = [*before[:place], *after[place : place + max(0, more)], *before[place + max(0, -more) :]]
     for index, (one, other) in enumerate(zip(kept, after, strict=True)):
         _change_item(node, index, one, other)
 
@@ -113,7 +120,11 @@ def _item(value: Any, *, inline: bool = False) -> Any:
     """A value for tomlkit, decimal numbers to the last digit; `inline` within a list."""
     if isinstance(value, Decimal):
         text = str(value)
-        return Float(float(value), Trivia(), text if "." in text or "E" in text else f"{text}.0")
+        if not value.is_finite():
+            text = str(float(value))  # inf, -inf, nan
+        elif "." not in text and "E" not in text:
+            text = f"{text}.0"
+        return Float(float(value), Trivia(), text)
     if isinstance(value, dict):
         table = tomlkit.inline_table() if inline else tomlkit.table()
         for key, item in sorted(value.items(), key=lambda pair: isinstance(pair[1], dict)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pathlib
 import tomllib
 from decimal import Decimal
@@ -171,3 +172,27 @@ def test_what_is_written_is_what_is_reported(before: dict[str, Any], after: dict
     text = written_into("", before)
     assert tomllib.loads(text, parse_float=Decimal) == before
     assert tomllib.loads(written_into(text, after), parse_float=Decimal) == after
+
+
+def test_the_first_of_a_list_is_removed() -> None:
+    text = "a = [1, 2, 3] # all\n" + "".join(f"[[b]]\nc = {k} # no {k}\n" for k in (1, 2, 3))
+    after = {"a": [2, 3], "b": [{"c": 2}, {"c": 3}]}
+    written = written_into(text, after)
+    assert tomllib.loads(written) == after
+    assert comments(written) == [" all", " no 2", " no 3"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = nan\ny = -inf # far\nz = 1\n",
+        "a.b = 1\na.c = 2\n[x.y]\nz = 1\n[x]\nw = 2\n[v]\n[x.q]\nr = 1\n",
+        "[a]\n[a.b]\n[c]\n[a.d]\nx = 1\n[a.e]\n",
+        "[[m]]\nd = 1\n[f]\n[[n]]\n[f.g]\nx = 1\n",
+    ],
+)
+def test_any_text_takes_another_value(text: str) -> None:
+    tree = tomllib.loads(text, parse_float=Decimal) | {"z": 3}
+    written = tomllib.loads(written_into(text, tree), parse_float=Decimal)
+    one, other = (json.dumps(each, sort_keys=True, default=str) for each in (written, tree))
+    assert one == other
