@@ -6,16 +6,35 @@ Comments and order stay. A text is changed whether its scene is valid or not, as
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
+from camgeo.check.cures.cure import Cure
 from camgeo.design import Design
+from camgeo.designing.fields import Fields
+from camgeo.designing.given import Given, refusal
+from camgeo.designing.handles import dragged
 from camgeo.designing.labels import label_of
-from camgeo.errors import Fault, SceneError
-from camgeo.scene.document import document
+from camgeo.designing.mechanisms import other_table
+from camgeo.designing.segments import changed_segments
+from camgeo.designing.snapping import styled
+from camgeo.designing.spans import Neighbours, is_fixed, span_key, spans_of, total
+from camgeo.designing.switching import switched
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.motion.spans import FULL_TURN
+from camgeo.reading import SCENE
+from camgeo.scene.document import document, document_of_tree
+from camgeo.scene.keys import Path, path_of
+from camgeo.scene.scene import Scene
 from camgeo.scene.toml import written_into
-from camgeo.scene.tree import edited
+from camgeo.scene.tree import Tree, edited
+
+MOST: Final = 1_000
+"""Keys of one change."""
+
+LONGEST: Final = 1_000
+"""Characters of a key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +45,13 @@ class Changed:
     ----------
     text : the new TOML.
     label : names the change, for undo.
+    scene : the new scene, if it is valid and the one before is known; it shares with that what the
+        change does not touch.
     """
 
     text: str
     label: str
+    scene: Scene | None = None
 
 
 def changed(
@@ -44,22 +66,174 @@ def changed(
     Parameters
     ----------
     file, folder : where the text comes from, as of `camgeo.scene.scene.Scene.from_text`.
-    arguments : one of the kinds of changes, by its name, with what it takes:
-        `edits`, values by key, None to remove the key.
+    arguments : one of the kinds of changes, `CHANGES`, by its name, with what it takes.
     design : that of the text, if it is known.
 
     Raises
     ------
     SceneError
-        If the text is not TOML, or has no place for what is asked; nothing is changed then.
+        If the text is not TOML, or has no place for what is asked, or if a handle is dropped where
+        it cannot be; nothing is changed then.
+    UnknownNameError
+        If there is no such handle, kind or effect.
     """
-    del folder, design  # only changes of what was computed need them
+    asked = [name for name in CHANGES if name in arguments]
+    if len(asked) != 1:
+        raise refusal(f"a change is one of {', '.join(CHANGES)}")
     try:
-        found = document(text.encode())
+        found = document(text.encode()) if design is None else design.scene.stated.scene
+    except UnicodeEncodeError:
+        raise refusal("the text of the scene cannot be encoded in UTF-8") from None
     except SceneError as error:
         raise SceneError(error.faults, file) from error
-    edits = arguments.get("edits")
-    if not isinstance(edits, Mapping):
-        raise SceneError([Fault("", "", "the change names nothing that can be changed")], file)
-    after = edited(found.exact, edits)
-    return Changed(written_into(text, after), label_of(edits, {}))
+    given = Given(text, found.exact, file, folder, design)
+    after, label = CHANGES[asked[0]](given, arguments)
+    return _written(given, after, label, valid=asked[0] in VALID)
+
+
+def _written(given: Given, after: Tree, label: str, *, valid: bool) -> Changed:
+    """The text with the values `after`; SceneError if they are not valid, but have to be."""
+    known = {fault.key for fault in document_of_tree(given.tree).faults}
+    found = document_of_tree(after)
+    impossible = [fault for fault in found.faults if fault.key not in known]
+    if impossible:
+        raise SceneError(impossible)
+    text = written_into(given.text, after)
+    if len(text.encode()) > SCENE.size:
+        raise refusal(f"the scene would be larger than {SCENE.size:,} bytes")
+    if given.known is None and not valid:
+        return Changed(text, label)
+    before = given.design.scene
+    try:
+        return Changed(text, label, Scene.of(found, replace(before.source, text=text), before))
+    except SceneError:
+        if valid:
+            raise
+    return Changed(text, label)
+
+
+# -- kinds of changes ------------------------------------------------------------------------------
+
+
+def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`edits`: values by key, None to remove the key.
+
+    A segment whose span changes takes from the next one, or gives to it, so that the turn stays
+    whole.
+    """
+    edits = _edits(arguments["edits"])
+    after = edited(given.tree, edits)
+    for key in edits:
+        path = path_of(key) or ()
+        if path[:1] == ("motion",) and path[2:] == ("law",):
+            after = _suiting_law(given, after, path)
+    return _whole_turn(given.tree, after), label_of(edits, _units(after, edits))
+
+
+def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`handle`: the name of one, dropped at `to`, in steps of `step`."""
+    name = arguments["handle"]
+    label, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
+    after = edited(given.tree, edits)
+    return after, label_of(edits, _units(after, edits)) if edits else label
+
+
+def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`cure`: the position of a cure among those of the design's judgement, from 0."""
+    number, cures = arguments["cure"], given.design.judgement.cures
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(cures):
+        raise refusal("there is no such cure")
+    if not cures[number].works:
+        raise refusal(cures[number].sentence)
+    edits = edits_of_cure(cures[number])
+    return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
+
+
+def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`sized`: values by key, those that differ in the scene of `camgeo size`."""
+    edits = _edits(arguments["sized"])
+    return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
+
+
+CHANGES: Final[Mapping[str, Callable[[Given, Mapping[str, Any]], tuple[Tree, str]]]] = {
+    "edits": _by_keys,
+    "handle": _dragged,
+    "segment": lambda given, arguments: changed_segments(given, arguments["segment"]),
+    "table": lambda given, arguments: other_table(given, arguments["table"]),
+    "effect": lambda given, arguments: switched(given, arguments["effect"]),
+    "cure": _cured,
+    "sized": _sized,
+}
+"""Kinds of changes by the names of their arguments; each gives the values after it and a label."""
+
+VALID: Final = ("handle",)
+"""Those that are refused if the scene would not be valid: a handle stays where it last could be."""
+
+
+def edits_of_cure(cure: Cure) -> dict[str, Any]:
+    """The values by key that a cure, which works, sets."""
+    return {cure.key: cure.value_to} | {each.key: each.value_to for each in cure.also}
+
+
+def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    """The values by key that make `after` of `before`, both as of `Scene.values`; lists whole."""
+    found: dict[str, Any] = {}
+    for key in {**before, **after}:
+        one, other = before.get(key), after.get(key)
+        if isinstance(one, Mapping) and isinstance(other, Mapping):
+            found |= {f"{key}.{inner}": each for inner, each in differences(one, other).items()}
+        elif one != other:
+            found[key] = list(other) if isinstance(other, tuple) else other
+    return found
+
+
+# -- what goes with a change -----------------------------------------------------------------------
+
+
+def _edits(asked: Any) -> dict[str, Any]:
+    if not isinstance(asked, Mapping) or not 0 < len(asked) <= MOST:
+        raise refusal(f"an edit has 1 to {MOST} values by key")
+    if not all(isinstance(key, str) and len(key) <= LONGEST for key in asked):
+        raise refusal(f"a key is text of at most {LONGEST} characters")
+    return dict(asked)
+
+
+def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
+    """The unit of each key."""
+    fields = Fields(document_of_tree(tree))
+    return {key: fields.unit(path_of(key) or ()) for key in edits}
+
+
+def _suiting_law(given: Given, after: Tree, path: Path) -> Tree:
+    """The tree without the parameters that the law at `path` does not take."""
+    wrong = {path_of(fault.key) for fault in given.faults(given.tree)}
+
+    def may(misfit: Path) -> bool:
+        own = misfit[:2] == path[:2] and len(misfit) == 3
+        return own and misfit[2] not in ("law", "span", "to") and misfit not in wrong
+
+    return given.without_misfits(after, may)
+
+
+def _whole_turn(before: Tree, after: Tree) -> Tree:
+    """The motion after an edit, its turn as whole as before if the span of one segment changed."""
+    old, new = spans_of(before.get("motion")), spans_of(after.get("motion"))
+    if old is None or new is None or len(old) != len(new) or total(old) != FULL_TURN:
+        return after
+    changed = [index for index, (one, two) in enumerate(zip(old, new, strict=True)) if one != two]
+    if len(changed) != 1 or len(old) == 1:
+        return after
+    at = changed[0]
+    motion = after["motion"]
+    beside = [each for each in (at + 1, at - 1) if 0 <= each < len(motion)]
+    taker = next((each for each in beside if not is_fixed(motion[each])), None)
+    if taker is None:
+        return after
+    try:
+        _, span = Neighbours(before["motion"][at], motion[taker]).with_first(new[at])
+    except GeometryError as error:
+        key = f"motion[{at + 1}].{span_key(motion[at])}"
+        raise SceneError([Fault(key, "", error.message)]) from error
+    key = span_key(motion[taker])
+    made = {**motion[taker], key: styled(span, motion[taker][key])}
+    return {**after, "motion": [*motion[:taker], made, *motion[taker + 1 :]]}

@@ -14,9 +14,10 @@ from typing import Any, Final, Literal
 
 from camgeo.designing.labels import title_of
 from camgeo.designing.snapping import step_near
-from camgeo.scene.document import Document
+from camgeo.scene.document import Document, document_of_tree
 from camgeo.scene.keys import Path, spelled, value_at
 from camgeo.scene.schema import Composed, Node, definition, keys_of, schema_for
+from camgeo.scene.tree import Tree
 from camgeo.scene.valid_values import ValidValues
 
 Type = Literal["number", "choice", "text", "flag", "file", "list"]
@@ -183,8 +184,12 @@ class Fields:
         return plain(node.get("default"))
 
 
+def is_angular(tree: Tree) -> bool:
+    """Whether the positions of a scene are angles; False where wrong values leave that open."""
+    return _angular(ValidValues(document_of_tree(tree)))
+
+
 def _angular(values: ValidValues) -> bool:
-    """Whether positions are angles; False where wrong values leave that open."""
     try:
         return values.angular
     except (KeyError, TypeError):  # kinds that there are not

@@ -12,6 +12,9 @@ FINEST: Final = 1e-6
 STEPS: Final = (1e-9, 1e6)
 """Least and greatest step."""
 
+FEW: Final = 3
+"""Significant digits of a value that is made for a scene."""
+
 DIGITS: Final = 60
 """With which a value is rounded: those of the largest number in the least steps, and more."""
 
@@ -47,3 +50,11 @@ def styled(value: Decimal, before: Any) -> Any:
         return int(value)
     plain = value.normalize()
     return plain.quantize(Decimal(1)) if plain == plain.to_integral_value() else plain
+
+
+def rounded(value: Decimal) -> Any:
+    """A number with few digits."""
+    if not value:
+        return 0
+    last = Decimal(1).scaleb(value.adjusted() + 1 - FEW)
+    return styled(value.quantize(last, ROUND_HALF_EVEN), 0)

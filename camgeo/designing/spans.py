@@ -96,8 +96,11 @@ class Neighbours:
         with localcontext() as context:
             context.prec = EXACT
             other = before[1] - (span - before[0])
-        for segment, new, name in ((self.first, span, "before"), (self.second, other, "after")):
+        for segment, new, name in (
+            (self.first, span, "this segment"),
+            (self.second, other, "the one beside it"),
+        ):
             if new < least_span(segment):
-                message = f"leaves no room for the segment {name} the joint"
+                message = f"leaves no room for {name}: {new.normalize():f} degrees"
                 raise GeometryError(message, "motion", f"{new.normalize():f}")
         return span, other

@@ -37,7 +37,7 @@ def test_a_handle_dropped_where_it_is_changes_nothing(file: pathlib.Path) -> Non
             assert dragged(own, each.name, each.at, step)[1] == {}
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(data=st.data())
 def test_a_handle_is_where_it_was_dropped(data: st.DataObject) -> None:
     """Or as near to it as it can move; dropped there, it stays."""

@@ -1,0 +1,80 @@
+"""What a change starts from, and scenes that are made on the way."""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from camgeo.design import Design
+from camgeo.errors import Fault, SceneError
+from camgeo.scene.document import Source, document_of_tree
+from camgeo.scene.keys import Path, path_of
+from camgeo.scene.scene import Scene
+from camgeo.scene.tree import Tree, without
+
+ROUNDS: Final = 6
+"""How often keys are left out, as others turn out not to belong without them."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """A text that is to be changed.
+
+    Attributes
+    ----------
+    text : TOML.
+    tree : its values.
+    file, folder : where it comes from.
+    known : its design, if that is known.
+    """
+
+    text: str
+    tree: Tree
+    file: str
+    folder: str | pathlib.Path | None
+    known: Design | None
+
+    @cached_property
+    def source(self) -> Source:
+        """Where the files lie that the scene names."""
+        return Source.of(self.file, self.folder, self.text)
+
+    @cached_property
+    def design(self) -> Design:
+        """Its design; SceneError if the scene is not valid."""
+        return self.known or Design(self.scene(self.tree))
+
+    def scene(self, tree: Tree) -> Scene:
+        """The scene with other values; SceneError if they are not valid."""
+        earlier = None if self.known is None else self.known.scene
+        return Scene.of(document_of_tree(tree), self.source, earlier)
+
+    def faults(self, tree: Tree) -> tuple[Fault, ...]:
+        """What is wrong with other values."""
+        try:
+            self.scene(tree)
+        except SceneError as error:
+            return error.faults
+        return ()
+
+    def without_misfits(self, tree: Tree, may: Callable[[Path], bool]) -> Tree:
+        """The tree without the keys at fault that may be left out.
+
+        Some only turn out to be at fault without others.
+        """
+        for _ in range(ROUNDS):
+            paths = {path_of(fault.key) or () for fault in self.faults(tree)}
+            misfits = [path for path in paths if path and may(path)]
+            if not misfits:
+                break
+            for path in sorted(misfits, key=len, reverse=True):
+                tree = without(tree, path)
+        return tree
+
+
+def refusal(message: str, key: str = "") -> SceneError:
+    """A change that cannot be made, and why."""
+    return SceneError([Fault(key, "", message)])

@@ -1,0 +1,184 @@
+"""Effects that are switched on and off, with data that suit the machine to start from."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping
+from decimal import Decimal
+from typing import Any, Final
+
+from camgeo.designing.given import Given, refusal
+from camgeo.designing.snapping import rounded
+from camgeo.effects.effect import Effect
+from camgeo.effects.registry import effect_names, find_effect
+from camgeo.errors import SceneError, UnknownNameError
+from camgeo.scene.keys import Path, path_of, value_at
+from camgeo.scene.schema import EFFECTS
+from camgeo.scene.tree import Tree, edited
+
+SPEED: Final = 60
+"""Of a cam without one [rev/min]."""
+
+Table = dict[str, Any]
+
+EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
+    "inertia": (
+        {"mass": 1, "moment_of_inertia": Decimal("0.002"), "roller_mass": Decimal("0.1")},
+        {"output_moment": Decimal("0.02"), "moment_of_inertia": Decimal("0.002")},
+        {"mass": 1, "roller_mass": Decimal("0.1")},
+        {"mass": 1, "moment_of_inertia": Decimal("0.002")},
+        {"mass": 1},
+        {"moment_of_inertia": Decimal("0.002"), "roller_mass": Decimal("0.1")},
+        {"moment_of_inertia": Decimal("0.002")},
+    ),
+    "load": ({"constant": 100},),
+    "spring": (
+        {"stiffness": 5, "preload": 200},
+        {"kind": "torsion", "torsional_stiffness": 20, "preload_torque": 10},
+    ),
+    "friction": (
+        {"guide": Decimal("0.1"), "guide_length": "1.8", "guide_overhang": "1.2"},
+        {"guide": Decimal("0.1")},
+        {"pivot": Decimal("0.1"), "pivot_diameter": "0.4"},
+        {"face": Decimal("0.1")},
+        {"slider": 5},
+    ),
+    "speed-fluctuation": (
+        {"moment_of_inertia": Decimal("0.1"), "no_load_speed": None, "stall_torque": 200},
+    ),
+    "contact-pressure": ({}, {"width": "0.2"}),
+    "vibration": (
+        {"natural_frequency": 100, "damping": Decimal("0.04")},
+        {"torsional_stiffness": 10_000, "damping": Decimal("0.04")},
+        {"stiffness": 1000, "damping": Decimal("0.04")},
+    ),
+}
+"""Tables to start from, of which the first is taken that suits the machine: lengths as texts, in
+base radii; None for a speed somewhat above that of the cam. An empty table for other effects."""
+
+FASTER: Final = Decimal("1.05")
+"""No-load speed of a motor, in speeds of the cam."""
+
+THICK: Final = Decimal("0.2")
+"""Thickness of a part that has none, in base radii."""
+
+
+def switched(given: Given, asked: Any) -> tuple[Tree, str]:
+    """The tree with an effect switched on or off, and a label.
+
+    `asked` has its `name`, and whether it is `on`. What an effect needs is switched on with it, and
+    what needs it off. SceneError if `asked` does not, UnknownNameError if there is no such effect.
+    """
+    name = asked.get("name") if isinstance(asked, Mapping) else None
+    if not isinstance(name, str) or not isinstance(asked.get("on"), bool):
+        raise refusal("an effect has a name, and is switched on or off")
+    if name not in effect_names():
+        raise UnknownNameError("effect", name[:60], effect_names())
+    title = name.replace("-", " ")
+    effects = given.tree.get(EFFECTS)
+    if asked["on"]:
+        if isinstance(effects, dict) and name in effects:
+            raise refusal("is on", f"{EFFECTS}.{name}")
+        return _on(given, name), f"{title} on"
+    if not isinstance(effects, dict) or name not in effects:
+        raise refusal("is off", f"{EFFECTS}.{name}")
+    return _off(given, name), f"{title} off"
+
+
+def _on(given: Given, name: str) -> Tree:
+    tree = given.tree
+    if not isinstance(tree.get(EFFECTS, {}), dict):
+        raise refusal("is no table", EFFECTS)
+    wrong = {fault.key for fault in given.faults(tree)}
+    for need in _needs(tree, find_effect(name)):
+        if need.startswith(f"{EFFECTS}."):
+            tree = _with(given, tree, need.partition(".")[2], wrong)
+        else:
+            tree = edited(tree, {need: _value(tree, need)})
+    return _with(given, tree, name, wrong)
+
+
+def _with(given: Given, tree: Tree, name: str, wrong: set[str]) -> Tree:
+    """With that effect too; SceneError if the machine cannot have it."""
+    made = suiting(given, tree, name, wrong)
+    if made is None:
+        bare = {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: {}}}
+        raise SceneError([each for each in given.faults(bare) if _is_of(each.key, name)])
+    return made
+
+
+def suiting(given: Given, tree: Tree, name: str, wrong: Container[str]) -> Tree | None:
+    """The tree with the first example of an effect that leaves nothing wrong with it; None if none.
+
+    Nothing but what is `wrong` before.
+    """
+    made = [_with_table(tree, name, each) for each in EXAMPLES.get(name, ({},))]
+
+    def fits(each: Tree) -> bool:
+        found = [fault.key for fault in given.faults(each) if fault.key not in wrong]
+        return not any(_is_of(key, name) for key in found)
+
+    return next(filter(fits, made), None)
+
+
+def _is_of(key: str, name: str) -> bool:
+    """Whether a key is of the table of that effect."""
+    return (path_of(key) or ())[:2] == (EFFECTS, name)
+
+
+def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
+    """What a scene lacks for an effect, in the order in which it is to be stated."""
+    seen: set[str] = set()
+    waiting = [effect]
+    lacking: list[str] = []
+    while waiting:
+        each = waiting.pop()
+        seen.add(each.name)
+        for keys in each.keys:
+            if any(value_at(tree, path_of(key) or ()) is not None for key in keys):
+                continue
+            first = next((key for key in keys if key not in lacking), None)
+            if first is None or set(keys) & set(lacking) or first == f"{EFFECTS}.{effect.name}":
+                continue
+            lacking.insert(0, first)
+            if first.startswith(f"{EFFECTS}."):
+                waiting.append(find_effect(first.partition(".")[2]))
+        waiting += [find_effect(name) for name in each.needs if name not in seen]
+    yield from lacking
+
+
+def _value(tree: Tree, key: str) -> Any:
+    """A value for a key that an effect needs."""
+    return rounded(_radius(tree) * THICK) if key == "part.thickness" else SPEED
+
+
+def _with_table(tree: Tree, name: str, example: Table) -> Tree:
+    made: Table = {}
+    for key, value in example.items():
+        if isinstance(value, str) and key != "kind":
+            made[key] = rounded(Decimal(value) * _radius(tree))
+        elif value is None:
+            speed = value_at(tree, ("cam", "speed"))
+            real = isinstance(speed, int | Decimal) and not isinstance(speed, bool)
+            made[key] = rounded(Decimal(speed if real else SPEED) * FASTER)
+        else:
+            made[key] = value
+    return {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: made}}
+
+
+def _radius(tree: Tree) -> Decimal:
+    radius = value_at(tree, ("follower", "base_radius"))
+    real = isinstance(radius, int | Decimal) and not isinstance(radius, bool)
+    return Decimal(radius) if real and 0 < radius < 10**9 else Decimal(50)
+
+
+def _off(given: Given, name: str) -> Tree:
+    """Without it, and without the effects that cannot do without it."""
+    tree = given.tree
+    wrong = {path_of(fault.key) for fault in given.faults(tree)}
+
+    def may(path: Path) -> bool:
+        return path[0] == EFFECTS and len(path) == 2 and path not in wrong
+
+    rest = {key: each for key, each in tree[EFFECTS].items() if key != name}
+    made = given.without_misfits({**tree, EFFECTS: rest}, may)
+    return made if made[EFFECTS] else {key: each for key, each in made.items() if key != EFFECTS}

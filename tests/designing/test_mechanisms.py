@@ -1,0 +1,73 @@
+"""Other kinds of followers and linkages."""
+
+from __future__ import annotations
+
+import pathlib
+from typing import Any
+
+import pytest
+
+from camgeo.designing.edits import changed
+from camgeo.errors import SceneError, UnknownNameError
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from tests.designing.scenes import FILES, FIXTURES, NAMES, design
+from tests.designing.test_edits import comments, exact
+from tests.long_form import some
+
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+OTHERS = [
+    *(("follower", kind) for kind in FOLLOWERS),
+    *(("linkage", kind) for kind in (*LINKAGES, None)),
+]
+BY_FILE = "measured"
+"""A scene whose lift table gives a unit that other followers do not have."""
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_every_kind_makes_a_valid_scene(file: pathlib.Path) -> None:
+    text = file.read_text("utf-8")
+    for key, kind in some(OTHERS, of=3, first=FILES.index(file) % 3):
+        found = changed(text, str(file), None, {"table": {"key": key, "kind": kind}}, design(file))
+        assert found.scene is not None or file.stem == BY_FILE, (key, kind)
+        table = exact(found.text).get(key)
+        assert (None if table is None else table["kind"]) == kind
+
+
+def test_what_is_shared_stays() -> None:
+    text = SETZHUB.read_text("utf-8")
+    asked = {"key": "follower", "kind": "oscillating-flat"}
+    found = changed(text, str(SETZHUB), None, {"table": asked}, design(SETZHUB))
+    table = exact(found.text)["follower"]
+    assert table["pivot"] == exact(text)["follower"]["pivot"]
+    assert table["base_radius"] == exact(text)["follower"]["base_radius"]
+    assert "arm" not in table
+    assert comments(found.text) == comments(text)
+    assert exact(found.text)["motion"] == exact(text)["motion"]
+    assert found.label == "follower oscillating-flat"
+
+
+def test_positions_change_with_their_unit() -> None:
+    """A rocker of the arm l swings by s / l for a lift s."""
+    file = FIXTURES / "scenes" / "shuttle.toml"
+    scene: dict[str, Any] = exact(file.read_text("utf-8"))
+    asked = {"key": "follower", "kind": "translating-roller"}
+    found = changed(file.read_text("utf-8"), str(file), None, {"table": asked}, design(file))
+    arm = float(scene["follower"]["arm"])
+    for one, other in zip(scene["motion"], exact(found.text)["motion"], strict=True):
+        if "to" in one:
+            expected = float(one["to"]) * arm * 3.14159265 / 180
+            assert float(other["to"]) == pytest.approx(expected, rel=0.005)
+
+
+@pytest.mark.parametrize(
+    "asked", [{"key": "follower", "kind": "no"}, {"key": "follower", "kind": 3}]
+)
+def test_a_kind_that_there_is_not_is_refused(asked: dict[str, Any]) -> None:
+    with pytest.raises(UnknownNameError):
+        changed(SETZHUB.read_text("utf-8"), str(SETZHUB), None, {"table": asked})
+
+
+@pytest.mark.parametrize("asked", [None, {}, {"key": "cam", "kind": "x"}])
+def test_a_table_without_kinds_is_refused(asked: Any) -> None:
+    with pytest.raises(SceneError):
+        changed(SETZHUB.read_text("utf-8"), str(SETZHUB), None, {"table": asked})

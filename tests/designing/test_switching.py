@@ -1,0 +1,72 @@
+"""Effects that are switched on and off."""
+
+from __future__ import annotations
+
+import pathlib
+
+import pytest
+
+from camgeo.designing.edits import changed
+from camgeo.designing.switching import EXAMPLES
+from camgeo.effects.registry import EFFECTS
+from camgeo.errors import SceneError, UnknownNameError
+from tests.designing.scenes import FILES, FIXTURES, NAMES, design
+from tests.designing.test_edits import comments, exact
+from tests.long_form import some
+
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+TEXT = SETZHUB.read_text("utf-8")
+
+
+def test_examples_are_of_effects() -> None:
+    assert EXAMPLES.keys() <= set(EFFECTS)
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_an_effect_is_switched(file: pathlib.Path) -> None:
+    """The scene is valid then; what the machine cannot have is refused with the reason."""
+    text, own = file.read_text("utf-8"), design(file)
+    for name in some(EFFECTS, of=5, first=FILES.index(file) % 5):
+        on = name not in own.scene.effects
+        asked = {"effect": {"name": name, "on": on}}
+        try:
+            found = changed(text, str(file), None, asked, own)
+        except SceneError as error:
+            reasons = [fault.message for fault in error.faults]
+            assert on
+            assert any("supports a single" in each for each in reasons), reasons
+            continue
+        assert found.scene is not None
+        assert (name in found.scene.effects) == on
+        assert found.label == f"{name.replace('-', ' ')} {'on' if on else 'off'}"
+        if on:
+            assert comments(found.text) == comments(text)
+            off = changed(found.text, str(file), None, {"effect": {"name": name, "on": False}})
+            assert name not in exact(off.text).get("effects", {})
+
+
+def test_what_an_effect_needs_comes_with_it() -> None:
+    text = TEXT.replace("speed = 90\n", "")
+    found = exact(
+        changed(text, str(SETZHUB), None, {"effect": {"name": "gravity", "on": True}}).text
+    )
+    assert found["effects"].keys() == {"inertia", "gravity"}
+    assert found["cam"]["speed"] == 60
+
+
+def test_what_needs_an_effect_goes_with_it() -> None:
+    file = FIXTURES / "effects" / "press.toml"
+    asked = {"effect": {"name": "inertia", "on": False}}
+    found = exact(changed(file.read_text("utf-8"), str(file), None, asked).text)
+    assert "gravity" not in found["effects"]
+    assert "spring" in found["effects"]
+
+
+@pytest.mark.parametrize("asked", [3, {}, {"name": "spring"}, {"name": "spring", "on": 1}])
+def test_what_is_no_effect_is_refused(asked: object) -> None:
+    with pytest.raises(SceneError):
+        changed(TEXT, str(SETZHUB), None, {"effect": asked})
+    with pytest.raises(UnknownNameError):
+        changed(TEXT, str(SETZHUB), None, {"effect": {"name": "no", "on": True}})
+    with pytest.raises(SceneError, match="is off"):
+        changed(TEXT, str(SETZHUB), None, {"effect": {"name": "spring", "on": False}})
