@@ -153,6 +153,14 @@ class Design(Pickled, Displayed):
         """
         return notebook("plot")(self, names)
 
+    def view(self) -> Any:
+        """The mechanism in a notebook, to be turned, with its diagrams: a widget of anywidget.
+
+        Its `angle` is the cam angle in degrees, to be read and set. Raises CamgeoError if
+        anywidget is not installed.
+        """
+        return notebook("viewer")(self)
+
     # Files ------------------------------------------------------------------------------------
 
     @built

@@ -15,7 +15,7 @@ from camgeo.wording import counted
 
 GROUP: Final = "camgeo.notebook"
 """Entry points of what a notebook needs: `display`, a callable that makes of an object its
-renderings by media type; `plot`, see `camgeo.design.Design.plot`."""
+renderings by media type; `plot` and `viewer`, see `plot` and `view` of `camgeo.design.Design`."""
 
 LONGEST: Final = 300
 """Characters of a line that describes an object: three lines of a terminal."""

@@ -339,7 +339,15 @@ with open(report, "w") as file:
 SERVER_LIBRARIES = {"starlette", "uvicorn", "websockets"}
 """What only the designer's server imports."""
 
-UNASKED = FORMAT_LIBRARIES | SERVER_LIBRARIES | {"scipy", "shapely", "tomlkit", WRITERS}
+NOTEBOOK_LIBRARIES = {"IPython", "anywidget", "ipywidgets", "traitlets"}
+"""What only notebooks import."""
+
+UNASKED = (
+    FORMAT_LIBRARIES
+    | SERVER_LIBRARIES
+    | NOTEBOOK_LIBRARIES
+    | {"scipy", "shapely", "tomlkit", WRITERS}
+)
 
 FITS_OF_FILES = {"camgeo.contour.arcs", "camgeo.contour.chords.fewest"}
 """A check has the fast fit by chords alone."""

@@ -59,7 +59,6 @@ def test_every_part_of_a_design_describes_itself_in_a_few_lines(name: str) -> No
         assert type(each).__name__ in repr(each)
         assert "array(" not in repr(each).replace("ndarray(", "")
 
-
     for each in found.values():
         if isinstance(each, Brief):
             assert len(repr(each)) <= LONGEST

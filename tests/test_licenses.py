@@ -123,6 +123,13 @@ def test_neither_is_anything_that_the_designer_needs() -> None:
     assert faults(packages.values(), NOTICES) == []
 
 
+def test_neither_is_anything_that_notebooks_need() -> None:
+    packages = required("camgeo[notebook]")
+    assert {"anywidget", "ipywidgets", "ipython", "traitlets"} <= packages.keys()
+    del packages["camgeo"]
+    assert faults(packages.values(), NOTICES) == []
+
+
 def test_the_locked_packages_are_those_that_are_looked_at() -> None:
     lock = (ROOT / "requirements.lock").read_text("utf-8")
     locked = set(re.findall(r"(?m)^([a-z0-9-]+)==", lock))

@@ -8,7 +8,9 @@ export class CamAngle {
   private readonly listeners = new Set<Listener>();
 
   set(degrees: number, rests = true): void {
-    this.degrees = ((degrees % 360) + 360) % 360;
+    const rest = degrees % 360; // exact: an angle within a turn stays as it is
+    const turned = rest < 0 ? rest + 360 : rest;
+    this.degrees = turned < 360 ? turned : 0;
     for (const each of this.listeners) each(this.degrees, rests);
   }
 

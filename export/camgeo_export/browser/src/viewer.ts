@@ -9,17 +9,42 @@ import drawingStyle from "./drawing.css";
 import { liftAt, Mechanism } from "./mechanism";
 import { Player } from "./player";
 import viewerStyle from "./viewer.css";
+import { VIEWER_WORDS } from "./viewer_words";
 import { WORDS } from "./words";
+
+// The extremes of a curve, as they are read, at cam angles in degrees.
+interface Reading {
+  name: string;
+  low: string;
+  low_at: number;
+  high: string;
+  high_at: number;
+}
 
 interface Data {
   animation: Animation | null;
-  charts: (Charted & { title?: string })[];
+  charts: (Charted & { title?: string; readings?: Reading[] })[];
 }
+
+type Change = "change:data" | "change:angle";
 
 interface Model {
   get(name: "data"): Data | null | undefined;
-  on(event: "change:data", listener: () => void): void;
-  off(event: "change:data", listener: () => void): void;
+  get(name: "angle"): number | null | undefined;
+  set(name: "angle", degrees: number): void;
+  save_changes(): void;
+  on(event: Change, listener: () => void): void;
+  off(event: Change, listener: () => void): void;
+}
+
+const APART = 100; // milliseconds between two messages to Python while the cam turns
+
+function tableOf(readings: Reading[]): HTMLElement {
+  const heads = VIEWER_WORDS.extremesOf.map((each) => make("th", { scope: "col" }, each));
+  const rows = readings.map((each) =>
+    make("tr", {}, ...[each.name, each.low, `${each.low_at}°`, each.high, `${each.high_at}°`].map((cell) => make("td", {}, cell))),
+  );
+  return make("table", {}, make("thead", {}, make("tr", {}, ...heads)), make("tbody", {}, ...rows));
 }
 
 function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
@@ -39,8 +64,9 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
   const note = make("figcaption");
   const sentence = make("figcaption");
   const choice = make("select", { ariaLabel: WORDS.diagram });
-  const left = make("figure", {}, mechanism.svg, note);
-  const right = make("figure", {}, choice, chart.svg, sentence);
+  const left = make("figure", { className: "mechanism" }, mechanism.svg, note);
+  const extremes = make("details");
+  const right = make("figure", {}, choice, chart.svg, sentence, extremes);
   const pictures = make("div", { className: "pictures" }, left, right);
   root.append(make("div", { className: "viewer" }, controls, pictures));
   for (const kind of ["keydown", "keyup", "keypress"]) host.addEventListener(kind, (event) => event.stopPropagation());
@@ -50,6 +76,8 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
     if (!chosen) return;
     chart.update(chosen);
     sentence.textContent = chosen.sentence;
+    extremes.hidden = !chosen.readings?.length;
+    extremes.replaceChildren(make("summary", {}, VIEWER_WORDS.extremes), tableOf(chosen.readings ?? []));
   };
   const update = () => {
     data = model.get("data") ?? { animation: null, charts: [] };
@@ -69,9 +97,32 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
   choice.addEventListener("change", choose);
   model.on("change:data", update);
   update();
+
+  // The angle of the model is Python's: it is told when the cam rests, and now and then in between.
+  let told = 0;
+  const take = () => {
+    const degrees = model.get("angle");
+    if (typeof degrees !== "number" || degrees === angle.degrees) return;
+    player.stop();
+    angle.set(degrees);
+  };
+  const tell = (degrees: number, rests: boolean) => {
+    const now = performance.now();
+    if (degrees === model.get("angle") || (!rests && now - told < APART)) return;
+    told = now;
+    model.off("change:angle", take); // what follows is no news
+    model.set("angle", degrees);
+    model.on("change:angle", take);
+    model.save_changes();
+  };
+  take();
+  model.on("change:angle", take);
+  const forget = angle.listen(tell);
   el.append(host);
   return () => {
     model.off("change:data", update);
+    model.off("change:angle", take);
+    forget();
     player.dispose();
     mechanism.dispose();
     chart.dispose();

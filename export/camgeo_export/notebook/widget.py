@@ -1,0 +1,43 @@
+"""The widget of notebooks: a turning mechanism and diagrams, drawn by the script of `browser`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import anywidget
+import traitlets
+
+from camgeo.design import Design
+from camgeo.designing.painting import painted
+from camgeo_export.browser.bundles import bundle
+
+
+class Viewer(anywidget.AnyWidget):
+    """A design that turns.
+
+    Attributes
+    ----------
+    data : what is drawn, figures and the mechanism as data.
+    angle : the cam angle [degrees], from 0 to below 360; set here or in the notebook.
+    """
+
+    _esm = bundle("viewer.js")
+
+    data = traitlets.Dict().tag(sync=True)
+    angle = traitlets.Float(0.0).tag(sync=True)
+
+    def __init__(self, design: Design, **given: Any) -> None:
+        super().__init__(data=painted(design), **given)
+
+    def show(self, design: Design) -> None:
+        """Draw another design in its place, at the same cam angle."""
+        self.data = painted(design)
+
+    @traitlets.validate("angle")
+    def _within_a_turn(self, proposal: dict[str, Any]) -> float:
+        angle = proposal["value"]
+        if not math.isfinite(angle):
+            raise traitlets.TraitError(f"the angle is {angle}; allowed: a finite number of degrees")
+        turned = angle % 360.0
+        return turned if turned < 360.0 else 0.0  # the remainder of -1e-20 is 360
