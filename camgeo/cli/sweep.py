@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     from camgeo.scene.load import load_scene
     from camgeo.sweep.engine import engine_of
     from camgeo.sweep.family import Sample
-    from camgeo.sweep.stated import family_of, words_of
+    from camgeo.sweep.stated import family_of, questions_of
     from camgeo.sweep.sweep import sweep
 
     store, files = _outputs(arguments)
@@ -97,11 +97,12 @@ def run(arguments: argparse.Namespace) -> int:
         sample = Sample(arguments.samples, arguments.method or "sobol", arguments.seed or 0)
     elif arguments.method is not None or arguments.seed is not None:
         raise CallError("--method and --seed need --samples")
-    family = family_of(load_scene(arguments.scene), arguments.vary, sample)
+    scene = load_scene(arguments.scene)
+    family = family_of(scene, arguments.vary, sample)
     try:
         result = sweep(
             family,
-            words_of(arguments.ask),
+            questions_of(scene, arguments.ask),
             store=store,
             existing="resume" if arguments.resume else "replace" if arguments.force else "refuse",
             engine=engine,

@@ -33,6 +33,7 @@ REPORTED_ONLY: Final = (
     ("output", "accuracy"),
     ("part", "material"),
     ("part", "density"),
+    ("sweep",),
 )
 """Tables and keys that affect only what is computed and reported, not drawings, programs or bodies.
 

@@ -20,6 +20,7 @@ from camgeo.scene.part_rules import (
 )
 from camgeo.scene.print_rules import print_suits_the_part
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
+from camgeo.scene.sweep_rules import sweep_is_a_family
 from camgeo.scene.valid_values import Broken, ValidValues
 
 TURN: Final = Decimal(360)
@@ -360,6 +361,7 @@ RULES: Final[tuple[Rule, ...]] = (
     roller_is_possible,
     part_is_possible,
     print_suits_the_part,
+    sweep_is_a_family,
     chamfers_have_edges,
     a_mass_is_known,
     tolerance_is_possible,

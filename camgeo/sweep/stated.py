@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from decimal import Decimal
+from typing import Any
 
 from camgeo.scene.scene import Scene
-from camgeo.sweep.family import Family, Sample
-from camgeo.sweep.variables import Variable, parse
+from camgeo.sweep.family import SWEEP, Family, Sample
+from camgeo.sweep.variables import Listed, Range, Value, Variable, listed, parse, plain, spaced
 
 
 def family_of(
@@ -16,21 +18,58 @@ def family_of(
 
     Parameters
     ----------
-    vary : variables, or text as of `--vary`.
-    sample : how designs are drawn; None for all combinations.
+    vary : variables, or text as of `--vary`; if there are none, those that the scene states.
+    sample : how designs are drawn; None for all combinations, or, if the scene's variables are
+        used, for what it states.
 
     Raises
     ------
     SceneError, GeometryError
         As `Family`.
     """
-    return Family(scene, tuple(_variables(vary)), sample)
+    table = scene.values.get(SWEEP, {})
+    if not vary and sample is None and "samples" in table:
+        sample = Sample(
+            int(table["samples"]), table.get("method", "sobol"), int(table.get("seed", 0))
+        )
+    variables = tuple(_parsed(vary) if vary else _stated(table.get("vary", ())))
+    return Family(scene, variables, sample)
 
 
-def _variables(vary: Iterable[str | Variable]) -> Iterable[Variable]:
+def questions_of(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
+    """The names of what is asked, of which each text may have several, comma-separated.
+
+    If there are none, those that the scene states.
+    """
+    found = tuple(word.strip() for text in ask for word in text.split(",") if word.strip())
+    return found or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
+
+
+def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
     return (parse(each) if isinstance(each, str) else each for each in vary)
 
 
-def words_of(ask: Iterable[str]) -> tuple[str, ...]:
-    """The names of what is asked, of which each text may have several, comma-separated."""
-    return tuple(word.strip() for text in ask for word in text.split(",") if word.strip())
+def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:
+    """The variables of the tables `[[sweep.vary]]`, which the scene's rules have checked."""
+    for table in tables:
+        keys = tuple(table["keys"]) if "keys" in table else (table["key"],)
+        yield Variable(keys, _values(keys, table))
+
+
+def _values(keys: tuple[str, ...], table: Mapping[str, Any]) -> Listed | Range:
+    if "values" not in table:
+        steps = table.get("count")
+        start, stop = Decimal(table["from"]), Decimal(table["to"])
+        return spaced(keys[0], start, stop, None if steps is None else int(steps), len(keys))
+    rows = [
+        tuple(_value(each) for each in (row if isinstance(row, tuple) else (row,) * len(keys)))
+        for row in table["values"]
+    ]
+    return listed(keys[0], rows)
+
+
+def _value(value: Any) -> Value:
+    if isinstance(value, Decimal):
+        return plain(float(value))
+    found: Value = value
+    return found

@@ -44,6 +44,8 @@ def scene_case(rng: Random) -> Case:
         steps.append(("build", SCENE, "-o", "out"))
         if rng.random() < 0.5:
             steps.append(("verify", "out"))
+    if "sweep" in values:
+        steps.append(("sweep", SCENE, "-o", "runs.sqlite"))
     if rng.random() < 0.5:
         steps.append(rng.choice(_others(rng)))
     elif rng.random() < 0.05:  # it takes seconds
@@ -191,7 +193,27 @@ def made_up(rng: Random) -> dict[str, Any]:
             values["print"] = printing(rng)
     if kind.endswith("roller") and rng.random() < 0.2:
         paired(rng, values, radius)
+    if rng.random() < 0.15:
+        values["sweep"] = family(rng, radius)
     return values
+
+
+def family(rng: Random, radius: float) -> dict[str, Any]:
+    """A few designs, and what is asked of them."""
+    variables: list[dict[str, Any]] = [
+        {"key": "follower.base_radius", "from": radius, "to": 1.2 * radius, "count": 2},
+        {"key": "motion[1].law", "values": rng.sample(sorted(FAMILIES), 2)},
+        {"keys": ["cam.speed", "limits.diameter"], "values": [[10, 20 * radius], [1e5, 1]]},
+        {"key": "cam.rotation", "values": ["cw", "ccw"]},
+    ]
+    asked = ("transmission-angle", "peak:s'", "min:kappa", "verdict", "diameter", "closure")
+    found: dict[str, Any] = {
+        "vary": rng.sample(variables, rng.randint(1, 2)),
+        "ask": rng.sample(asked, rng.randint(1, 3)),
+    }
+    if rng.random() < 0.3:
+        found |= {"samples": rng.randint(1, 4), "method": rng.choice(("sobol", "random"))}
+    return found
 
 
 def paired(rng: Random, values: dict[str, Any], radius: float) -> None:
