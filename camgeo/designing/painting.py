@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from camgeo.answers.report import Chart
 from camgeo.answers.report.readings import Reading, plain, readings, shown
@@ -28,6 +28,9 @@ from camgeo.figure.model import Figure, data_of
 from camgeo.figure.thinned import thinned, thinned_turn
 from camgeo.scene.document import Document
 
+MOTION: Final = "motion"
+"""Key of the scene's segments."""
+
 
 def curves(job: Job, recent: Recent) -> dict[str, Any]:
     """The scene as pictures, and all that can be changed in it.
@@ -41,9 +44,10 @@ def curves(job: Job, recent: Recent) -> dict[str, Any]:
             found = recent.document(job)
         except SceneError:  # no TOML, which has no form
             return {"faults": told(error), "form": [], "plan": []}
-        return {"faults": told(error), **_stated(found)}
+        return {"faults": told(error), **_stated(found, recent)}
     held = _tried(lambda: {"handles": [each.to_data() for each in handles(design)]})
-    return {**painted(design), **(held or {"handles": []}), **_stated(design.scene.stated.scene)}
+    stated = _stated(design.scene.stated.scene, recent)
+    return {**painted(design, recent), **(held or {"handles": []}), **stated}
 
 
 def change(job: Job, recent: Recent) -> dict[str, Any]:
@@ -66,14 +70,16 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     return {"text": found.text, "label": found.label, **curves(after, recent)}
 
 
-def _stated(found: Document) -> dict[str, Any]:
+def _stated(found: Document, recent: Recent) -> dict[str, Any]:
+    # Joints are dragged more often than anything else, and the form does not show them.
+    shown = repr({key: value for key, value in found.exact.items() if key != MOTION})
     return {
-        "form": [each.to_data() for each in form(found)],
+        "form": recent.kept("form", (shown,), lambda: [each.to_data() for each in form(found)]),
         "plan": [each.to_data() for each in plan(found)],
     }
 
 
-def painted(design: Design) -> dict[str, Any]:
+def painted(design: Design, recent: Recent) -> dict[str, Any]:
     """A design as pictures.
 
     `animation` is None if there is no disc or the mechanism has no position somewhere; a diagram
@@ -83,30 +89,26 @@ def painted(design: Design) -> dict[str, Any]:
     turn = None
     if scene.follower is not None:
         turn = _tried(lambda: thinned_turn(animation(design.disc)).to_data())
-    charts = [
-        chart
-        for name, title, make in _wanted(design)
-        if (chart := _tried(partial(_chart, name, title, make))) is not None
-    ]
+    charts = [chart for make in _wanted(design, recent) if (chart := _tried(make)) is not None]
     return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
 
 
-def _wanted(design: Design) -> Iterator[tuple[str, str, Callable[[], Figure]]]:
-    """Name, title and maker of each diagram that is soon made."""
-    scene = design.scene
-    make = partial(motion.of_drive, design.name, scene.unit, design.drive, scene.lift_unit)
-    yield "motion", "motion plan and diagrams", make
+def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:
+    """What makes each diagram that is soon made."""
+    scene, drive = design.scene, design.drive
+    moves = partial(motion.of_drive, design.name, scene.unit, drive, scene.lift_unit)
+    moved = design.name, scene.unit, drive, scene.lift_unit
+    chart = partial(_chart, "motion", "motion plan and diagrams", moves)
+    yield partial(recent.kept, "motion", moved, chart)
     if scene.follower is None:
         return
     for disc in design.discs:
         own = disc is design.disc
         name, of = ("", "") if own else ("-return", f" of {disc.name}")
-        yield (
-            f"transmission{name}",
-            f"transmission angle{of}",
-            partial(diagrams.transmission_angle, disc),
-        )
-        yield f"curvature{name}", f"curvature{of}", partial(diagrams.curvature, disc)
+        angles = partial(diagrams.transmission_angle, disc)
+        yield partial(_chart, f"transmission{name}", f"transmission angle{of}", angles)
+        bends = partial(diagrams.curvature, disc)
+        yield partial(_chart, f"curvature{name}", f"curvature{of}", bends)
 
 
 def _tried(make: Callable[[], dict[str, Any]]) -> dict[str, Any] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +20,17 @@ class Recent:
     def __init__(self) -> None:
         self._of: tuple[str, str, str] = ("", "", "")
         self._design: Design | None = None
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def kept(self, name: str, of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """What `make` makes `of` equal texts and the same objects, if it was the last one so named.
+
+        Nobody must change it.
+        """
+        known = self._kept.get(name)
+        if known is None or not all(map(_same, known[0], of)):
+            known = self._kept[name] = of, make()
+        return known[1]
 
     def design(self, job: Job) -> Design:
         """The design of a job's scene; SceneError if it is not valid."""
@@ -56,6 +67,10 @@ class Recent:
         """
         found = document_of_tree(edited(self.document(job).exact, edits))
         return Scene.of(found, Source.of(job.file, job.folder or None, job.text))
+
+
+def _same(one: Any, other: Any) -> bool:
+    return one is other or (isinstance(one, str) and one == other)
 
 
 def _grafted(found: Document, earlier: Scene) -> Document:

@@ -15,7 +15,7 @@ from camgeo.displayed import Brief
 from camgeo.errors import CamgeoError
 from camgeo.figure import disc, flanks
 from camgeo.figure.marks import Area, Circle, Fill, Line, Mark, Style, Text, plane
-from camgeo.figure.mechanism import PAST, SAGITTA, parts_of, window
+from camgeo.figure.mechanism import PAST, parts_of, window
 from camgeo.figure.model import data_of
 from camgeo.figure.style import AUXILIARY, cam_angles
 from camgeo.mechanism.sketch import MechanismSketch, Places
@@ -27,6 +27,9 @@ from camgeo.units import TURN
 POSITIONS: Final = 240
 """Of a turn, one and a half degrees apart: between two of them bodies move in straight lines, which
 differ from their arcs by less than a line is wide."""
+
+CHORDS: Final = 1.5e-4
+"""Chords of the discs, relative to the base radius: the picture is at least two of them wide."""
 
 PITCH: Final = Style(AUXILIARY, 0.8, (10.0, 3.0, 2.0, 3.0))
 BASE: Final = Fill(edge=AUXILIARY, width=0.6, dashes=(5.0, 4.0))
@@ -131,9 +134,9 @@ def _turning(product: Product, parts: tuple[Part, ...]) -> tuple[tuple[Mark, ...
     marks: list[Mark] = []
     note = ""
     for part in parts[:1]:
-        marks += disc.whole(part, 1.0, SAGITTA * base, fast=True)[0]
+        marks += disc.whole(part, 1.0, CHORDS * base, fast=True)[0]
     for part in parts[1:]:
-        marks += disc.behind(part, 1.0, SAGITTA * base, fast=True)
+        marks += disc.behind(part, 1.0, CHORDS * base, fast=True)
     reach = max([base, *map(_farthest, marks)])
     if not parts:
         try:

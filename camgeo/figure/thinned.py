@@ -1,8 +1,9 @@
 """Figures with as few points as are seen: for the browser, which draws them anew with every change.
 
-A thinned line goes through some of the points of the line, and each of the others is within `SEEN`
-of it on paper; coordinates are rounded by at most a quarter of that. So where the line was within d
-of a curve, the thinned one is within d + 1.25 `SEEN`.
+A thinned line goes through some of the points of the line, and each of the others is within a
+distance of it on paper: `READ` in diagrams, `SEEN` in an animation. Coordinates are rounded by at
+most a quarter of that. So where the line was within d of a curve, the thinned one is within d and
+1.25 times that distance.
 """
 
 from __future__ import annotations
@@ -20,9 +21,12 @@ from camgeo.figure.marks import Area, Line
 from camgeo.figure.model import Figure, Panel
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen
 
+READ: Final = 1.0 / 3200.0
+"""Distance [inch] so small that numbers read off a line of a diagram are right to a few parts in
+ten thousand of the height of its panel."""
+
 SEEN: Final = 1.0 / 1600.0
-"""Distance [inch] on paper that nobody sees, an eighth of a dot of 200 per inch: numbers
-read off a line are right to a thousandth of the height of its panel."""
+"""Distance [inch] that nobody sees, an eighth of a dot of 200 per inch."""
 
 SHARE: Final = 0.25
 """Of that, by which coordinates are rounded at most, along each axis by 1 / sqrt(2) of it."""
@@ -49,24 +53,25 @@ def thinned_turn(turn: Animation) -> Animation:
     """The animation likewise, `PAPER` wide or high."""
     extent = turn.high - turn.low
     scale = PAPER / max(extent.real, extent.imag)
-    digits = _digits((scale, scale))[0]
+    digits = _digits((scale, scale), SEEN)[0]
     return replace(
         turn,
-        turning=thinned_marks(turn.turning, (scale, scale)),
+        turning=thinned_marks(turn.turning, (scale, scale), SEEN),
         places=frozen(np.round(turn.places, digits) + 0.0, np.float64),
     )
 
 
-def thinned_marks(marks: Sequence[Any], scale: tuple[float, float]) -> tuple[Any, ...]:
+def thinned_marks(marks: Sequence[Any], scale: tuple[float, float], most: float) -> tuple[Any, ...]:
     """Marks of a panel likewise; what is neither line nor area stays.
 
     Parameters
     ----------
     scale : inches on paper per unit of each axis.
+    most : distance by which points are off on paper [inch].
     """
     lines = [each.points for each in marks if isinstance(each, Line)]
-    kept = iter(_kept(lines, scale))
-    digits = _digits(scale)
+    kept = iter(_kept(lines, scale, most))
+    digits = _digits(scale, most)
     found: list[Any] = []
     for mark in marks:
         if isinstance(mark, Line):
@@ -84,13 +89,13 @@ def _panel(panel: Panel, size: tuple[float, float]) -> Panel:
     (left, low, right, high), (width, height) = panel.frame, size
     across = (right - left) * width / abs(panel.x.limits[1] - panel.x.limits[0])
     up = (high - low) * height / abs(panel.y.limits[1] - panel.y.limits[0])
-    return replace(panel, marks=thinned_marks(panel.marks, (across, up)))
+    return replace(panel, marks=thinned_marks(panel.marks, (across, up), READ))
 
 
-def _digits(scale: tuple[float, float]) -> tuple[int, int]:
+def _digits(scale: tuple[float, float], most: float) -> tuple[int, int]:
     """Decimals of both coordinates."""
-    most = 2.0 * SHARE * SEEN / math.sqrt(2.0)
-    return math.ceil(math.log10(scale[0] / most)), math.ceil(math.log10(scale[1] / most))
+    step = 2.0 * SHARE * most / math.sqrt(2.0)
+    return math.ceil(math.log10(scale[0] / step)), math.ceil(math.log10(scale[1] / step))
 
 
 def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
@@ -98,7 +103,9 @@ def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
     return frozen(np.column_stack(rounded), np.float64)
 
 
-def _kept(lines: Iterable[FloatArray], scale: tuple[float, float]) -> list[slice | IntArray]:
+def _kept(
+    lines: Iterable[FloatArray], scale: tuple[float, float], most: float
+) -> list[slice | IntArray]:
     """Which points of each of `lines` are kept, both ends among them."""
     paper = np.array(scale)
     found: list[slice | IntArray] = []
@@ -109,7 +116,7 @@ def _kept(lines: Iterable[FloatArray], scale: tuple[float, float]) -> list[slice
             long.append((number, (points * paper).view(np.complex128)[:, 0]))
     if long:
         ends = np.cumsum([0, *(len(points) for _, points in long)])
-        kept = few_of(np.concatenate([points for _, points in long]), ends, SEEN)
+        kept = few_of(np.concatenate([points for _, points in long]), ends, most)
         for (number, _), first, last in zip(long, ends[:-1], ends[1:], strict=True):
             found[number] = kept[(kept >= first) & (kept < last)] - first
     return found

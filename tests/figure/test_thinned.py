@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 
 from camgeo.design import Design
 from camgeo.figure import diagrams, motion
-from camgeo.figure.animation import animation
+from camgeo.figure.animation import CHORDS, animation
 from camgeo.figure.marks import Area, Line
 from camgeo.figure.model import Figure
-from camgeo.figure.thinned import CURVE, PAPER, SEEN, few_of, thinned, thinned_turn
+from camgeo.figure.thinned import CURVE, PAPER, READ, SEEN, few_of, thinned, thinned_turn
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
 from tests.test_architecture import ROOT
 
-BOUND = 1.25 * SEEN
-"""What thinning and rounding change on paper [inch]."""
+BOUND = 1.25 * READ
+"""What thinning and rounding change of a diagram on paper [inch]."""
 
 ROUNDING = 1e-12
 
@@ -128,7 +128,7 @@ def test_the_disc_shown_is_the_exact_one(name: str) -> None:
     of = design(name)
     turn = animation(of.disc)
     extent = turn.high - turn.low
-    pixel = BOUND * max(extent.real, extent.imag) / PAPER
+    pixel = 1.25 * SEEN * max(extent.real, extent.imag) / PAPER
     base = of.cam.follower.base_radius
     rings = [
         shapely.LinearRing(ring)
@@ -144,4 +144,4 @@ def test_the_disc_shown_is_the_exact_one(name: str) -> None:
         at = of.cam.disc.curve(flank).point(phi)
         points = shapely.points(at.real, at.imag)
         off = np.min([shapely.distance(points, ring) for ring in rings], axis=0)
-        assert np.max(off) <= 1e-4 * base + pixel
+        assert np.max(off) <= CHORDS * base + pixel
