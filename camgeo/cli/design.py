@@ -70,8 +70,10 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         desk.open(scene.name)
 
+    notes = desk.told()
+
     def tell(address: str, alone: bool) -> None:
-        for sentence in desk.told():
+        for sentence in notes:
             notify(sentence)
         say(f"{arguments.scene or desk.folder}: designed at\n  {address}\nCtrl-C ends it.")
         if not alone:
@@ -80,18 +82,18 @@ def run(arguments: argparse.Namespace) -> int:
                 f" can change the scenes in {desk.folder}, and nothing is encrypted on the way."
             )
 
+    browser = not arguments.no_browser
     try:
-        serve(desk, arguments.host, arguments.port, tell, browser=not arguments.no_browser)
+        serve(desk, arguments.host, arguments.port, tell, notes=notes, browser=browser)
     except KeyboardInterrupt as stop:
         if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
             raise
         notify("")  # after the ^C that terminals show
-    if desk.told():
-        notify(UNSAVED)
+    finally:
+        desk.close()
+        for sentence in desk.told():
+            notify(sentence)
     return FINE
-
-
-UNSAVED: Final = "edits that are not saved are kept until the scene is designed again"
 
 
 def _port(text: str) -> int:

@@ -13,19 +13,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import pytest
-
-pytest.importorskip("starlette", reason="needs the extra: pip install 'camgeo[design]'")
-pytest.importorskip("uvicorn", reason="needs the extra: pip install 'camgeo[design]'")
-pytest.importorskip("websockets", reason="needs the extra: pip install 'camgeo[design]'")
-
 from websockets import Origin
 from websockets.sync.client import ClientConnection, connect
 
+from camgeo.designing.children import Result
 from camgeo.designing.desk import Desk
 from camgeo.designing.job import Job
 from camgeo_export.designer.application import application
 from camgeo_export.designer.guard import Address, Keys
+from camgeo_export.designer.jobs import Jobs
+from camgeo_export.designer.pages import body
 from camgeo_export.designer.serve import listening, server_of
 from camgeo_export.designer.session import Session
 
@@ -33,6 +30,10 @@ SECONDS: Final = 20.0
 """In which everything in a test has happened."""
 
 Compute = Callable[[Job, float], Mapping[str, Any]]
+
+
+def cancel(_: str) -> None:
+    """There is no process to be ended."""
 
 
 def computed(job: Job, _: float) -> Mapping[str, Any]:
@@ -129,13 +130,15 @@ def served(folder: Path, name: str | None = None, compute: Compute = computed) -
     keys = Keys()
     with listening("127.0.0.1", 0) as socket:
         address = Address("127.0.0.1", socket.getsockname()[1])
-        session = Session(desk, compute, lambda _: None)
+        jobs = Jobs(desk, lambda job, most: Result(body(compute(job, most))), cancel)
+        session = Session(desk, jobs)
         server = server_of(application(session, address, keys))
 
         async def serve() -> None:
             working = asyncio.create_task(session.run())
             await server.serve(sockets=[socket])
             working.cancel()
+            jobs.close()
 
         thread = threading.Thread(target=asyncio.run, args=(serve(),))
         thread.start()

@@ -6,13 +6,13 @@ import socket
 from urllib.parse import quote
 
 import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
 
-from tests.designer.served import Served  # first: without the extra these tests are skipped
-
-from websockets.exceptions import InvalidStatus  # isort: skip
-from websockets.sync.client import connect  # isort: skip
-
-from camgeo_export.designer.guard import HEADERS, Address, Keys, is_loopback  # isort: skip
+from camgeo.errors import CamgeoError
+from camgeo_export.designer.guard import HEADERS, Address, Keys, is_loopback
+from camgeo_export.designer.serve import listening
+from tests.designer.served import Served
 
 
 def test_a_token_is_exchanged_for_a_cookie(server: Served) -> None:
@@ -196,3 +196,17 @@ def test_port_80_needs_no_number() -> None:
 )  # fmt: skip
 def test_loopback_is_told_from_the_rest(host: str, alone: bool) -> None:
     assert is_loopback(host) is alone
+
+
+def test_messages_are_sent_at_once() -> None:
+    """A socket without its protocol would wait for the page to confirm the message before: 40 ms in
+    each step of a drag."""
+    with listening("127.0.0.1", 0) as found:
+        assert found.proto == socket.IPPROTO_TCP
+
+
+def test_a_port_that_is_taken_is_told() -> None:
+    with listening("127.0.0.1", 0) as found:
+        port = found.getsockname()[1]
+        with pytest.raises(CamgeoError, match=f"cannot listen at 127.0.0.1, port {port}: "):
+            listening("127.0.0.1", port)

@@ -86,7 +86,8 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
         page.hear("refused", id="all heard")
         going.set()
         assert page.hear("curves", answers=49)["text"] == "a = 49\n"
-        assert done[1:] == [49]
+        assert done[-1] == 49
+        assert len(done) <= 2
         page.say("undo")
         assert page.hear("state", redo="a = 49")["text"] == "a = 1\n"
 
@@ -122,10 +123,15 @@ def test_a_job_that_is_too_slow_is_told_and_the_text_stays(folder: Path) -> None
         curves = page.hear("curves", answers=1)
         assert curves["faults"][0]["message"] == "curves: took longer than 10 s"
         assert curves["text"] == "slow = 1\n"
-        page.say("change", id=2, edits={"a": 2})
-        assert "took longer" in page.hear("refused", id=2)["message"]
-        page.say("undo", id=3)
-        assert page.hear("curves", answers=3)["of"] == "a = 1\n"
+        page.say("change", id=2, edits={"b": 2})  # needs the text alone
+        curves = page.hear("curves", answers=2)
+        assert curves["faults"][0]["message"] == "change: took longer than 10 s"
+        assert curves["text"] == "slow = 1\nb = 2\n"
+        page.say("change", id=3, handle="roller", to=[1, 2])  # needs more
+        assert "took longer" in page.hear("refused", id=3)["message"]
+        for _ in range(2):
+            page.say("undo")
+        assert page.hear("curves", of="a = 1\n")["faults"] == []
 
 
 REFUSED: tuple[tuple[str, dict[str, Any], str], ...] = (

@@ -109,7 +109,12 @@ KINDS: Final[Mapping[str, Mapping[str, Check]]] = {
     "new": {"template": _is_name},
     "reload": {},
     "build": {"formats": _is_names},
-    "size": {"arguments": _is_table},
+    "size": {
+        "transmission_angle": _is_number,
+        "radius_ratio": _is_number,
+        "radius_of_curvature": _is_number,
+        "arm": _is_place,
+    },
     "solid": {},
     "laws": {"segment": _is_index},
     "templates": {},

@@ -5,16 +5,20 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-LATEST: Final = ("state", "curves", "findings", "pinned")
+LATEST: Final = (
+    "state", "curves", "findings", "pinned", "built", "sized", "solid", "templates", "effects",
+)  # fmt: skip
 """Kinds of messages of which a page needs the latest only: a page that takes them slowly, or not at
 all, has no more than one of each waiting."""
 
-MOST_WAITING: Final = 100
-"""Messages that wait for a page; one that takes none for so long is given up."""
+MOST_WAITING: Final = 50
+"""Other messages that wait for a page; later ones are dropped."""
 
 RATE: Final = 100.0
 """Messages in a second that are taken from a page; a drag makes sixty. The rest waits there."""
@@ -22,24 +26,68 @@ RATE: Final = 100.0
 BURST: Final = 200.0
 """Messages that it may send at once."""
 
+NOTHING: Final = b"{}"
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A message to a page.
+
+    Attributes
+    ----------
+    kind : of it.
+    head : what is said of the body, or the whole message.
+    body : a JSON object with more, as the process that computed it wrote it.
+    key : under which the body is; empty if it is on a level with the head.
+    """
+
+    kind: str
+    head: Mapping[str, Any] = field(default_factory=dict)
+    body: bytes = NOTHING
+    key: str = ""
+
+    @property
+    def text(self) -> str:
+        """The message as JSON."""
+        head = json.dumps(
+            {"kind": self.kind, **self.head}, ensure_ascii=False, allow_nan=False
+        ).removesuffix("}")
+        body = self.body.decode()
+        if self.key:
+            return f'{head}, "{self.key}": {body}}}'
+        rest = body.lstrip().removeprefix("{")
+        return f"{head}{'' if rest.strip() == '}' else ', '}{rest}"
+
+    def after(self, before: Message) -> Message:
+        """The later one of two messages of a kind, with what only the earlier one says."""
+        if self.kind == "state":
+            return replace(self, head={**before.head, **self.head})
+        if self.kind == "curves" and self.head.get("answers") is None:
+            return replace(self, head={**self.head, "answers": before.head.get("answers")})
+        return self
+
+
+def body(found: Mapping[str, Any]) -> bytes:
+    """A JSON object as the body of a message."""
+    return json.dumps(found, ensure_ascii=False, allow_nan=False).encode()
+
 
 class Page:
     """A page that is connected."""
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
-        self._waiting: dict[object, dict[str, Any]] = {}
+        self._waiting: dict[object, Message] = {}
         self._ready = asyncio.Event()
         self._left, self._seen = BURST, time.monotonic()
 
-    def put(self, message: dict[str, Any]) -> None:
+    def put(self, message: Message) -> None:
         """Send a message as soon as the page takes it; of some kinds only the latest."""
-        kind = message["kind"]
-        key: object = kind if kind in LATEST else object()
+        key: object = message.kind if message.kind in LATEST else object()
         before = self._waiting.pop(key, None)
         if before is not None:
-            message = _merged(before, message)
-        if len(self._waiting) < MOST_WAITING:
+            message = message.after(before)
+        if key == message.kind or len(self._waiting) < MOST_WAITING:
             self._waiting[key] = message
         self._ready.set()
 
@@ -49,9 +97,7 @@ class Page:
             await self._ready.wait()
             self._ready.clear()
             while self._waiting:
-                message = self._waiting.pop(next(iter(self._waiting)))
-                text = json.dumps(message, ensure_ascii=False, allow_nan=False)
-                await self.socket.send_text(text)
+                await self.socket.send_text(self._waiting.pop(next(iter(self._waiting))).text)
 
     async def receive(self) -> str:
         """The next message of the page; WebSocketDisconnect if it is gone, or sends no text."""
@@ -63,14 +109,5 @@ class Page:
         message = await self.socket.receive()
         text = message.get("text")
         if message["type"] != "websocket.receive" or text is None:
-            raise WebSocketDisconnect(1003)
+            raise WebSocketDisconnect(message.get("code", 1003))
         return str(text)
-
-
-def _merged(before: dict[str, Any], message: dict[str, Any]) -> dict[str, Any]:
-    """The latest of two messages of a kind, with what it only says once from the earlier one."""
-    if message["kind"] == "curves" and message.get("answers") is None:
-        return {**message, "answers": before.get("answers")}
-    if message["kind"] == "state":
-        return {**before, **message}
-    return message

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import socket
+import sys
+import threading
 import webbrowser
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any, Final
+from collections.abc import Callable, Sequence
+from typing import Final
 
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from camgeo.designing.children import Children
 from camgeo.designing.desk import Desk
-from camgeo.designing.job import Job
 from camgeo.errors import CamgeoError, unreadable
 from camgeo_export.designer.application import application
 from camgeo_export.designer.guard import Address, Guard, Keys, is_loopback
+from camgeo_export.designer.jobs import Jobs
 from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.session import Session
 
@@ -55,7 +58,8 @@ class Connection(H11Protocol):
 def listening(host: str, port: int) -> socket.socket:
     """A socket that listens at host and port; CamgeoError if it cannot."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    found = socket.socket(family, socket.SOCK_STREAM)
+    # With its protocol stated, asyncio sends each message at once, not 40 ms later.
+    found = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind((host, port))
@@ -67,7 +71,13 @@ def listening(host: str, port: int) -> socket.socket:
 
 
 def serve(
-    desk: Desk, host: str, port: int, tell: Callable[[str, bool], None], *, browser: bool = True
+    desk: Desk,
+    host: str,
+    port: int,
+    tell: Callable[[str, bool], None],
+    *,
+    notes: Sequence[str] = (),
+    browser: bool = True,
 ) -> None:
     """Serve the scene on a desk until a signal arrives; then nothing is left running.
 
@@ -75,6 +85,7 @@ def serve(
     ----------
     host, port : where to listen; port 0 for any that is free.
     tell : is told the address, once, and whether this machine alone reaches it.
+    notes : sentences that the first page is told.
     browser : whether to open it.
 
     Raises
@@ -84,7 +95,17 @@ def serve(
     """
     with contextlib.closing(desk), listening(host, port) as found, Children() as children:
         address = Address(host, found.getsockname()[1])
-        asyncio.run(_serve(desk, address, found, children, tell, browser=browser))
+        jobs = Jobs(desk, children.submit, children.cancel)
+        keys = Keys()
+        url = f"http://{address.shown}/?token="
+
+        def ready() -> None:
+            tell(f"{url}{keys.token}", is_loopback(host))
+            if browser and _has_screen():
+                # The end does not wait for this thread: some browsers keep it while they run.
+                threading.Thread(target=_open, args=(url + keys.lend(),), daemon=True).start()
+
+        asyncio.run(_serve(Session(desk, jobs, notes), address, keys, found, ready))
 
 
 def server_of(app: Guard) -> uvicorn.Server:
@@ -92,7 +113,7 @@ def server_of(app: Guard) -> uvicorn.Server:
     config = uvicorn.Config(
         app,
         http=Connection,
-        ws="websockets-sansio",
+        ws=WebSocketsSansIOProtocol,
         ws_max_size=LARGEST,
         ws_per_message_deflate=False,
         h11_max_incomplete_event_size=HEAD,
@@ -109,34 +130,29 @@ def server_of(app: Guard) -> uvicorn.Server:
 
 
 async def _serve(
-    desk: Desk,
+    session: Session,
     address: Address,
+    keys: Keys,
     found: socket.socket,
-    children: Children,
-    tell: Callable[[str, bool], None],
-    *,
-    browser: bool,
+    ready: Callable[[], None],
 ) -> None:
-    keys = Keys()
-
-    def compute(job: Job, seconds: float) -> Mapping[str, Any]:
-        return children.submit(job, seconds).data
-
-    session = Session(desk, compute, children.cancel)
     server = server_of(application(session, address, keys))
-    tell(f"http://{address.shown}/?token={keys.token}", is_loopback(address.host))
-    if browser:
-        url = f"http://{address.shown}/?token={keys.lend()}"
-        asyncio.get_running_loop().run_in_executor(None, partial(_open, url))
     working = asyncio.create_task(session.run())
     working.add_done_callback(lambda _: setattr(server, "should_exit", True))
+    ready()
     try:
         await server.serve(sockets=[found])
     finally:
         working.cancel()
-        children.close()
         with contextlib.suppress(asyncio.CancelledError):
             await working  # raises what has ended it
+
+
+def _has_screen() -> bool:
+    """Whether there is one for a browser; one that runs in the terminal is of no use."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _open(url: str) -> None:

@@ -8,42 +8,30 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.designing import opened
+from camgeo.designing import edits, opened
+from camgeo.designing.children import Refused
 from camgeo.designing.desk import Desk
-from camgeo.designing.job import Job, JobError
 from camgeo.designing.opened import OverwriteError
 from camgeo.errors import CamgeoError
 from camgeo.scene.new import KINDS, template
 from camgeo.writing.writer import writer_names
 from camgeo_export.designer.files import Files
+from camgeo_export.designer.jobs import Jobs
 from camgeo_export.designer.messages import MessageError, Said, understood
-from camgeo_export.designer.pages import Page
-
-Compute = Callable[[Job, float], Mapping[str, Any]]
-"""Does a job within some seconds, in a process of its own; Refused if it has no result."""
+from camgeo_export.designer.pages import NOTHING, Message, Page, body
 
 PAUSE: Final = 0.12
 """Seconds after the last change before findings are computed."""
 
+PATIENCE: Final = 1.0
+"""Seconds after which a picture, or findings, are given up if there is a newer text."""
+
 EVERY: Final = 1.0
 """Seconds between two looks at the file on disk, and two times that edits are put on disk."""
-
-SECONDS: Final[Mapping[str, float]] = {
-    "curves": 10.0,
-    "change": 10.0,
-    "laws": 10.0,
-    "templates": 10.0,
-    "effects": 10.0,
-    "findings": 60.0,
-    "solid": 60.0,
-    "size": 120.0,
-    "build": 600.0,
-}
-"""That each kind of job may take."""
 
 ANSWERS: Final[Mapping[str, str]] = {
     "build": "built",
@@ -61,12 +49,23 @@ LONG: Final = ("build", "size", "solid")
 MOST_ASKED: Final = 100
 """Requests that wait to be done."""
 
-NOTHING: Final[Mapping[str, Any]] = {
+MOST_JOBS: Final = 8
+"""Jobs of ANSWERS that wait or are being done."""
+
+WHOLE: Final = ("undo", "redo", "reload", "open", "new")
+"""Requests after which pages are sent the text with the state."""
+
+TEXTUAL: Final = ("edits", "effect", "segment", "table")
+"""Changes that need nothing but the text."""
+
+QUICK: Final = 100_000
+"""Characters of a text that is changed at once here, if its picture takes too long."""
+
+EMPTY: Final[Mapping[str, Any]] = {
     "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
     "plan": [], "form": [],
 }  # fmt: skip
 """Curves of no scene."""
-
 
 BECOME: Final[Mapping[str, str]] = {
     "changed": "changed on disk; it is not overwritten unless you ask for it",
@@ -89,22 +88,23 @@ class Session:
     Parameters
     ----------
     desk : the scene.
-    compute : what does the jobs; it is called in threads.
-    cancel : ends the job of a kind that is being done.
+    jobs : what computes.
+    notes : sentences that the first page is told.
     """
 
-    def __init__(self, desk: Desk, compute: Compute, cancel: Callable[[str], None]) -> None:
+    def __init__(self, desk: Desk, jobs: Jobs, notes: Sequence[str] = ()) -> None:
         self.desk = desk
         self.files = Files()
-        self._compute, self._cancel = compute, cancel
+        self._jobs = jobs
+        self._notes = tuple(notes)
         self._pages: set[Page] = set()
         self._asked: deque[Asked] = deque()
         self._wake = asyncio.Event()
         self._revision = 0
         self._painted = -1
-        self._curves: dict[str, Any] = {}
-        self._findings: dict[str, Any] | None = None
-        self._pinned: dict[str, Any] | None = None
+        self._curves = Message("curves")
+        self._findings: Message | None = None
+        self._pinned: bytes | None = None
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
         self._formats = writer_names()
@@ -129,7 +129,7 @@ class Session:
                 try:
                     self._hear(page, understood(text))
                 except MessageError as error:
-                    page.put({"kind": "refused", "id": error.id, "message": f"{error}"})
+                    page.put(_refused(error.id, str(error)))
         finally:
             self._pages.discard(page)
             sending.cancel()
@@ -138,26 +138,30 @@ class Session:
         """Answer at once what needs no computing; line up the rest."""
         if said.kind == "hello":
             self._greet(page)
-            return
-        if said.kind in ANSWERS:
+        elif said.kind in ANSWERS:
+            if len(self._tasks) >= MOST_JOBS:
+                raise MessageError("too much is computed at once", said.id)
             self._begin(self._answer(page, said))
-            return
-        waiting = self._asked[-1] if self._asked else None
-        if waiting is not None and waiting.page is page and _replaces(said, waiting.said):
-            self._asked.pop()
-        if len(self._asked) >= MOST_ASKED:
-            raise MessageError("too much is asked at once", said.id)
-        self._asked.append(Asked(page, said))
-        self._wake.set()
+        else:
+            waiting = self._asked[-1] if self._asked else None
+            if waiting is not None and waiting.page is page and _replaces(said, waiting.said):
+                self._asked.pop()
+            if len(self._asked) >= MOST_ASKED:
+                raise MessageError("too much is asked at once", said.id)
+            self._asked.append(Asked(page, said))
+            self._wake.set()
+            self._jobs.give_up("curves", PATIENCE)
 
     def _greet(self, page: Page) -> None:
         page.put(self._state(whole=True))
         if self._painted == self._revision:
-            page.put({**self._curves, "answers": None})
+            page.put(self._curves)
         if self._findings is not None:
             page.put(self._findings)
-        if self._pinned is not None:
-            page.put({"kind": "pinned", "curves": self._pinned})
+        page.put(self._pinned_message())
+        for sentence in self._notes:
+            page.put(_told(sentence))
+        self._notes = ()
 
     # -- the scene ---------------------------------------------------------------------------------
 
@@ -165,7 +169,6 @@ class Session:
         """Do what pages ask, one after the other, until this is cancelled."""
         watching = asyncio.create_task(self._watch())
         try:
-            self._tell()
             await self._paint(None)
             while True:
                 await self._wake.wait()
@@ -185,53 +188,62 @@ class Session:
             else:
                 await self._step(asked)
         except OverwriteError as error:
-            self._refuse(asked, str(error), force=True)
-        except (CamgeoError, JobError) as error:
-            self._refuse(asked, str(error))
-        self._tell()
+            asked.page.put(_refused(asked.said.id, str(error), force=True))
+        except CamgeoError as error:
+            asked.page.put(_refused(asked.said.id, str(error)))
+        for sentence in self.desk.told():
+            self._broadcast(_told(sentence))
 
     async def _change(self, asked: Asked) -> None:
         """Change the text as the page asks, by a job that paints the new text too."""
         arguments = dict(asked.said.arguments)
         gesture = arguments.pop("gesture", "")
-        result = dict(await self._job("change", arguments))
-        text, label = result.pop("text", None), result.pop("label", None)
-        if not isinstance(text, str) or "refused" in result:
-            sentence = str(result.get("refused") or "this cannot be changed so")
-            self._refuse(asked, sentence, faults=result.get("faults", []))
+        try:
+            found = await self._jobs.do("change", arguments)
+            data, painting = found.data, found.text
+        except Refused as error:
+            data = await asyncio.to_thread(self._changed_here, arguments, error)
+            painting = body({"faults": [_fault(str(error))], "label": data["label"]})
+        if "refused" in data or not isinstance(data.get("text"), str):
+            sentence = str(data.get("refused") or "this cannot be changed so")
+            asked.page.put(_refused(asked.said.id, sentence, faults=data.get("faults", [])))
             return
-        self._apply(lambda: self.desk.change(text, str(label or "change"), gesture))
+        label = str(data.get("label") or "change")
+        self._apply(lambda: self.desk.change(data["text"], label, gesture))
         self._painted = self._revision
-        self._show({**result, "label": label}, asked)
+        self._show(painting, asked)
         self._broadcast(self._state())
+
+    def _changed_here(self, arguments: Mapping[str, Any], error: Refused) -> dict[str, Any]:
+        """The changed text without its picture, which takes too long; `error` if it needs one."""
+        desk = self.desk
+        if len(desk.text) > QUICK or not any(key in arguments for key in TEXTUAL):
+            raise error
+        found = edits.changed(desk.text, desk.name or "", desk.folder, arguments)
+        return {"text": found.text, "label": found.label}
 
     async def _step(self, asked: Asked) -> None:
         """Anything but a change by a job: the text is known at once, and painted if it is new."""
-        said, given = asked.said, asked.said.arguments
-        desk = self.desk
+        said, given, desk = asked.said, asked.said.arguments, self.desk
         match said.kind:
             case "text":
                 gesture = given.get("gesture", "")
                 self._apply(lambda: desk.change(given["text"], "text", gesture))
-            case "undo":
-                self._apply(desk.undo)
-            case "redo":
-                self._apply(desk.redo)
-            case "reload":
-                self._apply(desk.reload)
             case "open":
                 self._apply(lambda: desk.open(given["path"]))
             case "new":
                 self._apply(lambda: self._new(given["template"]))
             case "save":
-                await asyncio.to_thread(
-                    desk.save, given.get("path"), force=given.get("force", False)
-                )
+                force = given.get("force", False)
+                await asyncio.to_thread(desk.save, given.get("path"), force=force)
             case "pin" | "unpin":
-                self._pin(said.kind == "pin")
+                self._pinned = self._curves.text.encode() if said.kind == "pin" else None
+                self._broadcast(self._pinned_message())
+            case _:
+                self._apply({"undo": desk.undo, "redo": desk.redo}.get(said.kind, desk.reload))
         self._disk = desk.disk
-        whole = said.kind in ("undo", "redo", "reload", "open", "new")
-        self._broadcast(self._state(whole=whole))
+        self._scenes = list(opened.scenes(desk.folder))
+        self._broadcast(self._state(whole=said.kind in WHOLE))
         if not self._asked and (self._painted != self._revision or said.id is not None):
             await self._paint(asked)
 
@@ -249,90 +261,77 @@ class Session:
         self.desk.begin()
         self.desk.change(text, f"new scene, {name}")
 
-    def _pin(self, pinned: bool) -> None:
-        self._pinned = self._curves if pinned else None
-        self._broadcast({"kind": "pinned", "curves": self._pinned})
-
     # -- what is computed --------------------------------------------------------------------------
 
     async def _paint(self, asked: Asked | None) -> None:
         """Compute the curves of the present text and show them."""
-        revision = self._revision
-        result: Mapping[str, Any] = NOTHING
+        painting = body(EMPTY)
         if self.desk.text.strip():
             try:
-                result = await self._job("curves")
+                painting = (await self._jobs.do("curves")).text
             except CamgeoError as error:
-                result = {"faults": [_fault(str(error))]}
-        self._painted = revision
-        self._show(result, asked)
+                if self._asked:
+                    return  # given up for something newer
+                painting = body({"faults": [_fault(str(error))]})
+        self._painted = self._revision
+        self._show(painting, asked)
         if self._findings is None:
             self._judge()
 
-    def _show(self, result: Mapping[str, Any], asked: Asked | None) -> None:
+    def _show(self, painting: bytes, asked: Asked | None) -> None:
         """Show curves of the present text to all pages."""
-        known = {"kind": "curves", "revision": self._revision, "text": self.desk.text}
-        self._curves = {**result, **known}
+        head = {"revision": self._revision, "text": self.desk.text, "answers": None}
+        self._curves = Message("curves", head, painting)
         for page in self._pages:
             answers = asked.said.id if asked is not None and page is asked.page else None
-            page.put({**self._curves, "answers": answers})
+            page.put(Message("curves", {**head, "answers": answers}, painting))
 
     def _judge(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
+        self._jobs.give_up("findings", PATIENCE, unless="solid")
         if self._judging is None or self._judging.done():
             self._judging = asyncio.create_task(self._find())
 
     async def _find(self) -> None:
         revision = -1
+        found = NOTHING
         while revision != self._revision:
             while revision != self._revision:
                 revision = self._revision
                 await asyncio.sleep(PAUSE)
-            if not self.desk.text.strip():
-                found: Mapping[str, Any] = {"faults": [], "findings": [], "cures": [], "places": []}
-            else:
+            found = body({"faults": [], "findings": [], "cures": [], "places": []})
+            if self.desk.text.strip():
                 try:
-                    found = await self._job("findings")
+                    found = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
-                    found = {"faults": [_fault(str(error))]}
-        self._findings = {**found, "kind": "findings", "revision": revision}
+                    found = body({"faults": [_fault(str(error))]})
+        self._findings = Message("findings", {"revision": revision}, found)
         self._broadcast(self._findings)
 
     async def _answer(self, page: Page, said: Said) -> None:
         """Do a job that one page asks for, and answer it."""
         arguments = dict(said.arguments)
-        if said.kind == "size":
-            arguments = dict(arguments.get("arguments", {}))
         if said.kind in LONG:
-            page.put({"kind": "busy", "what": said.kind})
-        revision = self._revision
+            page.put(Message("busy", {"what": said.kind}))
+        head = {**arguments, "revision": self._revision, "answers": said.id}
         try:
-            result = dict(await self._job(said.kind, arguments))
+            found = await self._jobs.do(said.kind, arguments)
         except CamgeoError as error:
-            page.put({"kind": "refused", "id": said.id, "message": str(error)})
+            page.put(_refused(said.id, str(error)))
             return
+        painting = found.text
         if said.kind == "build":
-            result["files"] = self.files.take(result.get("files", ()))
-        answer = {"kind": ANSWERS[said.kind], "revision": revision, "answers": said.id}
-        page.put({**arguments, **result, **answer})
-
-    async def _job(
-        self, kind: str, arguments: Mapping[str, Any] | None = None
-    ) -> Mapping[str, Any]:
-        """The result of a job for the present text; Refused, JobError if there is none."""
-        file = "" if self.desk.opened is None else str(self.desk.opened.path)
-        folder = self.desk.folder if self.desk.opened is None else self.desk.opened.path.parent
-        job = Job(kind, self.desk.text, file, str(folder), arguments or {})
-        return await asyncio.to_thread(self._compute, job, SECONDS[kind])
+            files = self.files.take(found.data.get("files", ()))
+            painting = body({**found.data, "files": files})
+        page.put(Message(ANSWERS[said.kind], head, painting))
 
     # -- what pages are told -----------------------------------------------------------------------
 
-    def _state(self, *, whole: bool = False) -> dict[str, Any]:
-        """The state of the session; `whole` with the text, and the folder looked at anew."""
+    def _state(self, *, whole: bool = False) -> Message:
+        """The state of the session, `whole` with the text."""
         desk = self.desk
         found = {
-            "kind": "state",
             "revision": self._revision,
             "file": desk.name,
             "saved": desk.saved,
@@ -341,28 +340,20 @@ class Session:
             "disk": self._disk,
             "pinned": self._pinned is not None,
             "folder": str(desk.folder),
+            "folder_files": self._scenes,
             "templates": KINDS,
             "formats": self._formats,
         }
-        if whole:
-            self._scenes = list(opened.scenes(desk.folder))
-            found["text"] = desk.text
-        found["folder_files"] = self._scenes
-        return found
+        return Message("state", {**found, "text": desk.text} if whole else found)
 
-    def _broadcast(self, message: dict[str, Any]) -> None:
+    def _pinned_message(self) -> Message:
+        return Message("pinned", {}, self._pinned or b"null", "curves")
+
+    def _broadcast(self, message: Message) -> None:
         for page in self._pages:
             page.put(message)
 
-    def _tell(self) -> None:
-        for sentence in self.desk.told():
-            self._broadcast({"kind": "told", "message": sentence})
-
-    def _refuse(self, asked: Asked, sentence: str, **more: Any) -> None:
-        message = {"kind": "refused", "id": asked.said.id, "message": sentence, **more}
-        asked.page.put(message)
-
-    def _begin(self, work: Any) -> None:
+    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -374,12 +365,12 @@ class Session:
             if self._unsynced:
                 self._unsynced = False
                 await asyncio.to_thread(self.desk.sync)
-            if self._pages and (disk := self.desk.disk) != self._disk:
+            disk = self.desk.disk
+            if disk != self._disk:
                 self._disk = disk
                 self._broadcast(self._state())
                 if disk != "same":
-                    message = f"{self.desk.name} has been {BECOME[disk]}"
-                    self._broadcast({"kind": "told", "message": message})
+                    self._broadcast(_told(f"{self.desk.name} has been {BECOME[disk]}"))
 
 
 def _replaces(said: Said, waiting: Said) -> bool:
@@ -387,6 +378,14 @@ def _replaces(said: Said, waiting: Said) -> bool:
     gesture = said.arguments.get("gesture")
     alike = said.kind == waiting.kind and said.arguments.keys() == waiting.arguments.keys()
     return bool(gesture) and alike and waiting.arguments.get("gesture") == gesture
+
+
+def _refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
+    return Message("refused", {"id": id_, "message": sentence, **more})
+
+
+def _told(sentence: str) -> Message:
+    return Message("told", {"message": sentence})
 
 
 def _fault(sentence: str) -> dict[str, Any]:

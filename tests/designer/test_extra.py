@@ -1,0 +1,56 @@
+"""The extra that the designer needs: what is missing is named, and nothing else asks for it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import main
+from tests.designer.conftest import MISSING
+
+SETZHUB = str(Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml")
+
+
+@pytest.mark.skipif(
+    bool(MISSING), reason=f"not installed: {', '.join(MISSING)}; see the extra design"
+)
+def test_the_extra_is_installed() -> None:
+    """Without it the tests of the server are left out, and this one says so."""
+    assert MISSING == []
+
+
+@pytest.mark.parametrize("package", ["starlette", "uvicorn", "websockets"])
+def test_a_missing_extra_names_its_pip_line(
+    package: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [*sys.modules]:
+        if name.split(".")[0] in ("camgeo_export", "starlette", "uvicorn", "websockets"):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(SystemExit) as stopped:
+        main(["design", SETZHUB, "--no-browser"])
+    assert stopped.value.code == 2
+    told = capsys.readouterr().err
+    assert package in told
+    assert "pip install 'camgeo[design]'" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["none.toml"], "there is no such file"),
+        ([".."], "there is no such file"),
+        (["--port", "65536"], "from 0 to 65535"),
+        (["--port", "-1"], "from 0 to 65535"),
+        ([SETZHUB, "--port", "x"], "from 0 to 65535"),
+    ],
+)
+def test_wrong_calls_are_told(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        sys.exit(main(["design", *words, "--no-browser"]))
+    assert stopped.value.code == 2
+    assert sentence in capsys.readouterr().err
