@@ -28,12 +28,12 @@ BROKEN: Final = 1011
 
 LOG: Final = logging.getLogger(__name__)
 
-KINDS: Final = {
-    "designer.html": "text/html",
-    "designer.css": "text/css",
-    "designer.js": "text/javascript",
+PAGE: Final = {
+    "designer.html": ("", "text/html"),
+    "designer.css": ("bundle", "text/css"),
+    "designer.js": ("bundle", "text/javascript"),
 }
-"""Files of the page, with their media types."""
+"""Files of the page: their folder in `camgeo_export.browser`, and their media types."""
 
 
 def application(session: Session, address: Address, keys: Keys) -> Guard:
@@ -74,19 +74,13 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
 
 def _source(name: str) -> Callable[[Request], Awaitable[Response]]:
     """What answers with a file of the page."""
+    folder, kind = PAGE[name]
 
     async def answer(_: Request) -> Response:
-        return Response(source(name), media_type=KINDS[name])
+        data = files("camgeo_export.browser").joinpath(folder, name).read_bytes()
+        return Response(data, media_type=kind)
 
     return answer
-
-
-def source(name: str) -> bytes:
-    """A file of the page, as the package has it."""
-    folder = files("camgeo_export.browser").joinpath("bundle")
-    if not folder.joinpath("designer.html").is_file():
-        folder = files("camgeo_export.designer").joinpath("placeholder")
-    return folder.joinpath(name).read_bytes()
 
 
 async def _nothing(_: Request) -> Response:
