@@ -47,6 +47,7 @@ export class Handles {
   readonly exact = el("div", { class: "exact", role: "group" });
   private handles: Handle[] = [];
   private view: ((handle: Handle) => View | null) | null = null;
+  private views = new Map<string, View>(); // at the last drawing
   private chosen: string | null = null;
   private dragged: { name: string; view: View; gesture: string; at: Point; started: boolean; from: Point; offset: Point } | null = null;
   private keyed: { name: string; at: Point; gesture: string; until: number } | null = null;
@@ -72,7 +73,13 @@ export class Handles {
   update(handles: Handle[], view: (handle: Handle) => View | null): void {
     this.handles = handles;
     this.view = view;
-    this.show(handles.filter((each) => view(each)));
+    // First all places are read, then written: a reading that follows a writing lays the page out.
+    this.views = new Map();
+    for (const each of handles) {
+      const found = view(each);
+      if (found) this.views.set(each.name, found);
+    }
+    this.show(handles.filter((each) => this.views.has(each.name)));
     this.choose(this.chosen);
   }
 
@@ -120,7 +127,7 @@ export class Handles {
   }
 
   private put(element: HTMLElement, handle: Handle, at: Point): void {
-    const view = this.dragged?.name === handle.name ? this.dragged.view : this.view?.(handle);
+    const view = this.dragged?.name === handle.name ? this.dragged.view : this.views.get(handle.name);
     if (!view) return;
     const [x, y] = view.part(at);
     element.style.left = `${(100 * x).toFixed(3)}%`;
