@@ -64,6 +64,7 @@ COMMANDS = (
     "machines",
     "slotted-lever",
     "accuracy",
+    "compare",
     "sweep",
     "explain",
     "stability",

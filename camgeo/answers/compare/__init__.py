@@ -1,0 +1,213 @@
+"""What `camgeo compare` finds: a few designs side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, ClassVar, Final
+
+from camgeo.answers.answer import Answer
+from camgeo.answers.check import check
+from camgeo.check.finding import Finding
+from camgeo.check.judge import WORST_FIRST
+from camgeo.design import Design
+from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.scene.keys import Path, spelled
+from camgeo.sweep.asked import Asked, asked_of
+from camgeo.sweep.reading import read
+from camgeo.wording import counted
+
+MOST: Final = 8
+"""Designs that can be told apart in a table and a picture."""
+
+NAME: Final = ("name",)
+"""The key in which all scenes differ, and which says nothing of the design."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """One of the designs.
+
+    Attributes
+    ----------
+    label : that tells it from the others.
+    design : itself.
+    verdict : the worst severity of its findings; empty if only some questions were asked.
+    """
+
+    label: str
+    design: Design
+    verdict: str
+
+    @property
+    def name(self) -> str:
+        """Of the scene."""
+        return self.design.name
+
+    @property
+    def identity(self) -> str:
+        """Of the scene."""
+        return self.design.scene.identity
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of the scenes with its values in the order of the designs, as text; empty if a scene
+    does not state it.
+    """
+
+    key: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What one design answers.
+
+    Attributes
+    ----------
+    value : a number in `unit`, or a word; None if there is none.
+    severity : of the finding; empty if there is none.
+    reason : why there is no value; or empty.
+    """
+
+    value: float | str | None = None
+    unit: str = ""
+    severity: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A finding or a question, with what each design answers."""
+
+    name: str
+    cells: tuple[Cell, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Compare(Answer):
+    """A few designs side by side.
+
+    Attributes
+    ----------
+    designs : in the order given.
+    keys : in which the scenes differ.
+    lines : the findings of all, or what was asked.
+    """
+
+    command: ClassVar[str] = "compare"
+
+    designs: tuple[Compared, ...]
+    keys: tuple[Key, ...]
+    lines: tuple[Line, ...]
+
+
+def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> Compare:
+    """Compare designs with their labels.
+
+    Parameters
+    ----------
+    ask : names, see `camgeo.sweep.asked`; if there are none, all findings of a check.
+
+    Raises
+    ------
+    GeometryError
+        For fewer than two designs, or more than can be told apart.
+    UnknownNameError
+        If no design knows a name that is asked.
+    """
+    if not 2 <= len(designs) <= MOST:
+        message = f"2 to {MOST} designs can be compared, not {counted(len(designs), 'design')}"
+        raise GeometryError(message)
+    if ask:
+        columns = [_answers(design, ask, designs) for _, design in designs]
+        verdicts = [""] * len(designs)
+    else:
+        found = [check(design).everything for _, design in designs]
+        columns = [_findings(each) for each in found]
+        verdicts = [_worst(each) for each in found]
+    names = dict.fromkeys(name for column in columns for name in column)
+    lines = tuple(
+        Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
+    )
+    compared = tuple(
+        Compared(label, design, verdict)
+        for (label, design), verdict in zip(designs, verdicts, strict=True)
+    )
+    return Compare(compared, _differing([design for _, design in designs]), lines)
+
+
+def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
+    """The first finding of each name."""
+    found: dict[str, Cell] = {}
+    for each in findings:
+        value = None if each.value is None else float(each.value)
+        found.setdefault(each.name, Cell(value, each.unit, each.severity))
+    return found
+
+
+def _worst(findings: Sequence[Finding]) -> str:
+    severities = {finding.severity for finding in findings}
+    return next(each for each in WORST_FIRST if each in severities or each == "ok")
+
+
+def _answers(
+    design: Design, ask: Sequence[str], designs: Sequence[tuple[str, Design]]
+) -> dict[str, Cell]:
+    """What a design answers; of a name that only others know, nothing."""
+    found: dict[str, Cell] = {}
+    for word in ask:
+        asked: Asked | None = None
+        try:
+            (asked,) = asked_of(design, [word])
+        except UnknownNameError:
+            asked = next(_known(word, [other for _, other in designs]), None)
+            if asked is None:
+                raise
+            found[asked.word] = Cell(reason="has no such finding or column")
+            continue
+        reading = read(design, asked)
+        found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
+    return found
+
+
+def _known(word: str, designs: Sequence[Design]) -> Iterator[Asked]:
+    for design in designs:
+        try:
+            yield from asked_of(design, [word])
+        except UnknownNameError:
+            continue
+
+
+def _differing(designs: Sequence[Design]) -> tuple[Key, ...]:
+    """The keys at which the scenes do not all state the same."""
+    stated = [dict(_leaves(design.scene.values)) for design in designs]
+    paths = dict.fromkeys(path for values in stated for path in values)
+    found = []
+    for path in paths:
+        values = [values.get(path) for values in stated]
+        if path != NAME and any(value != values[0] for value in values):
+            found.append(Key(spelled(path), tuple(map(_shown, values))))
+    return tuple(found)
+
+
+def _leaves(values: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """The single values of tables and lists, with their paths."""
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _leaves(value, (*path, key))
+    elif isinstance(values, tuple):
+        for index, value in enumerate(values):
+            yield from _leaves(value, (*path, index))
+    else:
+        yield path, values
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:f}" if isinstance(value, Decimal) and abs(value) < 1e15 else str(value)

@@ -1,0 +1,92 @@
+"""The result of `camgeo compare`, rendered as text, as JSON and as a picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from camgeo.answers.check import check
+from camgeo.answers.compare import Compare, compare
+from camgeo.answers.render import figure, text
+from camgeo.design import Design
+from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.figure.marks import Line
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES, document
+from tests.sweep.families import SETZHUB
+
+OTHER = SETZHUB.with_values({"follower.base_radius": 46, "name": "other", "limits.radius_ratio": 1})
+
+
+def compared(*ask: str) -> Compare:
+    return compare([("a", Design(SETZHUB)), ("b", Design(OTHER))], ask)
+
+
+def test_findings_are_those_of_a_check_side_by_side() -> None:
+    answer = compared()
+    reported = document(answer)
+    for number, scene in enumerate((SETZHUB, OTHER)):
+        found = check(Design(scene)).everything
+        for name in {each.name for each in found}:
+            first = next(each for each in found if each.name == name)
+            (line,) = (line for line in reported["findings"] if line["name"] == name)
+            cell = line["values"][number]
+            assert (cell["value"], cell["severity"]) == (first.value, first.severity)
+    assert [each["verdict"] for each in reported["designs"]] == ["ok", "broken"]
+    assert reported["keys"] == [
+        {"key": "follower.base_radius", "values": ["50.199", "46"]},
+        {"key": "limits.radius_ratio", "values": ["0.7", "1"]},
+    ]
+    lines = text(answer).splitlines()
+    assert lines[0].split() == ["a", "b"]
+    (angle,) = (line for line in lines if line.startswith("transmission-angle"))
+    assert angle.endswith(" deg BROKEN")
+
+
+def test_only_what_is_asked_is_computed() -> None:
+    answer = compared("transmission-angle", "peak:a")
+    document(answer)
+    assert [line.name for line in answer.lines] == ["transmission-angle", "peak:a"]
+    for each in answer.designs:
+        assert each.verdict == ""
+        names = {run.name for run in each.design.ledger.runs}
+        assert names <= {"motion", "pitch_curve", "time_course", "smooth_angles"}
+
+
+def test_what_only_one_design_has() -> None:
+    lever = Design(load_scene(FIXTURES / "effects" / "lever.toml"))
+    answer = compare([("a", Design(SETZHUB)), ("b", lever)], ["peak:contact-force"])
+    (line,) = answer.lines
+    assert line.cells[0].reason == "has no such finding or column"
+    assert isinstance(line.cells[1].value, float)
+    assert "a: peak:contact-force: has no such finding or column" in text(answer)
+    with pytest.raises(UnknownNameError, match="there is no finding"):
+        compared("no-such-finding")
+
+
+def test_the_picture_has_a_line_for_each_design_in_each_panel() -> None:
+    shown = figure(compared("laws"))
+    disc, *diagrams = shown.panels
+    assert disc.equal
+    assert len(diagrams) == 3
+    for panel in diagrams:
+        lines = [mark for mark in panel.marks if isinstance(mark, Line)]
+        assert len(lines) == 2
+        assert all(np.all(np.isfinite(line.points)) for line in lines)
+    assert [entry.label for entry in shown.legend.entries] == ["a", "b"] if shown.legend else False
+    assert [panel.y.label for panel in diagrams] == ["s [mm]", "a [mm/s²]",
+                                                     "transmission angle μ [°]"]  # fmt: skip
+
+
+def test_a_scene_without_follower_is_compared_too() -> None:
+    bare = SETZHUB.with_values({"follower": None, "linkage": None, "part": None, "tool": None,
+                                "holding": None, "output": None, "limits": None})  # fmt: skip
+    answer = compare([("a", Design(bare)), ("b", Design(SETZHUB))])
+    document(answer)
+    assert len(figure(answer).panels) == 4
+
+
+@pytest.mark.parametrize("count", [1, 9])
+def test_too_few_and_too_many(count: int) -> None:
+    with pytest.raises(GeometryError, match="2 to 8 designs can be compared"):
+        compare([(str(k), Design(SETZHUB)) for k in range(count)])

@@ -1,0 +1,48 @@
+"""`camgeo compare`: scenes, files, messages."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.compare import labels_of
+from camgeo.cli.main import main
+from tests.sweep.families import FIXTURES, SETZHUB
+
+Capture = pytest.CaptureFixture[str]
+
+SCENE = str(FIXTURES / "scenes" / "setzhub.toml")
+
+
+def test_a_table_and_a_picture(tmp_path: Path, capsys: Capture) -> None:
+    other, picture = tmp_path / "wide.toml", tmp_path / "both.svg"
+    other.write_text(SETZHUB.with_values({"follower.base_radius": 55}).to_toml())
+    ask = ["--ask", "transmission-angle,peak:a"]
+    assert main(["compare", SCENE, str(other), *ask, "-o", str(picture)]) == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines()[0].split() == ["setzhub", "wide"]
+    assert err == f"{picture}: flanks, motion, acceleration, mu\n"
+    assert picture.read_bytes().startswith(b"<?xml")
+    assert main(["compare", SCENE, str(other), *ask, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [each["label"] for each in found["designs"]] == ["setzhub", "wide"]
+
+
+def test_labels_tell_designs_apart() -> None:
+    assert labels_of(["a/x.toml", "b/y.toml"]) == ["x", "y"]
+    assert labels_of(["a/x.toml", "b/x.toml"]) == ["a/x.toml", "b/x.toml"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([SCENE], "2 to 8 designs can be compared, not 1 design"),
+        ([SCENE, "none.toml"], "none.toml: 1 fault"),
+        ([SCENE, SCENE, "--ask", "mu"], 'ask for "peak:mu"'),
+    ],
+)
+def test_wrong_calls(words: list[str], message: str, capsys: Capture) -> None:
+    assert main(["compare", *words]) == 2
+    assert message in capsys.readouterr().err
