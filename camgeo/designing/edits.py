@@ -17,7 +17,7 @@ from camgeo.designing.given import Given, refusal
 from camgeo.designing.handles import dragged
 from camgeo.designing.labels import label_of
 from camgeo.designing.mechanisms import other_table
-from camgeo.designing.segments import changed_segments
+from camgeo.designing.segments import changed_segments, with_a_point
 from camgeo.designing.snapping import styled
 from camgeo.designing.spans import Neighbours, is_fixed, span_key, spans_of, total
 from camgeo.designing.switching import switched
@@ -133,9 +133,11 @@ def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
 def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`handle`: the name of one, dropped at `to`, in steps of `step`."""
     name = arguments["handle"]
-    label, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
+    handle, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
     after = edited(given.tree, edits)
-    return after, label_of(edits, _units(after, edits)) if edits else label
+    # What a joint takes from the segment behind it goes without saying.
+    told = {key: edits[key] for key in handle.keys if key in edits}
+    return after, label_of(told, _units(after, told)) if told else handle.label
 
 
 def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
@@ -150,7 +152,7 @@ def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
 
 
 def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
-    """`sized`: values by key, those that differ in the scene of `camgeo size`."""
+    """`sized`: values by key, as of `camgeo.answers.size.writing.edits_with`."""
     edits = _edits(arguments["sized"])
     return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
 
@@ -175,18 +177,6 @@ def edits_of_cure(cure: Cure) -> dict[str, Any]:
     return {cure.key: cure.value_to} | {each.key: each.value_to for each in cure.also}
 
 
-def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
-    """The values by key that make `after` of `before`, both as of `Scene.values`; lists whole."""
-    found: dict[str, Any] = {}
-    for key in {**before, **after}:
-        one, other = before.get(key), after.get(key)
-        if isinstance(one, Mapping) and isinstance(other, Mapping):
-            found |= {f"{key}.{inner}": each for inner, each in differences(one, other).items()}
-        elif one != other:
-            found[key] = list(other) if isinstance(other, tuple) else other
-    return found
-
-
 # -- what goes with a change -----------------------------------------------------------------------
 
 
@@ -205,7 +195,10 @@ def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _suiting_law(given: Given, after: Tree, path: Path) -> Tree:
-    """The tree without the parameters that the law at `path` does not take."""
+    """The tree without the parameters that the law at `path` does not take; with a point to start
+    from for a motion through points.
+    """
+    after = with_a_point(after, int(path[1]))
     wrong = {path_of(fault.key) for fault in given.faults(given.tree)}
 
     def may(misfit: Path) -> bool:

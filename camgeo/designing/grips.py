@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from camgeo.cam.breadth import Yoke
 from camgeo.errors import GeometryError
 from camgeo.mechanism.conjugate import Mount
 from camgeo.mechanism.follower import Follower
@@ -77,17 +78,17 @@ class Grip:
 
 
 @singledispatch
-def grips_of(follower: Follower, yoked: bool) -> Iterator[Grip]:
-    """The grips of a follower; `yoked` if it has a yoke, and so no offset.
+def grips_of(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
+    """The grips of a follower, perhaps with a `yoke`, and then without an offset.
 
     None unless they are registered for its class.
     """
-    del follower, yoked
+    del follower, yoke
     yield from ()
 
 
 @grips_of.register
-def _(follower: TranslatingRoller, yoked: bool) -> Iterator[Grip]:
+def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
     def centre(to: complex) -> Sizes:
@@ -96,16 +97,16 @@ def _(follower: TranslatingRoller, yoked: bool) -> Iterator[Grip]:
             raise GeometryError("must stay on its side of the cam axis", "follower.base_radius", "")
         return {"follower.base_radius": Size(abs(to)), "follower.offset": Size(-seen.imag)}
 
-    yield _base_circle(-outward, follower.base_radius)
-    if not yoked:
+    yield _base_circle(follower, -outward, yoke)
+    if yoke is None:
         yield Grip("roller centre", "arm", follower.start_arm, "xy", centre)
     yield from _roller("roller", "follower.", follower.start_arm, follower, -1j * outward)
     yield _guide(follower, follower.guide_angle)
 
 
 @grips_of.register
-def _(follower: OscillatingRoller, yoked: bool) -> Iterator[Grip]:
-    del yoked
+def _(follower: OscillatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
+    del yoke
     pivot, here = follower.pivot, follower.pivot + follower.start_arm
 
     def centre(to: complex) -> Sizes:
@@ -118,28 +119,27 @@ def _(follower: OscillatingRoller, yoked: bool) -> Iterator[Grip]:
         return {"follower.arm": Size(abs(arm)), "follower.base_radius": Size(abs(to))}
 
     yield _pivot(pivot)
-    yield _base_circle(-pivot, follower.base_radius)
+    yield _base_circle(follower, -pivot, None)
     yield Grip("roller centre", "arm", here, "xy", centre)
     yield from _roller("roller", "follower.", here, follower, follower.start_arm)
 
 
 @grips_of.register
-def _(follower: TranslatingFlat, yoked: bool) -> Iterator[Grip]:
-    del yoked
+def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
     def face(to: complex) -> Sizes:
-        return {"follower.base_radius": Size((to * outward.conjugate()).real)}
+        return _base_radius(follower, (to * outward.conjugate()).real, yoke)
 
-    yield _base_circle(-outward, follower.base_radius)
+    yield _base_circle(follower, -outward, yoke)
     yield Grip("face", "base-circle", follower.base_radius * outward, "radial", face)
     yield from _face_ends(follower)
     yield _guide(follower, follower.guide_angle)
 
 
 @grips_of.register
-def _(follower: OscillatingFlat, yoked: bool) -> Iterator[Grip]:
-    del yoked
+def _(follower: OscillatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
+    del yoke
     pivot, foot = follower.pivot, follower.pivot + follower.start_arm
     sign = math.copysign(1.0, follower.face_offset)
 
@@ -147,7 +147,7 @@ def _(follower: OscillatingFlat, yoked: bool) -> Iterator[Grip]:
         return {"follower.face_offset": Size(sign * abs(to - pivot))}
 
     yield _pivot(pivot)
-    yield _base_circle(-pivot, follower.base_radius)
+    yield _base_circle(follower, -pivot, None)
     if follower.face_offset:
         yield Grip("face offset", "face", foot, "radial", offset)
     yield from _face_ends(follower)
@@ -207,13 +207,22 @@ def _pivot(pivot: complex) -> Grip:
     return Grip("pivot", "pivot", pivot, "xy", lambda to: {"follower.pivot": point(to)})
 
 
-def _base_circle(way: complex, radius: float) -> Grip:
+def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
     """The base circle, held on the side that looks away from the follower."""
-    at = radius * way / abs(way)
+    at = follower.base_radius * way / abs(way)
     return Grip(
         "base circle", "base-circle", at, "radial",
-        lambda to: {"follower.base_radius": Size(abs(to))},
+        lambda to: _base_radius(follower, abs(to), yoke),
     )  # fmt: skip
+
+
+def _base_radius(follower: Follower, radius: float, yoke: Yoke | None) -> Sizes:
+    """The base radius, and the breadth of a yoke, both of whose sides move as far."""
+    sizes = {"follower.base_radius": Size(radius)}
+    if yoke is not None and yoke.breadth is not None:
+        breadth = yoke.breadth + 2.0 * (radius - follower.base_radius)
+        sizes["follower.yoke.breadth"] = Size(breadth)
+    return sizes
 
 
 def _roller(

@@ -7,6 +7,7 @@ there.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -29,6 +30,8 @@ from camgeo.units import MM_PER
 
 FARTHEST: Final = 1e9
 """Magnitude of the coordinates of a place, as of a scene."""
+
+LAST_POSITION: Final = re.compile(r"\[\d+\]$")
 
 Place = tuple[float, float]
 Edits = Mapping[str, Any]
@@ -80,6 +83,11 @@ class Handle:
     values: tuple[Value, ...]
     edits: Callable[[Place, Place], Edits] = field(repr=False)
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Of the scene, which it changes: those of lists as a whole."""
+        return tuple(dict.fromkeys(LAST_POSITION.sub("", each.key) for each in self.values))
+
     def to_data(self) -> dict[str, Any]:
         """For JSON, without the way back."""
         return {
@@ -102,8 +110,8 @@ def handles(design: Design) -> tuple[Handle, ...]:
     return (*_of_plan(design), *(_of_grip(design.scene, each) for each in _grips(design)))
 
 
-def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[str, Edits]:
-    """What the handle `name` is called, and the values of the scene with it dropped at `to`.
+def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handle, Edits]:
+    """The handle `name`, and the values of the scene with it dropped at `to`.
 
     Parameters
     ----------
@@ -126,7 +134,7 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[str, 
         edits = handle.edits(place, _steps(step))
     except GeometryError as error:
         raise SceneError([Fault(error.key, error.value, error.message)]) from error
-    return handle.label, edits
+    return handle, edits
 
 
 def _grips(design: Design) -> Iterator[Grip]:
@@ -134,7 +142,7 @@ def _grips(design: Design) -> Iterator[Grip]:
     scene = design.scene
     if scene.follower is None:
         return
-    yield from grips_of(scene.follower, scene.yoke is not None)
+    yield from grips_of(scene.follower, scene.yoke)
     if scene.mount is not None and scene.returning is not None:
         yield from return_grips(scene.follower, scene.mount, scene.returning)
     if scene.linkage is not None:

@@ -40,7 +40,7 @@ def _named(key: str, value: Any, unit: str) -> str:
     path = path_of(key) or ()
     title = title_of(path)
     if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
-        title = f"{title} of segment {path[1] + 1}"
+        title = f"segment {path[1] + 1} {title}"
     if value is None:
         return f"{title} removed"
     gap = "" if unit == "°" else " "

@@ -125,6 +125,17 @@ def _to_dwell(motion: Motion, at: int) -> Iterator[Motion]:
     yield from _returning([*motion[:at], rest, *motion[at + 1 :]])
 
 
+def with_a_point(tree: Tree, at: int) -> Tree:
+    """The tree with a point in the middle of a segment that goes through points but has none."""
+    motion = tree["motion"]
+    segment = motion[at]
+    span = span_of(segment)
+    if segment.get("law") != "points" or "points" in segment or not span:
+        return tree
+    point = {"at": styled(span / 2, 0), "to": _between(_level(motion, at), segment.get("to"))}
+    return {**tree, "motion": [*motion[:at], {**segment, "points": [point]}, *motion[at + 1 :]]}
+
+
 def _returning(motion: Motion) -> Iterator[Motion]:
     """The motion, and the same with a last move that returns to 0."""
     yield motion

@@ -12,7 +12,14 @@ from camgeo.scene.new import TEMPLATES
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures"
 FOLDERS = (FIXTURES / "scenes", FIXTURES / "effects", FIXTURES / "pairs", TEMPLATES)
 FILES = [path for folder in FOLDERS for path in sorted(folder.glob("*.toml"))]
-NAMES = [f"{path.parent.name}-{path.stem}" for path in FILES]
+
+
+def name_of(file: pathlib.Path) -> str:
+    """What tests call a file."""
+    return f"{file.parent.name}-{file.stem}"
+
+
+NAMES = [name_of(path) for path in FILES]
 
 
 @functools.cache

@@ -125,6 +125,15 @@ def test_a_handle_stays_on_its_side(shift: complex) -> None:
     assert caught.value.faults[0].key == "follower.arm_side"
 
 
+def test_a_yoke_moves_with_the_base_circle() -> None:
+    own = design(FILES[NAMES.index("scenes-constant_breadth")])
+    for name in ("base circle", "face"):
+        at = handle(own, name).at
+        to = [1.25 * each for each in at]
+        edits = dragged(own, name, to, 0.5)[1]
+        assert edits == {"follower.base_radius": 35, "follower.yoke.breadth": 80}
+
+
 def test_handles_of_the_plan_are_in_its_panel() -> None:
     figure = motion.figure(SETZHUB.disc)
     for each in handles(SETZHUB):
