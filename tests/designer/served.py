@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import uvicorn
 from websockets import Origin
 from websockets.sync.client import ClientConnection, connect
 
@@ -56,12 +57,14 @@ class Served:
     ----------
     desk : what it serves.
     session : of its pages.
+    server : that runs.
     keys : that let in.
     port : at which it listens.
     """
 
     desk: Desk
     session: Session
+    server: uvicorn.Server
     keys: Keys
     port: int
 
@@ -143,7 +146,7 @@ def served(folder: Path, name: str | None = None, compute: Compute = computed) -
         thread = threading.Thread(target=asyncio.run, args=(serve(),))
         thread.start()
         try:
-            yield Served(desk, session, keys, address.port)
+            yield Served(desk, session, server, keys, address.port)
         finally:
             server.should_exit = True
             thread.join()

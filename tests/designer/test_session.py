@@ -160,7 +160,10 @@ def test_refusals_are_sentences(folder: Path) -> None:
             page.hear("state", saved=7)
 
 
-def test_a_file_changed_on_disk_is_told_and_not_overwritten(folder: Path) -> None:
+def test_a_file_changed_on_disk_is_told_and_not_overwritten(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("camgeo_export.designer.session.EVERY", 0.02)
     with served(folder, "cam.toml") as server, server.page() as page:
         page.say("hello")
         page.say("change", id=1, edits={"a": 2})

@@ -26,7 +26,8 @@ from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.session import Session
 
 MOST_CONNECTIONS: Final = 64
-"""Connections at the same time; more are closed at once. A page needs two or three."""
+"""Connections at the same time, of which a page needs two or three. For each one more the oldest is
+closed that is no page's socket, so silent ones keep nobody out."""
 
 HEAD: Final = 16_384
 """Bytes of the head of a request."""
@@ -41,18 +42,24 @@ END: Final = 2
 
 
 class Connection(H11Protocol):
-    """A connection that is refused if there are too many, and closed if nothing comes of it."""
+    """A connection that is closed if nothing comes of it, or if there are too many."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # uvicorn narrows it too
         super().connection_made(transport)
-        if len(self.connections) > MOST_CONNECTIONS:
-            transport.abort()
-            return
+        self.made = self.loop.time()
         self.loop.call_later(PATIENCE, self._give_up)
+        if len(self.connections) > MOST_CONNECTIONS:
+            found = (each for each in self.connections if isinstance(each, Connection))
+            min(found, key=lambda each: each.made).abort()
+
+    def abort(self) -> None:
+        """Close it at once, whatever it does."""
+        self.transport.abort()
+        self.connections.discard(self)
 
     def _give_up(self) -> None:
         if self in self.connections and not self.headers:  # None until there is a request
-            self.transport.abort()
+            self.abort()
 
 
 def listening(host: str, port: int) -> socket.socket:
