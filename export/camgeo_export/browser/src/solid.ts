@@ -56,6 +56,7 @@ export class Solid {
   private readonly themes = [window.matchMedia("(prefers-color-scheme: dark)"), window.matchMedia("print")];
   private readonly paint = () => this.draw();
   private view = { ...FIRST };
+  private shape: number; // height of the picture, in widths
   private reach = 1; // half the length of the box around the body
 
   // Null where there is no WebGL.
@@ -65,6 +66,7 @@ export class Solid {
   }
 
   private constructor(private readonly canvas: HTMLCanvasElement, context: WebGL2RenderingContext) {
+    this.shape = canvas.height / canvas.width;
     this.renderer = new WebGLRenderer({ canvas, context, preserveDrawingBuffer: true });
     this.scene.add(this.body, this.edges, new AmbientLight("white", 1.1), this.camera);
     this.camera.add(this.light, this.light.target);
@@ -121,13 +123,15 @@ export class Solid {
       each.material.dispose();
     }
     this.renderer.dispose();
+    this.renderer.forceContextLoss(); // a browser has few contexts, and else keeps this one
   }
 
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
-    const shape = clientWidth && clientHeight ? clientHeight / clientWidth : this.canvas.height / this.canvas.width;
+    // What is laid out in whole pixels is no reason for another shape.
+    if (clientWidth && Math.abs(clientHeight - this.shape * clientWidth) > 1.5) this.shape = clientHeight / clientWidth;
     const wide = Math.max(LEAST, Math.round(clientWidth * Math.min(window.devicePixelRatio, DENSEST)));
-    this.renderer.setSize(wide, Math.round(wide * shape), false);
+    this.renderer.setSize(wide, Math.round(wide * this.shape), false);
     this.draw();
   }
 
