@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.check.finding import Finding, forbidding
-from camgeo.displayed import Brief
+from camgeo.displayed import Displayed
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.judged_part import findings_on
@@ -62,7 +62,7 @@ class FileReport:
 
 
 @dataclass(frozen=True, slots=True)
-class Report(Brief):
+class Report(Displayed):
     """What was written.
 
     Attributes

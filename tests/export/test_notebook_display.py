@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 from dataclasses import replace
 from functools import cache
@@ -17,9 +18,12 @@ import pytest
 import camgeo
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
 from camgeo.answers.refusal import refusal
+from camgeo.answers.render import text as render_text
 from camgeo.answers.report import Report, report
 from camgeo.answers.size import size
+from camgeo.answers.sweep import Sweep, answer_of
 from camgeo.answers.table import ValueTable, table_of_scene
+from camgeo.answers.verify import Verification, verify
 from camgeo.check.finding import Finding, Findings
 from camgeo.cli.main import main
 from camgeo.design import Design
@@ -27,9 +31,16 @@ from camgeo.displayed import Displayed
 from camgeo.errors import GeometryError, SceneError
 from camgeo.figure.marks import Text
 from camgeo.motion.laws import make_law
+from camgeo.motion.laws.comparison import Running
 from camgeo.product.value_table import Table
+from camgeo.sweep.stated import family_of
+from camgeo.sweep.sweep import sweep
+from camgeo.verifying.verification import Check as Checked
+from camgeo.verifying.verification import Verdict
+from camgeo.writing.write import FileReport
+from camgeo.writing.write import Report as Written
 from camgeo_export.notebook.markup import BADGES, HEAD, TAIL
-from camgeo_export.plots.render import render
+from camgeo_export.plots.render import Picture, render
 from tests.hostile_scene import HOSTILE, Page, harmless
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -45,6 +56,12 @@ def design(name: str) -> Design:
 @cache
 def gathered() -> Report:
     return report(design("plate_translating"), quick=True)
+
+
+@cache
+def swept() -> Sweep:
+    family = family_of(design("plate_translating").scene, ["motion.2.law=modified-sine,none"])
+    return answer_of(sweep(family, ["transmission-angle"]))
 
 
 def html(value: Displayed) -> str:
@@ -66,6 +83,7 @@ def written(text: str) -> list[Displayed]:
     law = make_law("polynomial-345", "R-R")
     chart = replace(told.charts[0], title=text, readings=())
     figure = told.charts[0].figure
+    span = swept().spans[0]
     return [
         wrong,
         Findings([wrong, replace(wrong, severity="ok")]),
@@ -76,6 +94,22 @@ def written(text: str) -> list[Displayed]:
         replace(told, charts=(chart,), left_out=(text,)),
         replace(figure, texts=(Text(text, (0.5, 0.5), 8.0, "figure"),), rows=(), panels=()),
         refusal(SceneError([camgeo.Fault(text, text, text, text)], text)),
+        Written((Path(text),), (FileReport(text, text, 1, 1e-3, 1e-4, {}, (wrong,)),)),
+        Verification(
+            (Path(text),),
+            (
+                Verdict(
+                    text,
+                    text,
+                    "",
+                    1,
+                    ("", ""),
+                    (1e-3, text),
+                    (Checked(text, text, text, text, None, text, ok=False, note=text),),
+                ),
+            ),
+        ),
+        replace(swept(), reasons={text: 1}, failed=1, spans=(replace(span, word=text, unit=text),)),
     ]
 
 
@@ -180,6 +214,42 @@ def test_laws_are_shown_with_their_values_and_curves() -> None:
     assert "image/png" not in tasks._repr_mimebundle_()
 
 
+def test_laws_of_a_move_have_its_peaks_too() -> None:
+    move = Running(speed=3.0 * math.pi, span=math.radians(90.0), stroke=40.0)
+    found = laws_of_task("R-R", {}, ["modified-sine", "straight-line"], running=move)
+    told = texts(found)
+    assert "a [mm/s^2]" in told
+    assert "7960.3" in told  # S (omega/Phi)^2 C_a, C_a = 5.528
+    assert render_text(found) in told
+
+
+def test_written_files_are_shown_with_what_is_proved(tmp_path: Path) -> None:
+    one = design("plate_translating")
+    found = one.write(tmp_path, ["dxf", "csv"])
+    told = texts(found)
+    for each in found.files:
+        assert f"{each.name} {each.format} {each.size:,}" in told
+    assert f"{found.files[0].deviation:.3g} 0.001" in told
+    assert str(tmp_path) in told
+    passed = verify(found.paths[:-1], scene=SCENES / "plate_translating.toml")
+    assert texts(passed).count("✓ pass") == 2
+    drawing = tmp_path / "broken.dxf"
+    drawing.write_bytes(found.paths[0].read_bytes()[:-20])
+    assert "✗ FAIL broken.dxf" in texts(verify((drawing,)))
+
+
+def test_a_sweep_is_shown_row_by_row() -> None:
+    rows = re.findall(r"<tr>(.*?)</tr>", html(swept()))
+    assert len(rows) == 3
+    assert "motion[2].law" in rows[0]
+    assert "modified-sine" in rows[1]
+    assert "none" in rows[2]
+    assert "must be" in rows[2]
+    many = replace(swept(), count=1_000)
+    assert "<table" not in html(many)
+    assert "least" in texts(many)
+
+
 def test_answers_with_a_picture_show_it() -> None:
     found = size(design("plate_translating"))
     assert "present design" in texts(found)
@@ -195,12 +265,16 @@ def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
     assert main(["plot", scene, "motion", "curvature", "-o", str(picture)]) == 0
     made = design("plate_translating").plot("motion", "curvature")
     assert isinstance(made, matplotlib.figure.Figure)
+    assert isinstance(made, Picture)
     made.savefig(tmp_path / "b.png")
     assert (tmp_path / "b.png").read_bytes().startswith(PNG)
     from camgeo.figure.plots import of_design
     from camgeo_export.plots.render import saved
 
     assert saved(made, ".svg") == picture.read_bytes()
+    data, told = made._repr_mimebundle_()
+    assert data["image/png"] == made._repr_png_()
+    assert told["image/png"]["width"] == 7.0 * 96.0
     figure, names = of_design(design("plate_translating"), ("motion", "curvature"))
     assert names == ["motion", "curvature"]
     assert render(figure, ".svg") == picture.read_bytes()

@@ -14,6 +14,7 @@ import traitlets
 import camgeo
 from camgeo.design import Design
 from camgeo.designing.painting import painted
+from camgeo.designing.recent import Recent
 from camgeo.errors import CamgeoError
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.notebook.viewer import viewer
@@ -30,7 +31,7 @@ def design() -> Design:
 def test_a_view_has_what_is_drawn_and_the_script_that_draws_it(design: Design) -> None:
     view = design.view()
     state = view.get_state()
-    assert state["data"] == painted(design)
+    assert state["data"] == painted(design, Recent())
     assert state["_esm"] == bundle("viewer.js")
     assert state["angle"] == 0.0
     assert len(json.dumps(state["data"], allow_nan=False)) < 200_000
@@ -59,7 +60,7 @@ def test_another_design_is_shown_at_the_same_angle(design: Design) -> None:
     larger = Design(design.scene.with_values({"follower.base_radius": 80}))
     view.show(larger)
     assert view.angle == 30.0
-    assert view.data == painted(larger) != painted(design)
+    assert view.data == painted(larger, Recent()) != painted(design, Recent())
 
 
 def test_a_motion_alone_has_its_diagrams() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from html import escape
@@ -12,10 +12,14 @@ from typing import Any
 from camgeo.answers import render
 from camgeo.answers.answer import MARKS, Answer
 from camgeo.answers.check import Check
-from camgeo.answers.laws import LawRow, Laws
+from camgeo.answers.laws import UNITS, LawRow, Laws
 from camgeo.answers.report import Report, advised
 from camgeo.answers.report.steps import next_step
+from camgeo.answers.sweep import Sweep
+from camgeo.answers.sweep.rendering import FEW, headed
+from camgeo.answers.sweep.rendering import shown as cell
 from camgeo.answers.table import ValueTable
+from camgeo.answers.verify import Verification
 from camgeo.check.finding import Finding, Findings
 from camgeo.check.judge import Judgement
 from camgeo.design import Design
@@ -28,10 +32,15 @@ from camgeo.motion.laws.comparison import QUANTITIES, entry_of
 from camgeo.motion.laws.law import Law
 from camgeo.product.value_table import Table
 from camgeo.wording import counted
+from camgeo.writing.write import Report as Written
 from camgeo_export.notebook import markup
 
 SYMBOLS = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
 """Of QUANTITIES, as in VDI 2143."""
+
+
+PEAKS = ("v", "a", "a*", "jerk", "jerk*", "M/m", "M/m*")
+"""Of the same of a move; M/m is the torque against the inertia of 1 kg."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +184,13 @@ def _(value: Check) -> Shown:
     cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in value.cures]
     items = "".join(f"<li>{escape(each)}</li>" for each in cures)
     listed = f"<p>Any one of these cures the undercut:</p><ul>{items}</ul>" if cures else ""
-    return Shown(markup.heading(value.scene.name) + markup.findings(found) + listed)
+    table = markup.heading(value.scene.name) + markup.findings(found) + listed
+    return Shown(table + _as_text(value))
+
+
+def _as_text(value: Answer) -> str:
+    """What the command prints, which has numbers that the table lacks."""
+    return markup.folded("as text", markup.preformatted(render.text(value)))
 
 
 @shown.register
@@ -203,7 +218,24 @@ def _(value: Laws) -> Shown:
         return Shown(markup.rows_of(("task", "from, to", "laws"), told, numbers=False))
     rows = [[escape(cell) for cell in _of_law(row)] for row in value.rows]
     table = markup.rows_of(("law", "parameters", *SYMBOLS), rows, numbers=False)
+    table += _of_move(value.rows) + _as_text(value)
     return Shown(table, render.figure(value), "f', f'', f''' and f' f'' of each law over the move")
+
+
+def _of_move(rows: Sequence[LawRow]) -> str:
+    """The same values of a move at its speed; nothing without one."""
+    moved = [(row.entry.name, row.physical) for row in rows if row.physical is not None]
+    if not moved:
+        return ""
+    heads = [f"{symbol} [{unit}]" for symbol, unit in zip(PEAKS, UNITS, strict=True)]
+    found = [
+        [
+            escape(name),
+            *("unbounded" if e is None else f"{e.value + 0.0:.5g}" for e in own.values()),
+        ]
+        for name, own in moved
+    ]
+    return markup.rows_of(("law", *heads), found, numbers=False)
 
 
 def _of_law(row: LawRow) -> list[str]:
@@ -213,3 +245,57 @@ def _of_law(row: LawRow) -> list[str]:
     numbers = [row.entry.bounded(each) for each in QUANTITIES]
     cells = ("unbounded" if each is None else f"{each + 0.0:.6g}" for each in numbers)
     return [row.entry.name, given, *cells]
+
+
+@shown.register
+def _(value: Written) -> Shown:
+    """Each file with what is proved of it."""
+    heads = ("file", "format", "bytes", "proved deviation [mm]", "tolerance [mm]")
+    rows = [
+        (
+            escape(each.name),
+            escape(each.format),
+            f"{each.size:,}",
+            "-" if each.deviation is None else f"{each.deviation:.3g}",
+            f"{each.tolerance:g}",
+        )
+        for each in value.files
+    ]
+    told = [("", finding, "") for each in value.files for finding in each.findings]
+    below = markup.findings(told) if told else ""
+    folder = {str(path.parent) for path in value.paths}
+    table = markup.rows_of(heads, rows, numbers=False)
+    return Shown(table + markup.paragraph(", ".join(sorted(folder))) + below)
+
+
+@shown.register
+def _(value: Verification) -> Shown:
+    """Each file with its verdict and with the checks that it fails; all of them are folded."""
+    rows = []
+    for path, verdict in zip(value.paths, value.verdicts, strict=True):
+        failed = [f"{each.name} {each.of}".rstrip() for each in verdict.checks if each.ok is False]
+        off, tolerance = verdict.deviation, verdict.tolerance
+        rows.append(
+            (
+                markup.badge("ok", "pass") if verdict.passed else markup.badge("broken", "FAIL"),
+                escape(path.name),
+                "-" if off is None else f"{off:.3g}",
+                "-" if tolerance is None else f"{tolerance[0]:g}, by {escape(tolerance[1])}",
+                escape(", ".join(failed)),
+            )
+        )
+    heads = ("verdict", "file", "deviation [mm]", "tolerance [mm]", "fails")
+    return Shown(markup.rows_of(heads, rows, numbers=False) + _as_text(value))
+
+
+@shown.register
+def _(value: Sweep) -> Shown:
+    """The rows of a small family; of a larger one what the command prints."""
+    if value.count > FEW:
+        return Shown(markup.preformatted(render.text(value)))
+    heads = [*value.keys, *map(headed, value.spans), *(["reason"] if value.failed else [])]
+    rows = []
+    for each in value.designs:
+        cells = [*map(cell, (*each.values.values(), *each.answers.values()))]
+        rows.append([escape(text) for text in (*cells, each.reason)][: len(heads)])
+    return Shown(markup.rows_of(heads, rows, numbers=False))

@@ -28,6 +28,11 @@ NUMBERS: Final = "text-align:right;font-variant-numeric:tabular-nums;white-space
 TEXTS: Final = ' style="text-align:left;vertical-align:top"'
 """Of each cell: front ends align those of tables to the right."""
 
+ALIGNED: Final = (
+    "font-family:monospace;white-space:pre;word-break:normal;overflow-x:auto;line-height:1.3"
+)
+"""Of text with columns: front ends wrap it, and letter it as they do sentences."""
+
 BADGE: Final = "padding:0 .4em;border-radius:.2em;white-space:nowrap;font-weight:bold"
 
 BADGES: Final[dict[Severity, tuple[str, str]]] = {
@@ -52,7 +57,7 @@ def heading(text: str, more: str = "") -> str:
 
 def preformatted(text: str) -> str:
     """Lines that are aligned by spaces."""
-    return f'<pre style="overflow-x:auto;line-height:1.3">{escape(text)}</pre>'
+    return f'<pre style="{ALIGNED}">{escape(text)}</pre>'
 
 
 def folded(summary: str, content: str) -> str:
@@ -82,10 +87,10 @@ def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: boo
     )
 
 
-def badge(severity: Severity) -> str:
-    """The verdict of a finding, by sign and word."""
+def badge(severity: Severity, word: str = "") -> str:
+    """A verdict, by sign and word; the word is by default that of the severity."""
     sign, style = BADGES[severity]
-    return f'<span style="{style}">{sign} {MARKS[severity]}</span>'
+    return f'<span style="{style}">{sign} {escape(word or MARKS[severity])}</span>'
 
 
 def findings(found: Iterable[tuple[str, Finding, str]]) -> str:

@@ -10,6 +10,7 @@ import traitlets
 
 from camgeo.design import Design
 from camgeo.designing.painting import painted
+from camgeo.designing.recent import Recent
 from camgeo_export.browser.bundles import bundle
 
 
@@ -28,11 +29,11 @@ class Viewer(anywidget.AnyWidget):
     angle = traitlets.Float(0.0).tag(sync=True)
 
     def __init__(self, design: Design, **given: Any) -> None:
-        super().__init__(data=painted(design), **given)
+        super().__init__(data=painted(design, Recent()), **given)
 
     def show(self, design: Design) -> None:
         """Draw another design in its place, at the same cam angle."""
-        self.data = painted(design)
+        self.data = painted(design, Recent())
 
     @traitlets.validate("angle")
     def _within_a_turn(self, proposal: dict[str, Any]) -> float:

@@ -49,6 +49,9 @@ RC: Any = {
 RESOLUTION = 150
 """Dots per inch of a PNG."""
 
+ON_SCREEN = 96.0
+"""Dots per inch of a page in a browser."""
+
 # No time, no version: the bytes depend only on the figure.
 METADATA: dict[str, dict[str, Any]] = {
     "svg": {"Date": None, "Creator": "camgeo"},
@@ -59,6 +62,11 @@ METADATA: dict[str, dict[str, Any]] = {
 
 class Picture(Page):
     """A figure of matplotlib that a notebook shows, also where pyplot has not been imported."""
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
+        width, height = (round(ON_SCREEN * each) for each in self.get_size_inches())
+        kind = "image/png"
+        return {kind: self._repr_png_()}, {kind: {"width": width, "height": height}}
 
     def _repr_png_(self) -> bytes:
         return saved(self, ".png")
