@@ -14,7 +14,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.pieces import Pieces
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen, taken
 from camgeo.toolpath.machining_time import arc_sweeps
-from camgeo.toolpath.moves import ArcFeed, Move, Point, Rapid, Stop
+from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +122,34 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
+
+
+def unlifted(moves: Iterable[Move | Stop]) -> list[Move]:
+    """The moves without halts, and with the pecks of a drill as one: without traverses straight up
+    from a cut and down again no deeper, after which it goes straight on.
+    """
+    found: list[Move] = []
+    lifts: list[Rapid] = []
+    for move in moves:
+        if isinstance(move, Stop):
+            continue
+        last = found[-1] if found else None
+        if last is not None and not isinstance(last, Rapid) and move.end[:2] == last.end[:2]:
+            if isinstance(move, Rapid) and move.end[2] >= last.end[2]:
+                lifts.append(move)
+                continue
+            if isinstance(move, Feed) and move.end[2] < last.end[2]:
+                lifts = []
+                if len(found) > 1 and _falls(found[-2].end, last.end):
+                    found.pop()
+        found += lifts
+        lifts = []
+        found.append(move)
+    return [*found, *lifts]
+
+
+def _falls(start: Point, end: Point) -> bool:
+    return start[:2] == end[:2] and start[2] > end[2]
 
 
 def alike(course: Course) -> IntArray:

@@ -32,8 +32,8 @@ from camgeo.part.part import Boundary, require_boundary
 from camgeo.toolpath.holding import Obstacle, Tabs
 from camgeo.toolpath.tool import COMPUTED, DRILL, CompensationWord, Rounds, Text, Tool, Truth
 
-MOST_PASSES: Final = 10_000
-"""Of one cut; a pass thinner than a ten-thousandth of a part is a typing error."""
+MOST_PASSES: Final = 1_000
+"""Of one cut; a pass thinner than a thousandth of a part is a typing error."""
 
 SLACK: Final = 0.05
 """Of the allowance, that a roughing path may deviate."""

@@ -21,9 +21,9 @@ import numpy as np
 import shapely
 
 from camgeo.numeric.arrays import taken
-from camgeo.toolpath.course import Course, below, course_of
+from camgeo.toolpath.course import Course, below, course_of, unlifted
 from camgeo.toolpath.left import left_flaws
-from camgeo.toolpath.moves import Feed, Move, Point, Rapid, Stop
+from camgeo.toolpath.moves import Feed, Move, Point, Rapid
 from camgeo.toolpath.setup import Run, Setup
 from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
 from camgeo.toolpath.sweep import (
@@ -141,7 +141,13 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     for run in runs:
         course = course_of(run.moves, run.start)
         flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
-        ends = course.to_z[course.lengths == 0.0]  # of plunges and drilled holes
+        straight = course.lengths == 0.0  # plunges and drilled holes, of which each peck goes on
+        on = (
+            straight[1:]
+            & (course.ends[1:] == course.ends[:-1])
+            & (course.to_z[1:] < course.to_z[:-1])
+        )
+        ends = course.to_z[straight & ~np.append(on, False)]
         found += [*course.from_z[flat].tolist(), *ends.tolist()]
         found += [z for tip in _lowest(course) for z in run.slices(tip, highest)]
     heights: list[float] = []
@@ -212,9 +218,7 @@ class _Bench:
         found: list[Flaw] = []
         chain: list[Move] = []
         at, begin = run.start, run.start
-        for move in run.moves:
-            if isinstance(move, Stop):
-                continue
+        for move in unlifted(run.moves):
             down = at is not None and move.end[:2] == at[:2] and move.end[2] < at[2]
             if isinstance(move, Rapid) or (down and not run.plunges):
                 found += self._cut(run, course_of(chain, begin))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.course import below, course_of
+from camgeo.toolpath.course import below, course_of, unlifted
 from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid, Stop
 
 FEED = 100.0
@@ -54,3 +54,30 @@ def test_below_a_height_is_the_share_that_lies_there(z: float, down: bool, arc: 
         other = complex((found.starts if down else found.ends)[0])
         place = course.at(np.array([1.0 - share if down else share]))
         assert abs(other - place[0]) < 1e-9
+
+
+@given(st.lists(st.floats(0.1, 3.0), min_size=1, max_size=9), st.floats(0.0, 2.0))
+def test_pecks_are_one_plunge(steps: list[float], back: float) -> None:
+    """However often the drill is lifted, and stops above the depth that it has reached."""
+    place = (3.0, 4.0)
+    depths = np.cumsum(steps).tolist()
+    moves: list[Move] = [Rapid((*place, 5.0))]
+    for k, depth in enumerate(depths):
+        if k:
+            moves += [Rapid((*place, 5.0)), Rapid((*place, back - depths[k - 1]))]
+        moves.append(Feed((*place, -depth), FEED))
+    moves += [Rapid((*place, 5.0)), Rapid((9.0, 9.0, 5.0))]
+    whole = [moves[0], Feed((*place, -depths[-1]), FEED), *moves[-2:]]
+    assert unlifted(moves) == whole
+
+
+def test_lifts_after_which_it_is_not_the_same_stay() -> None:
+    """A cut in the plane, or a traverse deeper than the hole."""
+    down, up = Feed((0.0, 0.0, -2.0), FEED), Rapid((0.0, 0.0, 5.0))
+    for again in (
+        [Rapid((0.0, 0.0, -1.0)), Feed((4.0, 0.0, -1.0), FEED)],
+        [Rapid((0.0, 0.0, -2.5)), Feed((0.0, 0.0, -3.0), FEED)],
+        [Feed((0.0, 0.0, -1.5), FEED)],
+    ):
+        moves: list[Move] = [up, down, up, *again]
+        assert unlifted(moves) == moves

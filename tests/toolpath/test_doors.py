@@ -78,7 +78,7 @@ def test_operations_begin_above_the_part_and_have_names_of_their_own() -> None:
 
 def test_no_more_passes_than_sense() -> None:
     assert len(passes(0.0, -10.0, 10.0 / MOST_PASSES)) == MOST_PASSES
-    with pytest.raises(GeometryError, match=r"must be at least 0\.001 mm") as caught:
+    with pytest.raises(GeometryError, match=r"must be at least 0\.01 mm") as caught:
         passes(0.0, -10.0, 1e-9)
     assert caught.value.key == "tool.stepdown"
 

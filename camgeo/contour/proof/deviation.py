@@ -27,6 +27,7 @@ goes unseen.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,6 +75,9 @@ ROUNDING = 2.0**-52 * 32.0
 
 HUGE = 1e3
 """Radius of an arc that may count as a line, as a multiple of the contour's reach."""
+
+SHORT = 1e-3
+"""Range of a formula [rad] that a message suspects."""
 
 BEFORE = 2.0 * SNAP
 """Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
@@ -171,7 +175,25 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
         cells = cells.halved(loose)
         jet, speeds = run.leg.jet_and_bounds(cells.low, cells.high)
         enclosure = _enclosed(run, cells, jet, speeds)
-    raise GeometryError("the contour cannot be compared with the exact curve")
+    raise _uncompared(run, float(cells.low[np.argmax(enclosure.steepness)]))
+
+
+def _uncompared(run: Run, place: float) -> GeometryError:
+    """The error for a contour that does not follow the leg at `place` [rad]; it is the motion's if
+    a formula of it holds there for no longer than `SHORT`.
+    """
+    message = "the contour cannot be compared with the exact curve"
+    ends = np.concatenate(([run.leg.start], run.leg.borders, [run.leg.end]))
+    start, end = np.max(ends[ends <= place]), np.min(ends[ends > place], initial=run.leg.end)
+    if isinstance(run.leg, TurnLeg) or end - start > SHORT:
+        return GeometryError(message)
+    first, span = math.degrees(start % TURN), math.degrees(end - start)
+    return GeometryError(
+        f"{message} from {first:.9g} to {first + span:.9g} deg of the cam angle: what moves there"
+        f" within {span:.3g} deg takes few of the cam angles that can be told apart, or turns too"
+        " sharply; give it a longer span or a shorter way",
+        "motion",
+    )
 
 
 def _without_flat_arcs(run: Run) -> tuple[Run, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from functools import cache
 
 import numpy as np
@@ -14,10 +15,14 @@ from camgeo.contour.chords.fast import fit_polyline
 from camgeo.contour.contour import Contour
 from camgeo.contour.proof.deviation import deviation
 from camgeo.contour.proof.locate import locate
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan, Move
 from camgeo.outline.path import whole
-from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, polyline
+from tests.contour.cams import FLANKS, TURN, curves, dense_flank, dwell, flank, polyline
+from tests.laws import LAWS
 from tests.long_form import examples
 
 TOLERANCE = 0.01
@@ -208,3 +213,15 @@ def test_flat_arcs_are_as_near_as_their_lines(bulge: float) -> None:
     before = deviation(path, lines)
     # The bound exceeds the distance by up to a hundredth.
     assert abs(deviation(path, flat) - before) <= 2.0 * sagitta + 0.01 * before
+
+
+def test_what_moves_too_fast_to_be_compared_is_named() -> None:
+    """20 mm in a ten-thousandth of a degree, on the flank of a knife edge."""
+    law = LAWS["polynomial-345"]
+    rise, fall = Move(Decimal("219.99988"), 20.0, law), Move(Decimal("0.00012"), 0.0, law)
+    plan = MotionPlan((dwell(30), rise, dwell(40), fall, dwell(70)))
+    knife = whole(WorkingCurve(PitchCurve(plan, TranslatingRoller(50.0, 0.0, 8.0), 1), 0.0))
+    with pytest.raises(GeometryError, match=r"cannot be compared .* from 289\.9998") as caught:
+        fit_polyline(knife, 1e-3)
+    assert caught.value.key == "motion"
+    assert "give it a longer span or a shorter way" in caught.value.message
