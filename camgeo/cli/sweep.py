@@ -5,21 +5,28 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from camgeo.cli.command import CallError, add_json, add_scene, show, write_files
+from camgeo.cli.plot import drawn
 from camgeo.cli.streams import notify
 from camgeo.wording import counted
 
 if TYPE_CHECKING:
     from camgeo.answers.sweep import Sweep
     from camgeo.cli.command import Written
+    from camgeo.sweep.family import Family
+    from camgeo.sweep.sweep import Result
 
 STORE: Final = ".sqlite"
 
 SUFFIXES: Final = (STORE, ".csv", ".json")
+
+PICTURES: Final = (".png", ".svg", ".pdf")
+
+KINDS: Final = ("map", "parallel", "pareto")
 
 METHODS: Final = ("sobol", "random")
 
@@ -66,6 +73,26 @@ def options(parser: argparse.ArgumentParser) -> None:
         help=f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
     )
     parser.add_argument(
+        "--picture",
+        metavar="FILE",
+        type=_pictured,
+        help=f"also draw a picture, {', '.join(PICTURES)}",
+    )
+    parser.add_argument(
+        "--show",
+        choices=KINDS,
+        help="what it shows: a map over one or two keys, parallel axes, or the Pareto front;"
+        " default: the front with --least or --largest, else a map, or axes for more keys",
+    )
+    for name, what in (("least", "small"), ("largest", "large")):
+        parser.add_argument(
+            f"--{name}",
+            metavar="NAMES",
+            action="append",
+            default=[],
+            help=f"objectives of the front: what of the answers should be {what}",
+        )
+    parser.add_argument(
         "--workers",
         metavar="COUNT",
         type=int,
@@ -99,10 +126,12 @@ def run(arguments: argparse.Namespace) -> int:
         raise CallError("--method and --seed need --samples")
     scene = load_scene(arguments.scene)
     family = family_of(scene, arguments.vary, sample)
+    ask = questions_of(scene, arguments.ask)
+    draw = _picture(arguments, family, ask)
     try:
         result = sweep(
             family,
-            questions_of(scene, arguments.ask),
+            ask,
             store=store,
             existing="resume" if arguments.resume else "replace" if arguments.force else "refuse",
             engine=engine,
@@ -118,10 +147,50 @@ def run(arguments: argparse.Namespace) -> int:
             kept = found.count - result.computed
             known = f", {kept:,} of them known before" if kept else ""
             notify(f"{store}: {counted(found.count, 'row')}{known}")
-        write_files([_written(found, file) for file in files], arguments)
+        written = [_written(found, file) for file in files]
+        write_files([*written, *draw(result)], arguments)
         return show(found, arguments)
     finally:
         result.close()
+
+
+def _picture(
+    arguments: argparse.Namespace, family: Family, ask: Sequence[str]
+) -> Callable[[Result], list[Written]]:
+    """What draws the picture; a wrong call is refused before anything is computed."""
+    least, largest = (
+        [word.strip() for text in texts for word in text.split(",") if word.strip()]
+        for texts in (arguments.least, arguments.largest)
+    )
+    path = arguments.picture
+    if path is None:
+        if arguments.show or least or largest:
+            raise CallError("--show, --least and --largest need --picture")
+        return lambda _: []
+    from camgeo.figure.sweep import pictures
+
+    usual = "pareto" if least or largest else "map" if len(family.variables) < 3 else "parallel"
+    kind = arguments.show or usual
+    if (kind == "pareto") != bool(least or largest):
+        raise CallError("--show pareto, and no other, needs --least or --largest")
+    pictures.require(family, kind)
+    if kind == "pareto":
+        pictures.objectives(ask, least, largest)
+
+    def draw(result: Result) -> list[Written]:
+        if kind == "pareto":
+            figure = pictures.pareto(result, least, largest)
+        else:
+            figure = pictures.PICTURES[kind](result)
+        return [(path, drawn(figure, path.suffix), kind)]
+
+    return draw
+
+
+def _pictured(name: str) -> Path:
+    if Path(name).suffix not in PICTURES:
+        raise argparse.ArgumentTypeError(f"{name!r} must end in one of {', '.join(PICTURES)}")
+    return Path(name)
 
 
 def _named(name: str) -> Path:
@@ -138,8 +207,9 @@ def _outputs(arguments: argparse.Namespace) -> tuple[Path | None, Sequence[Path]
         raise CallError("-o may name one store only")
     if arguments.resume and not stores:
         raise CallError(f"--resume needs a store: -o FILE{STORE}")
-    if len({path.parent for path in files}) > 1 or len(set(files)) < len(files):
-        raise CallError("-o must name different files in one folder")
+    all_files = [*files, *filter(None, [arguments.picture])]
+    if len({path.parent for path in all_files}) > 1 or len(set(files)) < len(files):
+        raise CallError("-o and --picture must name different files in one folder")
     return (stores[0] if stores else None), files
 
 

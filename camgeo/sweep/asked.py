@@ -158,7 +158,7 @@ def _asked(design: Design, word: str) -> Asked:
 
 
 def _extreme(design: Design, how: How, name: str) -> Asked:
-    word = f"{how}:{name}"
+    word = canonical(f"{how}:{name}")
     if name in (hyphened(pole) for pole in POLES):
         message = "is infinite where the curve is straight, and has no extremes; ask for kappa"
         raise GeometryError(message, "sweep.ask", f'"{word}"')
@@ -171,6 +171,14 @@ def _extreme(design: Design, how: How, name: str) -> Asked:
         return Asked(word, name, how, "effects", silent if effect is None else (effect,))
     there = [*curves, *(each for names in seen.values() for each in names)]
     raise UnknownNameError("column", name, dict.fromkeys(there))
+
+
+def canonical(word: str) -> str:
+    """What is asked, as it heads its column."""
+    before, colon, rest = word.partition(":")
+    if colon and before.strip() in EXTREMES:
+        return f"{before.strip()}:{hyphened(rest)}"
+    return hyphened(word)
 
 
 def hyphened(name: str) -> str:

@@ -66,6 +66,17 @@ def test_ctrl_c_keeps_what_is_done(
     assert "8 rows, 1 of them known before" in capsys.readouterr().err
 
 
+def test_a_picture_beside_the_rows(tmp_path: Path, capsys: Capture) -> None:
+    table, picture = tmp_path / "runs.csv", tmp_path / "runs.svg"
+    words = [*FAMILY, "-o", str(table), "--picture", str(picture)]
+    assert call(*words) == 0
+    assert capsys.readouterr().err.splitlines() == [f"{table}: 8 rows", f"{picture}: map"]
+    assert picture.read_bytes().startswith(b"<?xml")
+    front = ["--least", "laws", "--largest", "largest-acceleration", "--force"]
+    assert call(*words, *front) == 0
+    assert f"{picture}: pareto" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -77,7 +88,11 @@ def test_ctrl_c_keeps_what_is_done(
         (["--ask", "laws"], "nothing varies"),
         ([*FAMILY, "-o", "runs.xls"], "'runs.xls' must end in one of .sqlite, .csv, .json"),
         ([*FAMILY, "-o", "a.sqlite", "-o", "b.sqlite"], "-o may name one store only"),
-        ([*FAMILY, "-o", "a.csv", "-o", "a.csv"], "-o must name different files"),
+        ([*FAMILY, "-o", "a.csv", "-o", "a.csv"], "must name different files"),
+        ([*FAMILY, "--show", "map"], "--show, --least and --largest need --picture"),
+        ([*FAMILY, "--picture", "a.bmp"], "'a.bmp' must end in one of .png, .svg, .pdf"),
+        ([*FAMILY, "--picture", "a.png", "--show", "pareto"], "needs --least or --largest"),
+        ([*FAMILY, "--picture", "a.png", "--least", "laws"], "two objectives or more"),
         ([*FAMILY, "--resume"], "--resume needs a store"),
         ([*FAMILY, "--seed", "1"], "--method and --seed need --samples"),
         ([*FAMILY, "--samples", "0"], "must be at least 1"),
