@@ -6,7 +6,7 @@ src/report_solid.ts
 src/solid.ts
 src/words.ts
 tsconfig.json
-sources 82b5711dce8382339e6441533563dd5b9bb2f118802f88585fe3597e18d989d2
+sources 7779c664b3f7e9b19e311590102d0673c77e394c8027d3b5ac69ec9b795e3d58
 bundle 1e882c09e012231f1719e3a760b684df28037bd4698f25be129c51fe788c5dd5
 
 It contains three 0.187.0 (MIT)

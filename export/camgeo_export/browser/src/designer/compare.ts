@@ -90,7 +90,7 @@ export class Extremes {
       const twin = pinned.get(each.name);
       const cells = [plain(each.name), reading(each.low), `${number(each.low_at, 5)}°`, reading(each.high), `${number(each.high_at, 5)}°`];
       if (pinned.size) cells.push(twin ? reading(twin.low) : "", twin ? reading(twin.high) : "");
-      return [...cells, each.limits.map(([name, value]) => `${plain(name)}: ${number(value, 5)}`).join("; ")];
+      return [...cells, each.limits.map(([name, value]) => `${plain(name)}: ${reading(value)}`).join("; ")];
     };
     const numeric = pinned.size ? [1, 2, 3, 4, 5, 6] : [1, 2, 3, 4];
     this.rows.replaceChildren(table(t("charts.table-of", { title: chart.title }), heads, chart.readings.map(row), numeric));

@@ -81,7 +81,7 @@ export interface Reading {
   low_at: number;
   high: number | string | null;
   high_at: number;
-  limits: [string, number][];
+  limits: [string, number | string][];
 }
 
 export interface Chart {
