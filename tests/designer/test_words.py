@@ -12,7 +12,7 @@ CATALOGUE = (FOLDER / "strings.ts").read_text("utf-8")
 OTHERS = {path.name: path.read_text("utf-8") for path in FOLDER.glob("*.ts")}
 del OTHERS["strings.ts"]
 
-AT_RUN_TIME = ("plan.", "view.", "busy.")
+AT_RUN_TIME = ("plan.", "view.", "busy.", "size.")
 """Keys that the page puts together."""
 
 

@@ -4,6 +4,8 @@ import { button, el, say, shown, table } from "./dom";
 import type { Session } from "./session";
 import { number, t } from "./strings";
 
+const FORMATS = "output.formats"; // the key of the scene with what it asks for
+
 export class Build {
   readonly element = el("div", { class: "build" });
   private readonly formats = el("fieldset", {}, el("legend", {}, t("build.formats")));
@@ -13,7 +15,7 @@ export class Build {
   constructor(private readonly session: Session) {
     this.element.append(el("p", {}, t("build.intro")), this.formats, button(t("build.build"), () => this.build(), { id: "build-files", class: "main" }), this.said, this.files);
     session.on(["built", "curves"], () => this.update());
-    session.on("state", () => this.offer());
+    session.on(["state", "curves"], () => this.offer());
   }
 
   private build(): void {
@@ -24,7 +26,9 @@ export class Build {
 
   // A box for each format; those that the scene asks for are ticked.
   private offer(): void {
-    const { formats = [], asked = [] } = this.session.state ?? {};
+    const formats = this.session.state?.formats ?? [];
+    const stated = this.session.curves?.form?.flatMap((section) => section.fields).find((field) => field.key === FORMATS)?.value;
+    const asked = Array.isArray(stated) ? stated : [];
     const text = JSON.stringify([formats, asked]);
     shown(this.formats, formats.length > 0);
     if (this.formats.dataset["shown"] === text) return;
@@ -38,12 +42,13 @@ export class Build {
     if (!built) return;
     const old = built.revision < revision;
     this.files.classList.toggle("old", old);
-    say(this.said, old ? t("build.old") : built.message || t("build.done", { n: built.files.length }));
+    say(this.said, old ? t("build.old") : built.message || t(built.files.length ? "build.done" : "build.none", { n: built.files.length }));
     if (this.files.dataset["revision"] === String(built.revision)) return;
     this.files.dataset["revision"] = String(built.revision);
     const stated = (value: number | null | undefined): string => (value === null || value === undefined ? "" : number(value, 3));
     const rows = built.files.map((file) => [el("a", { href: file.url, download: file.name }, file.name), t("build.bytes", { n: file.size.toLocaleString("en") }), stated(file.deviation), stated(file.tolerance)]);
     const heads = [t("build.file"), t("build.size"), t("build.deviation"), t("build.tolerance")];
-    this.files.replaceChildren(rows.length ? table(t("build.title"), heads, rows, [1, 2, 3]) : "");
+    const findings = built.findings.map((each) => el("li", {}, `! ${each}`));
+    this.files.replaceChildren(rows.length ? table(t("build.title"), heads, rows, [1, 2, 3]) : "", findings.length ? el("ul", { class: "list" }, ...findings) : "");
   }
 }

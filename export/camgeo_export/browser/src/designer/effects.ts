@@ -33,7 +33,7 @@ export class Effects {
       update: (next) => {
         say(label, next.title ?? next.name);
         say(about, next.sentence);
-        const stated = next.on ?? this.session.curves?.form?.some((section) => section.key === `effects.${next.name}`) ?? false;
+        const stated = next.on ?? this.session.curves?.form?.some((section) => section.key === `effects.${next.name}` && section.stated !== false) ?? false;
         box.checked = stated;
       },
     };

@@ -67,6 +67,9 @@ export class FieldView implements Kept<Field> {
   private field: Field;
   private words: HTMLDataListElement | null = null;
   private dirty = false;
+  private dragging = false;
+  private reverts = true; // what is in the field may not be what was shown last
+  private whole = ""; // what was shown last
   private gesture: string | null = null;
   private rest = 0;
 
@@ -132,11 +135,13 @@ export class FieldView implements Kept<Field> {
     input.addEventListener("blur", () => {
       if (!this.dirty) return;
       this.dirty = false;
+      this.reverts = true;
       this.update(this.field);
     });
     input.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.dirty) {
         this.dirty = false;
+        this.reverts = true;
         this.update(this.field);
         event.stopPropagation();
       } else if (numeric && (event.key === "ArrowUp" || event.key === "ArrowDown")) {
@@ -161,15 +166,18 @@ export class FieldView implements Kept<Field> {
     } else value = text === "" ? null : text;
     this.dirty = false;
     if (written(value) !== written(field.value)) this.commit(value);
+    else this.update(field);
   }
 
   private wrong(text: string): void {
+    this.reverts = true;
     attribute(this.input, "aria-invalid", "true");
     say(this.note, text);
     shown(this.note, true);
   }
 
   private commit(value: Value, gesture: string | null = null, input?: number): void {
+    this.reverts = true;
     const change = this.ways.change?.(this.field.key, value) ?? { edits: { [this.field.key]: value } };
     this.session.change(change, { gesture, ...(input === undefined ? {} : { input }) }, gesture && this.field.key);
   }
@@ -213,11 +221,14 @@ export class FieldView implements Kept<Field> {
     });
   }
 
-  private dragging = false;
-
   update(field: Field): void {
     this.field = field;
     const { input } = this;
+    const faults = this.session.faults.filter((each) => each.key === field.key).map((each) => each.message);
+    const whole = JSON.stringify([field, faults]);
+    if (whole === this.whole && !this.dirty && !this.reverts) return;
+    this.whole = whole;
+    this.reverts = false;
     say(this.label, field.title);
     say(this.unit, field.unit ?? "");
     say(this.hint, field.description ?? "");
@@ -247,7 +258,6 @@ export class FieldView implements Kept<Field> {
       this.slider.value = String(value);
     }
     if (this.slider) attribute(this.slider, "aria-valuetext", `${number(Number(field.value ?? field.default ?? 0))} ${field.unit ?? ""}`);
-    const faults = this.session.faults.filter((each) => each.key === field.key).map((each) => each.message);
     if (!this.dirty) {
       attribute(input, "aria-invalid", faults.length ? "true" : null);
       say(this.note, faults.join(" "));

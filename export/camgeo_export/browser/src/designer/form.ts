@@ -6,12 +6,18 @@ import type { Field, Section } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
 
+// Of several tables of one kind, the how manieth it is.
+function named(section: Section): string {
+  const number = /\[(\d+)\]$/.exec(section.key)?.[1];
+  return number ? `${section.title} ${number}` : section.title;
+}
+
 export class Form {
   readonly element = el("div", { class: "form" });
   private readonly help = el("p", { class: "helpline" }, t("form.help"));
   private readonly sections = el("div");
   private readonly show: (items: readonly Section[]) => void;
-  private readonly open = new Set(["cam", "follower", "linkage"]);
+  private readonly open = new Set(["", "cam", "follower", "linkage"]);
 
   constructor(private readonly session: Session) {
     this.element.append(this.sections, this.help);
@@ -20,7 +26,8 @@ export class Form {
   }
 
   update(sections: Section[]): void {
-    this.show(sections);
+    // Effects that are off are switched on where all of them stand.
+    this.show(sections.filter((section) => section.stated !== false || !section.key.startsWith("effects.")));
   }
 
   // Shows the field of a key, and puts the focus in it.
@@ -36,10 +43,10 @@ export class Form {
   private section(section: Section): Kept<Section> {
     const fields = el("div", { class: "fields" });
     const list = keyed<Field>(fields, (field) => `${field.key} ${field.type} ${Boolean(field.slider)}`, (field) => {
-      return new FieldView(this.session, field, { name: t("form.field", { section: section.title, title: field.title }) });
+      return new FieldView(this.session, field, { name: t("form.field", { section: named(section), title: field.title }) });
     });
     const id = fresh();
-    const kinds = el("select", { id, "data-kinds": section.key, "aria-label": t("form.field", { section: section.title, title: t("form.kind") }) });
+    const kinds = el("select", { id, "data-kinds": section.key, "aria-label": t("form.field", { section: named(section), title: t("form.kind") }) });
     kinds.addEventListener("change", () => this.session.change({ table: { key: section.key, kind: kinds.value } }));
     const about = el("p", { class: "about" });
     const kind = el("div", { class: "field choice" }, el("label", { for: id }, t("form.kind")), el("div", { class: "entry" }, kinds), about);
@@ -49,7 +56,8 @@ export class Form {
     return {
       element,
       update: (next) => {
-        say(title, next.stated === false ? t("form.unstated", { title: next.title }) : next.title);
+        const name = named(next);
+        say(title, next.stated === false ? t("form.unstated", { title: name }) : name);
         say(meant, next.description ?? "");
         shown(meant, Boolean(next.description));
         const all = next.kinds ?? [];

@@ -12,7 +12,7 @@ import { number, t } from "./strings";
 export interface View {
   part(at: Point): Point; // from values to fractions of the picture, from its upper left
   values(client: Point): Point | null; // from a place on the screen
-  pixel: Point; // values per pixel on the screen
+  pixel(): Point; // values per pixel on the screen
 }
 
 const FAR = 3; // pixels that a pointer moves before it drags
@@ -136,7 +136,7 @@ export class Handles {
   }
 
   private ask(handle: Handle, to: Point, view: View, gesture: string, input: number): void {
-    const step = round(Math.min(...view.pixel.map(Math.abs)));
+    const step = round(Math.min(...view.pixel().map(Math.abs)));
     this.session.change({ handle: handle.name, to: [Number(to[0].toPrecision(9)), Number(to[1].toPrecision(9))], step }, { gesture, input }, handle.name);
   }
 
@@ -198,7 +198,7 @@ export class Handles {
     own.until = now + QUIET;
     this.keyed = own;
     const steps = event.shiftKey ? 10 : 1;
-    const [wide, high] = view.pixel.map((each) => steps * round(Math.abs(each))) as Point;
+    const [wide, high] = view.pixel().map((each) => steps * round(Math.abs(each))) as Point;
     const centre = handle.centre;
     if (handle.moves === "radial" && centre) {
       const away: Point = [own.at[0] - centre[0], own.at[1] - centre[1]];

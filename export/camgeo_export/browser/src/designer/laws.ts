@@ -2,7 +2,6 @@
 
 import { Drawing } from "../figure";
 import { button, el, fresh, say } from "./dom";
-import { written } from "./field";
 import type { Law, Segment } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
@@ -38,7 +37,7 @@ export class Laws {
   private choice(law: Law): HTMLElement {
     const title = law.title ?? law.name;
     const now = law.name === this.segment?.law;
-    const facts = typeof law.facts === "string" ? law.facts : Array.isArray(law.facts) ? law.facts.join("; ") : Object.entries(law.facts ?? {}).map(([name, value]) => `${name} ${written(value)}`).join("; ");
+    const facts = (law.facts ?? []).map((each) => `${each.name} ${each.value}`).join("; ");
     const element = button("", () => this.take(law), { class: "law", "aria-pressed": String(now), "data-law": law.name });
     element.append(el("strong", {}, now ? `${title} (${t("laws.now")})` : title));
     if (law.figure) {
@@ -52,8 +51,7 @@ export class Laws {
   }
 
   private take(law: Law): void {
-    const key = this.segment?.fields.find((field) => /(^|\.)law$/.test(field.key))?.key;
     this.element.close();
-    if (key) this.session.change({ edits: { [key]: law.name } });
+    if (law.edits) this.session.change({ edits: law.edits });
   }
 }

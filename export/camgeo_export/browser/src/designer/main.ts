@@ -129,9 +129,12 @@ function start(root: HTMLElement): void {
     shown(busy, session.busy !== "");
     say(busy, session.busy && t("connection.wait", { what: told(`busy.${session.busy}`, session.busy) }));
   });
-  session.on("told", () => {
-    say(message, session.message);
-    shown(message, session.message !== "");
+  session.on(["told", "faults"], () => {
+    const refused = session.refused && t("text.refused", { message: session.refused });
+    const text = [refused, session.message].filter(Boolean).join(" ");
+    say(message, text);
+    shown(message, text !== "");
+    message.classList.toggle("bad", refused !== "");
   });
   session.on(["curves", "faults"], () => {
     document.documentElement.dataset["ready"] = "true";

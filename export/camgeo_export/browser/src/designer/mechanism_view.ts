@@ -99,15 +99,16 @@ export class MechanismView {
     const { svg } = this.mechanism;
     const { width, height } = svg.viewBox.baseVal;
     if (!width || !height) return null;
-    const screen = svg.getBoundingClientRect().width / width || 1;
-    const pixel = 1 / (this.mechanism.scale * screen);
     return {
       part: (at) => {
         const [x, y] = this.mechanism.toPicture(at);
         return [x / width, y / height];
       },
       values: ([x, y]) => this.mechanism.at(x, y),
-      pixel: [pixel, pixel],
+      pixel: () => {
+        const pixel = width / (this.mechanism.scale * svg.getBoundingClientRect().width || 1);
+        return [pixel, pixel];
+      },
     };
   }
 
@@ -115,7 +116,7 @@ export class MechanismView {
   private mark(): void {
     const found = this.session.findings;
     const places = found && found.revision >= this.session.revision && !this.session.faults.length ? (found.places ?? []) : [];
-    this.places.replaceChildren(...places.slice(0, MOST).map((place) => this.sign(place)));
+    this.places.replaceChildren(...places.slice(0, MOST).flatMap((place) => [...this.range(place), this.sign(place)]));
     shown(this.details, places.length > 0);
     const words = places.slice(0, MOST).map((place) => place.label);
     if (this.listed.dataset["shown"] !== JSON.stringify(words)) {
@@ -123,6 +124,13 @@ export class MechanismView {
       this.listed.replaceChildren(...words.map((text) => el("li", {}, `! ${text}`)));
     }
     this.turn(this.session.angle.degrees);
+  }
+
+  // The part of a flank along which it is.
+  private range(place: Place): SVGElement[] {
+    if (!place.points) return [];
+    const points = place.points.map((at) => this.mechanism.toPicture(at).map(fixed).join(",")).join(" ");
+    return [element("polyline", { class: "range", points })];
   }
 
   private sign(place: Place): SVGElement {

@@ -140,6 +140,8 @@ export interface Place {
   y: number;
   kind: string;
   label: string;
+  severity?: string;
+  points?: Point[]; // along which it is, if it is more than a point
 }
 
 export interface Found {
@@ -156,7 +158,6 @@ export interface State {
   folder_files?: string[];
   templates?: string[];
   formats?: string[]; // that can be made
-  asked?: string[]; // of them, those that the scene asks for
   text?: string | null;
   saved: boolean;
   undo: string | null;
@@ -165,14 +166,8 @@ export interface State {
   pinned?: boolean | null;
 }
 
-export interface Size {
-  key?: string;
-  title?: string;
-  label?: string;
-  value: number;
-  now?: number | null;
-  unit?: string;
-}
+// One of several cams: its name, and its sizes by name.
+export type Size = { name: string } & Record<string, number | string | null>;
 
 export interface Sized {
   faults?: Fault[];
@@ -185,7 +180,8 @@ export interface Law {
   name: string;
   title?: string;
   figure?: Figure | null;
-  facts?: string | string[] | { [key: string]: Value };
+  facts?: { name: string; value: string }[];
+  edits?: { [key: string]: Value };
 }
 
 export interface BuiltFile {
@@ -201,7 +197,7 @@ export type FromServer =
   | ({ kind: "curves"; revision: number; answers?: number | null } & Curves)
   | ({ kind: "findings"; revision: number } & Found)
   | { kind: "refused"; id?: number | null; message: string; force?: boolean; faults?: Fault[] }
-  | { kind: "built"; revision?: number; files: BuiltFile[]; certificate?: Value; faults?: Fault[]; message?: string }
+  | { kind: "built"; revision?: number; files: BuiltFile[]; findings?: string[]; faults?: Fault[]; message?: string }
   | { kind: "solid"; revision?: number; solids?: { name: string; places: string }[]; faults?: Fault[] }
   | ({ kind: "sized"; revision?: number } & Sized)
   | { kind: "laws"; segment?: number; laws: Law[] }

@@ -72,12 +72,14 @@ export class MotionView {
     if (!drawn) return null;
     const { width, height } = drawing.svg.viewBox.baseVal;
     const { box, x, y } = drawn.plane;
-    const screen = drawing.svg.getBoundingClientRect().width / width || 1;
     const [xs, ys] = [drawn.panel.x.limits, drawn.panel.y.limits];
     return {
       part: ([a, b]) => [x(a) / width, y(b) / height],
       values: ([a, b]) => drawing.at(drawn, a, b)?.values ?? null,
-      pixel: [(xs[1] - xs[0]) / ((box.right - box.left) * screen), (ys[1] - ys[0]) / ((box.bottom - box.top) * screen)],
+      pixel: () => {
+        const screen = drawing.svg.getBoundingClientRect().width / width || 1;
+        return [(xs[1] - xs[0]) / ((box.right - box.left) * screen), (ys[1] - ys[0]) / ((box.bottom - box.top) * screen)];
+      },
     };
   }
 }

@@ -84,7 +84,7 @@ export class Plan {
         others?.(second);
         shown(more, second.length > 0);
         shown(laws, next.fields.some((field) => /(^|\.)law$/.test(field.key)));
-        attribute(element, "class", this.session.faults.some((fault) => fault.key.startsWith(`motion[${next.index}]`)) ? "faulty" : null);
+        attribute(element, "class", this.session.faults.some((fault) => fault.key.startsWith(`motion[${next.index + 1}]`)) ? "faulty" : null);
       },
     };
   }

@@ -3,7 +3,7 @@
 import { CamAngle } from "../angle";
 import { announce } from "./announce";
 import { type Ask, Connection } from "./connection";
-import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer, Value } from "./model";
+import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer } from "./model";
 import { t } from "./strings";
 import { painted, timings, took } from "./timings";
 
@@ -21,7 +21,7 @@ export class Session {
   overwrites = false; // whether what was refused can be forced
   findings: (Found & { revision: number }) | null = null;
   pinned: Curves | null = null;
-  built: { files: BuiltFile[]; certificate: Value; revision: number; message: string } | null = null;
+  built: { files: BuiltFile[]; findings: string[]; revision: number; message: string } | null = null;
   solid: { solids: { name: string; places: string }[]; revision: number } | null = null;
   sized: (Sized & { revision: number }) | null = null;
   laws: { segment: number; laws: Law[] } | null = null;
@@ -128,9 +128,13 @@ export class Session {
         this.revision = revision;
         if (typeof rest.text === "string") this.text = rest.text;
         this.refused = rest.refused ?? "";
+        if (typeof found.answers === "number") this.message = ""; // it was said before this
         this.faults = rest.faults;
+        // With faults the last pictures stay; what can be entered is that of the text all the same.
         if (rest.charts) this.curves = rest;
-        this.tell("curves", "faults");
+        else if (this.curves) this.curves = { ...this.curves, form: rest.form ?? this.curves.form ?? [], plan: rest.plan ?? this.curves.plan ?? [] };
+        else if (rest.form) this.curves = { faults: rest.faults, form: rest.form, plan: rest.plan ?? [] };
+        this.tell("curves", "faults", "told");
         if (this.refused) announce(t("text.refused", { message: this.refused }));
         else if (this.faults.length) announce(`${t("text.faults", { n: this.faults.length })} ${this.faults[0]?.message ?? ""}`);
         else if (rest.label) announce(t("announce.changed", { label: rest.label }));
@@ -151,9 +155,9 @@ export class Session {
         announce(t("text.refused", { message: found.message }));
         break;
       case "built":
-        this.built = { files: found.files, certificate: found.certificate ?? null, revision: found.revision ?? this.revision, message: found.message ?? "" };
+        this.built = { files: found.files, findings: found.findings ?? [], revision: found.revision ?? this.revision, message: found.message ?? "" };
         this.tell("built");
-        announce(t("build.done", { n: found.files.length }));
+        announce(t(found.files.length ? "build.done" : "build.none", { n: found.files.length }));
         break;
       case "solid":
         this.solid = { solids: found.solids ?? [], revision: found.revision ?? this.revision };

@@ -2,7 +2,7 @@
 
 import { button, el, say, shown, table } from "./dom";
 import type { Session } from "./session";
-import { number, t } from "./strings";
+import { number, t, told } from "./strings";
 
 export class SizeView {
   readonly element = el("div", { class: "size" });
@@ -28,8 +28,10 @@ export class SizeView {
     const text = JSON.stringify(sizes);
     if (this.sizes.dataset["shown"] === text) return;
     this.sizes.dataset["shown"] = text;
-    const stated = (value: number | null | undefined, unit = ""): string => (value === null || value === undefined ? "" : `${number(value)} ${unit}`.trim());
-    const rows = sizes.map((each) => [each.title ?? each.label ?? each.key ?? "", stated(each.now, each.unit), stated(each.value, each.unit)]);
-    this.sizes.replaceChildren(table(t("size.title"), [t("size.size"), t("size.now"), t("size.found")], rows, [1, 2]));
+    const unit = this.session.curves?.unit ?? "";
+    const names = [...new Set(sizes.flatMap((each) => Object.keys(each)))].filter((name) => name !== "name");
+    const stated = (value: number | string | null | undefined): string => (typeof value === "number" ? number(value) : (value ?? ""));
+    const rows = names.map((name) => [told(`size.${name}`, name.replaceAll("_", " ")).replace("{unit}", unit), ...sizes.map((each) => stated(each[name]))]);
+    this.sizes.replaceChildren(table(t("size.title"), [t("size.size"), ...sizes.map((each) => each.name)], rows, [1, 2, 3]));
   }
 }

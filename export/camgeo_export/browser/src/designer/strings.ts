@@ -150,8 +150,10 @@ export const STRINGS = {
   "size.none": "No sizes were found.",
   "size.intro": "The smallest cam that keeps its limits, as camgeo size finds it.",
   "size.size": "size",
-  "size.now": "now",
-  "size.found": "found",
+  "size.base_radius": "base radius [{unit}]",
+  "size.arm_side": "arm side",
+  "size.transmission_angle": "transmission angle [°]",
+  "size.radius_ratio": "radius ratio",
   "size.old": "The scene has changed since; find them again.",
 
   "charts.title": "Diagrams",
@@ -197,6 +199,7 @@ export const STRINGS = {
   "build.tolerance": "tolerance [mm]",
   "build.bytes": "{n} bytes",
   "build.done": { one: "One file is made.", many: "{n} files are made." },
+  "build.none": "No files are made.",
   "build.old": "The scene has changed since: build again.",
 
   "solid.title": "Solid",

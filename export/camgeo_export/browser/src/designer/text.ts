@@ -5,6 +5,7 @@ import type { Session } from "./session";
 import { t } from "./strings";
 
 const REST = 250; // milliseconds without a key before what was typed is sent
+const APART = 150; // least milliseconds between two pictures of the text
 const MOST = 4000; // lines that are numbered
 
 export class TextEditor {
@@ -14,6 +15,8 @@ export class TextEditor {
   private readonly list = el("div", { class: "faults", id: "faults" });
   private readonly said = el("p", { class: "sentence" });
   private timer = 0;
+  private late = 0; // timer of a picture that is due
+  private shown = -APART; // when it was drawn last
   private typed = false; // and not yet sent
   private waiting = ""; // what was sent last
   private gesture: string | null = null;
@@ -53,7 +56,16 @@ export class TextEditor {
     this.gesture = null;
   }
 
+  // Follows the scene, though not with each frame of a drag.
   update(): void {
+    const wait = this.shown + APART - performance.now();
+    clearTimeout(this.late);
+    if (wait > 0) this.late = window.setTimeout(() => this.follow(), wait);
+    else this.follow();
+  }
+
+  private follow(): void {
+    this.shown = performance.now();
     const { text } = this.session;
     const late = this.typed || (document.activeElement === this.area && this.waiting !== "" && text !== this.waiting && this.session.waits);
     if (!late && this.area.value !== text) {

@@ -1,0 +1,218 @@
+"""The page of the designer in Chromium: what a person does with it, by pointer and by keyboard.
+
+Without Chromium or playwright these tests are skipped with a word, as is that of axe without
+`npm ci` in `export/camgeo_export/browser`.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from camgeo.designing.job import Job
+from camgeo.designing.recent import Recent
+from camgeo.designing.work import run
+from tests.designer.served import Served, served
+from tests.judges.programs_of_others import absent, found
+
+pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
+
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+
+CHROMIUM: Final = ("CAMGEO_CHROMIUM", "chromium", "chromium-browser", "google-chrome")
+
+pytestmark = pytest.mark.skipif(bool(absent(*CHROMIUM)), reason=absent(*CHROMIUM) or "is there")
+
+ROOT: Final = Path(__file__).parents[2]
+SETZHUB: Final = ROOT / "fixtures" / "scenes" / "setzhub.toml"
+AXE: Final = (
+    ROOT / "export" / "camgeo_export" / "browser" / "node_modules" / "axe-core" / "axe.min.js"
+)
+
+WIDTHS: Final = (375, 1440, 2560)
+"""Of windows [CSS px]: a telephone, a laptop, a large screen."""
+
+VIOLATIONS: Final = """async () => {
+  const found = await axe.run(document);
+  return found.violations.map((each) => `${each.id}: ${each.nodes[0].html}`);
+}"""
+
+SLOW: Final = "GL Driver Message (OpenGL, Performance"
+"""What the browser's own drawing without a graphics card says of itself."""
+
+
+def computing() -> Callable[[Job, float], Mapping[str, Any]]:
+    """What does the jobs in this process, one after the other."""
+    recent, lock = Recent(), threading.Lock()
+
+    def compute(job: Job, _: float) -> Mapping[str, Any]:
+        with lock:
+            return run(job, recent)
+
+    return compute
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        program = playwright.chromium.launch(
+            executable_path=found(*CHROMIUM), args=["--no-sandbox", "--enable-unsafe-swiftshader"]
+        )
+        yield program
+        program.close()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Served]:
+    """One with the Setzhub cam."""
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (folder / "cam.toml").write_bytes(SETZHUB.read_bytes())
+    with served(folder, "cam.toml", computing()) as each:
+        yield each
+
+
+@pytest.fixture
+def page(browser: Browser, server: Served) -> Iterator[Page]:
+    """The designer, which says nothing on the console and asks nothing of other hosts."""
+    context = browser.new_context(viewport={"width": WIDTHS[1], "height": 900})
+    opened = context.new_page()
+    said: list[str] = []
+    opened.on("console", lambda message: said.append(_said(message)))
+    opened.on("pageerror", lambda error: said.append(str(error)))
+    strange: list[str] = []
+    opened.on("request", lambda asked: strange.append(asked.url))
+    opened.goto(f"http://{server.host}/?token={server.keys.lend()}")
+    opened.wait_for_selector("html[data-ready=true]")
+    opened.wait_for_function("() => camgeo.session.findings !== null")
+    yield opened
+    context.close()
+    assert not [each for each in said if each]
+    assert not [each for each in strange if not each.startswith(f"http://{server.host}/")]
+
+
+def _said(message: ConsoleMessage) -> str:
+    return "" if SLOW in message.text else f"{message.type}: {message.text}"
+
+
+def settled(page: Page, revision: int = 0) -> int:
+    """The revision that is painted, once it is later than `revision` and nothing waits."""
+    page.wait_for_function(
+        "(old) => camgeo.session.revision > old && !camgeo.session.waits", arg=revision
+    )
+    return int(page.evaluate("camgeo.session.revision"))
+
+
+def lines(server: Served) -> list[str]:
+    """The file on disk."""
+    return (server.desk.folder / "cam.toml").read_text("utf-8").splitlines()
+
+
+def differing(server: Served) -> list[str]:
+    """Its lines that are not those of the scene that was opened."""
+    before = SETZHUB.read_text("utf-8").splitlines()
+    assert len(lines(server)) == len(before)
+    return [new for old, new in zip(before, lines(server), strict=True) if old != new]
+
+
+def test_a_pointer_drags_edits_undoes_and_saves(page: Page, server: Served) -> None:
+    old = settled(page, -1)
+    joint = page.locator(".handle[data-name='joint 3']")
+    box = joint.bounding_box()
+    assert box is not None
+    assert min(box["width"], box["height"]) >= 24.0
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x + step, y + step)
+        page.wait_for_timeout(10)
+    page.mouse.up()
+    old = settled(page, old)
+    page.wait_for_function("() => !document.querySelector('.dragged')")
+    timings = page.evaluate("camgeo.timings.changes.length")
+    assert timings >= 1
+    page.get_by_label("follower, base radius", exact=True).fill("52")
+    page.keyboard.press("Enter")
+    old = settled(page, old)
+    assert "base_radius = 52" in server.desk.text
+    page.keyboard.press("Control+z")
+    old = settled(page, old)
+    page.keyboard.press("Control+s")
+    page.wait_for_function("() => camgeo.session.state.saved")
+    changed = differing(server)
+    assert {each.split(" = ")[0] for each in changed} <= {"span", "to", "dwell"}
+    assert changed
+    page.click("#undo")  # the whole drag is one step
+    settled(page, old)
+    assert server.desk.text == SETZHUB.read_text("utf-8")
+
+
+def tab_to(page: Page, what: str) -> None:
+    """Go on with the Tab key until an element has the focus."""
+    for _ in range(600):
+        page.keyboard.press("Tab")
+        if page.evaluate("(what) => document.activeElement.matches(what)", what):
+            return
+    raise AssertionError(f"no way to {what} by the keyboard")
+
+
+def test_a_keyboard_plans_edits_undoes_saves_and_builds(page: Page, server: Served) -> None:
+    old = settled(page, -1)
+    tab_to(page, ".handle[data-name='joint 3']")
+    page.keyboard.press("ArrowDown")
+    old = settled(page, old)
+    page.keyboard.press("Enter")  # on to the exact fields
+    page.keyboard.press("Tab")
+    tab_to(page, "tr[data-segment='1'] [data-action='split']")
+    page.keyboard.press("Enter")
+    old = settled(page, old)
+    assert server.desk.text.count("[[motion]]") == 6
+    page.keyboard.press("Control+z")
+    old = settled(page, old)
+    tab_to(page, "[data-key='follower.roller_radius']")
+    page.keyboard.type("8")
+    page.keyboard.press("Enter")
+    old = settled(page, old)
+    page.keyboard.press("Control+s")
+    page.wait_for_function("() => camgeo.session.state.saved")
+    changed = differing(server)
+    assert "roller_radius = 8" in changed
+    assert [each.split(" = ")[0] for each in changed].count("to") == 1
+    for name in page.eval_on_selector_all(
+        ".build input:checked", "(all) => all.map((each) => each.value)"
+    ):
+        if name != "csv":
+            tab_to(page, f".build input[value='{name}']")
+            page.keyboard.press("Space")
+    tab_to(page, "#build-files")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".build a[download$='.csv']")
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not there: npm ci")
+def test_axe_finds_nothing_and_every_width_holds_it(page: Page) -> None:
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.emulate_media(color_scheme="dark" if width == WIDTHS[0] else "light")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.evaluate(AXE.read_text("utf-8"))
+        assert page.evaluate(VIOLATIONS) == []
+
+
+def test_texts_of_a_scene_stay_texts(page: Page, server: Served) -> None:
+    old = settled(page, -1)
+    hostile = '</script><img src=x onerror="camgeo.bad = 1">'
+    page.get_by_label("scene, name", exact=True).fill(hostile)
+    page.keyboard.press("Enter")
+    settled(page, old)
+    written = hostile.replace('"', '\\"')
+    page.wait_for_function(
+        "(text) => document.getElementById('text-area').value.includes(text)", arg=written
+    )
+    page.wait_for_selector("#faults:not([hidden])")
+    assert page.evaluate("[camgeo.bad ?? null, document.images.length]") == [None, 0]
