@@ -17,6 +17,7 @@ from camgeo.check.finding import Finding
 from camgeo.check.judge import RETURN
 from camgeo.designing.arguments import Arguments
 from camgeo.designing.job import Job
+from camgeo.designing.painting import effect_charts
 from camgeo.designing.recent import Recent
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Flank
@@ -53,7 +54,7 @@ RANGE: Final = 33
 
 
 def findings(job: Job, recent: Recent) -> dict[str, Any]:
-    """The findings, what to do about them, and where they are.
+    """The findings, what to do about them, where they are, and the diagrams of effects.
 
     Argument `machining`: whether milling programs are planned and simulated too, true if it is not
     given.
@@ -67,6 +68,7 @@ def findings(job: Job, recent: Recent) -> dict[str, Any]:
         "findings": [_finding(each) for each in listed],
         "cures": [_cure(index, each) for index, each in enumerate(found.cures)],
         "places": list(_places(found)),
+        "charts": effect_charts(design),
     }
 
 

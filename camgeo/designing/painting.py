@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
-from camgeo.answers.report import Chart
+from camgeo.answers.report import Chart, of_effects
 from camgeo.answers.report.readings import Reading, plain, readings, shown
 from camgeo.design import Design
 from camgeo.designing.edits import changed
@@ -76,6 +76,7 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     return {
         "form": recent.kept("form", (shown,), lambda: [each.to_data() for each in form(found)]),
         "plan": [each.to_data() for each in plan(found)],
+        "effects": sorted(effects) if isinstance(effects := found.at(("effects",)), dict) else [],
     }
 
 
@@ -91,6 +92,21 @@ def painted(design: Design, recent: Recent) -> dict[str, Any]:
         turn = _tried(lambda: thinned_turn(animation(design.disc)).to_data())
     charts = [chart for make in _wanted(design, recent) if (chart := _tried(make)) is not None]
     return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
+
+
+def effect_charts(design: Design) -> list[dict[str, Any]]:
+    """The diagrams of the scene's effects, which take longer than those of `painted`."""
+    if design.scene.follower is None or not design.scene.effects:
+        return []
+    try:
+        wanted = list(of_effects(design.disc))
+    except CamgeoError:  # the findings say why
+        return []
+    made = (
+        _tried(partial(_chart, f"effects-{number}", title, make))
+        for number, (title, make) in enumerate(wanted, start=1)
+    )
+    return [chart for chart in made if chart is not None]
 
 
 def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:

@@ -43,6 +43,16 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
     assert all(each["step"] for each in bad)
 
 
+def test_effects_have_diagrams_once_they_are_on() -> None:
+    text = template("milled")
+    assert run(Job("findings", text, arguments={"machining": False}))["charts"] == []
+    on = run(Job("change", text, arguments={"effect": {"name": "kinematics", "on": True}}))
+    assert on["effects"] == ["kinematics"]
+    found = run(Job("findings", on["text"], arguments={"machining": False}))
+    assert [each["name"] for each in found["charts"]] == ["effects-1"]
+    assert found["charts"][0]["readings"]
+
+
 def test_programs_are_judged_unless_they_are_left_out() -> None:
     scene = Job("findings", template("milled"))
     about = [each["about"] for each in run(scene)["findings"]]

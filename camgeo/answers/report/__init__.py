@@ -202,11 +202,11 @@ def _of_discs(design: Design) -> Iterator[tuple[str, partial[Figure]]]:
         yield f"transmission angle{name}", partial(diagrams.transmission_angle, disc)
         yield f"curvature{name}", partial(diagrams.curvature, disc)
     if design.scene.effects:
-        yield from _effects(design.disc)
+        yield from of_effects(design.disc)
 
 
-def _effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
-    """Diagrams of at most TOGETHER panels each."""
+def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
+    """Title and maker of each diagram of the scene's effects, of at most TOGETHER panels."""
     groups = effects.panels(disc.columns())
     parts = [groups[k : k + TOGETHER] for k in range(0, len(groups), TOGETHER)]
     for number, part in enumerate(parts, start=1):

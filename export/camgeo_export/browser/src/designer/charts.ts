@@ -19,11 +19,11 @@ export class Charts {
   ) {
     this.element.append(this.none, this.list);
     this.show = keyed(this.list, (chart) => `${chart.name} ${chart.title}`, (chart) => this.card(chart));
-    session.on("curves", () => this.update());
+    session.on(["curves", "findings"], () => this.update());
   }
 
   private update(): void {
-    const charts = (this.session.curves?.charts ?? []).filter((chart) => chart.name !== CHART);
+    const charts = [...(this.session.curves?.charts ?? []), ...(this.session.findings?.charts ?? [])].filter((chart) => chart.name !== CHART);
     shown(this.none, charts.length === 0);
     this.element.classList.toggle("old", this.session.faults.length > 0);
     this.show(charts);

@@ -18,7 +18,7 @@ export class Effects {
   }
 
   private update(): void {
-    const effects = this.session.curves?.effects ?? this.session.effects;
+    const { effects } = this.session;
     shown(this.none, effects.length === 0);
     this.show(effects);
   }
@@ -33,8 +33,7 @@ export class Effects {
       update: (next) => {
         say(label, next.title ?? next.name);
         say(about, next.sentence);
-        const stated = next.on ?? this.session.curves?.form?.some((section) => section.key === `effects.${next.name}` && section.stated !== false) ?? false;
-        box.checked = stated;
+        box.checked = this.session.curves?.effects?.includes(next.name) ?? false;
       },
     };
   }

@@ -1,10 +1,27 @@
 // The laws that fit a segment, as pictures to choose from.
 
+import type { Figure, Panel } from "../data";
 import { Drawing } from "../figure";
 import { button, el, fresh, say } from "./dom";
 import type { Law, Segment } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
+
+const SHOWN = 3; // panels: velocity, acceleration, jerk
+const [WIDE, HIGH] = [3.2, 1.15]; // inches of the picture, and of each panel with its title
+
+// A law's figure in the shape of a stamp: its first panels above each other, without what the text
+// beside the picture says.
+function stamp({ panels }: Figure): Figure {
+  const high = HIGH * SHOWN;
+  const own = panels.slice(0, SHOWN).map((panel, k, all): Panel => {
+    const top = 1 - (HIGH * k + 0.3) / high;
+    const marks = panel.marks.filter((mark) => mark.kind !== "text");
+    const x = { ...panel.x, label: "", numbered: k === all.length - 1 };
+    return { ...panel, frame: [0.16, top - (HIGH - 0.5) / high, 0.97, top], marks, x, legend: null };
+  });
+  return { size: [WIDE, high], panels: own, texts: [], legend: null };
+}
 
 export class Laws {
   readonly element: HTMLDialogElement;
@@ -42,7 +59,7 @@ export class Laws {
     element.append(el("strong", {}, now ? `${title} (${t("laws.now")})` : title));
     if (law.figure) {
       const drawing = new Drawing();
-      drawing.update(law.figure, t("laws.picture", { title }));
+      drawing.update(stamp(law.figure), t("laws.picture", { title }));
       drawing.svg.setAttribute("aria-hidden", "true"); // the button has its name and its facts
       element.append(drawing.svg);
     }

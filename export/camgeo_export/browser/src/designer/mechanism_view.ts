@@ -37,7 +37,7 @@ export class MechanismView {
   private readonly old = el("p", { class: "stale", hidden: true }, t("mechanism.old"));
   private readonly places = element("g");
   private readonly listed = el("ul", { class: "list places" });
-  private readonly details = el("details", { hidden: true, open: true }, el("summary", {}, t("mechanism.places")), this.listed);
+  private readonly details = el("details", { hidden: true }, el("summary", {}, t("mechanism.places")), this.listed);
 
   constructor(private readonly session: Session) {
     const play = el("button", { type: "button", id: "play", "aria-pressed": "false" }, t("mechanism.play"));

@@ -96,7 +96,6 @@ export interface Effect {
   name: string;
   title?: string;
   sentence: string;
-  on?: boolean;
 }
 
 // The result of a scene; after faults only they are there.
@@ -109,7 +108,7 @@ export interface Curves {
   handles?: Handle[];
   plan?: Segment[];
   form?: Section[];
-  effects?: Effect[];
+  effects?: string[]; // names of those that are on
   text?: string;
   label?: string | null;
   refused?: string;
@@ -150,6 +149,7 @@ export interface Found {
   findings?: Finding[];
   cures?: Cure[];
   places?: Place[];
+  charts?: Chart[]; // of effects, which take longer than curves
 }
 
 export interface State {

@@ -132,7 +132,7 @@ export class Session {
         this.faults = rest.faults;
         // With faults the last pictures stay; what can be entered is that of the text all the same.
         if (rest.charts) this.curves = rest;
-        else if (this.curves) this.curves = { ...this.curves, form: rest.form ?? this.curves.form ?? [], plan: rest.plan ?? this.curves.plan ?? [] };
+        else if (this.curves) this.curves = { ...this.curves, form: rest.form ?? this.curves.form ?? [], plan: rest.plan ?? this.curves.plan ?? [], effects: rest.effects ?? this.curves.effects ?? [] };
         else if (rest.form) this.curves = { faults: rest.faults, form: rest.form, plan: rest.plan ?? [] };
         this.tell("curves", "faults", "told");
         if (this.refused) announce(t("text.refused", { message: this.refused }));

@@ -124,7 +124,7 @@ export const STRINGS = {
   "form.number": "Enter a number.",
   "form.list": "Enter numbers with commas between them.",
   "form.field": "{section}, {title}",
-  "form.unstated": "{title} (not in the scene)",
+  "form.rest": "Tables that are not in the scene",
   "form.help": "What a value means is told here, once its field is chosen.",
 
   "effects.title": "Effects",
