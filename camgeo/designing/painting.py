@@ -67,6 +67,8 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     except CamgeoError as error:
         return {"text": job.text, "refused": sentence(error), "faults": told(error)}
     after = replace(job, text=found.text)
+    if found.scene is not None:
+        recent.made(after, found.scene)
     return {"text": found.text, "label": found.label, **curves(after, recent)}
 
 

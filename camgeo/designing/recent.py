@@ -37,9 +37,28 @@ class Recent:
         place = job.text, job.file, job.folder
         if self._design is not None and place == self._of:
             return self._design
-        found = self._made(job)
-        self._of, self._design = place, None if found.scene.files else found
-        return found
+        return self._kept_of(job, self._made(job))
+
+    def made(self, job: Job, scene: Scene) -> None:
+        """Take note of the scene of a job: an edit of the last one, which shares with that what it
+        leaves as it was.
+        """
+        if self._design is not None and (job.file, job.folder) == self._of[1:]:
+            self._kept_of(job, self._sharing(scene, self._design))
+
+    def _kept_of(self, job: Job, design: Design) -> Design:
+        self._of = job.text, job.file, job.folder
+        self._design = None if design.scene.files else design
+        return design
+
+    def _sharing(self, scene: Scene, earlier: Design) -> Design:
+        """The design of a scene that is an edit; with the drive of the earlier one if it moves as
+        that does.
+        """
+        made = Design(scene)
+        if _moves_alike(scene, earlier.scene):
+            made.__dict__["drive"] = earlier.drive
+        return made
 
     def _made(self, job: Job) -> Design:
         """The design; what the edit leaves as it was is that of the last one."""
@@ -49,10 +68,7 @@ class Recent:
         found = self.document(job)
         source = Source.of(job.file, job.folder or None, job.text)
         scene = Scene.of(_grafted(found, earlier.scene), source, earlier.scene)
-        made = Design(scene)
-        if _moves_alike(scene, earlier.scene):
-            made.__dict__["drive"] = earlier.drive
-        return made
+        return self._sharing(scene, earlier)
 
     def document(self, job: Job) -> Document:
         """The values of a job's text, right or wrong; SceneError if it is not TOML."""

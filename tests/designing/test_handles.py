@@ -7,6 +7,7 @@ import math
 import pathlib
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -143,6 +144,33 @@ def test_handles_of_the_plan_are_in_its_panel() -> None:
             (low, high), (left, right) = panel.y.limits, panel.x.limits
             assert low < each.at[1] < high
             assert left < each.at[0] < right
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_handles_of_the_mechanism_are_on_its_bodies(file: pathlib.Path) -> None:
+    """In the picture at cam angle 0, which is made by other code."""
+    own = design(file)
+    if own.scene.follower is None:
+        return
+    sketch = own.disc.pictured.mechanism_sketch(0.0)
+    # A lift table that is smoothed need not start at 0, where grips are.
+    near = 1e-9 + abs(own.cam.follower.reach * own.drive.motion.jet(np.zeros(1))[0, 0])
+    places = {
+        "pivot": sketch.shafts,
+        "joint": sketch.joints,
+        "arm": [centre for centre, _ in sketch.rollers],
+    }
+    for each in handles(own):
+        at = complex(*each.at)
+        if each.kind in ("pivot", "joint", "arm") and each.space == "mechanism":
+            assert min(abs(at - place) for place in places[each.kind]) < near
+        elif each.kind == "roller":
+            assert min(abs(abs(at - c) - radius) for c, radius in sketch.rollers) < near
+        elif each.kind == "base-circle":
+            assert abs(at) == pytest.approx(own.scene.follower.base_radius)
+        elif each.name in ("face start", "face end"):
+            (start, end), *_ = sketch.faces
+            assert abs(((at - start) / (end - start)).imag) < 1e-9
 
 
 def test_values_are_those_that_the_handle_changes() -> None:

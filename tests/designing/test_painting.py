@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,26 @@ def test_an_edit_is_painted_as_if_it_were_the_first(edits: list[tuple[str, str]]
     run(Job("curves", text, "a.toml"), recent)
     edited = run(Job("curves", after, "a.toml"), recent)
     assert edited == run(Job("curves", after, "a.toml"))
+
+
+CHANGES: list[dict[str, Any]] = [
+    {"handle": "joint 3", "to": [180, 50], "step": 0.5},
+    {"edits": {"follower.roller_radius": 6}},
+    {"handle": "pivot", "to": [-41, -62]},
+    {"segment": {"action": "split", "at": 0}},
+    {"edits": {"follower.roller_radius": "wrong"}},
+    {"edits": {"follower.roller_radius": 8, "name": "other"}},
+]
+
+
+def test_changes_one_after_another_are_painted_as_their_texts() -> None:
+    recent = Recent()
+    now = job(SETZHUB)
+    for arguments in CHANGES:
+        found = run(replace(now, kind="change", arguments=arguments), recent)
+        now = replace(now, text=found.pop("text"))
+        assert found.pop("label")
+        assert written(found) == written(run(now))
 
 
 def test_a_scene_with_faults_tells_them_with_their_lines() -> None:
