@@ -76,7 +76,8 @@ def test_a_design_is_described_without_computing_anything() -> None:
 def test_findings_are_counted() -> None:
     ok, broken = Finding("a", "ok", "it is"), Finding("b", "broken", "it is not")
     assert repr(ok) == "Finding('a', 'ok', 'it is')"
-    assert repr(Findings([broken, ok, ok])) == "<3 findings: 1 broken, 2 ok>"
+    assert repr(Findings([broken, ok, ok])) == "<3 findings: 1 broken (b), 2 ok>"
+    assert repr(Findings([broken] * 5)) == "<5 findings: 5 broken (b, b, b and 2 more)>"
     assert repr(Findings()) == "<0 findings>"
     assert len(repr(Finding("a", "ok", "so " * LONGEST))) == LONGEST
     assert Findings([ok]) == (ok,)

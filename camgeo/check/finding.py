@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from camgeo.displayed import Displayed, clipped
 from camgeo.units import TURN, LiftUnit
-from camgeo.wording import counted
+from camgeo.wording import counted, listed
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
@@ -67,15 +66,25 @@ class Finding(Displayed):
         return clipped(f"Finding({self.name!r}, {self.severity!r}, {self.sentence!r})")
 
 
+NAMED: Final = 3
+"""Findings of a severity that are named where many are described."""
+
+
 class Findings(tuple[Finding, ...], Displayed):
     """Several findings, which a notebook shows as a table."""
 
     __slots__ = ()
 
     def __repr__(self) -> str:
-        severities = Counter(each.severity for each in self)
-        told = ", ".join(f"{number} {severity}" for severity, number in severities.items())
-        return f"<{counted(len(self), 'finding')}{': ' if told else ''}{told}>"
+        names: dict[str, list[str]] = {}
+        for each in self:
+            names.setdefault(each.severity, []).append(each.name)
+        told = [
+            f"{len(own)} {severity}" + ("" if severity == "ok" else f" ({listed(own, NAMED)})")
+            for severity, own in names.items()
+        ]
+        head = counted(len(self), "finding")
+        return clipped(f"<{': '.join([head, *([', '.join(told)] if told else [])])}>")
 
 
 def held(

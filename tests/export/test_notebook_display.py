@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.answers.compare import compare
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
 from camgeo.answers.refusal import refusal
 from camgeo.answers.render import text as render_text
@@ -248,6 +249,23 @@ def test_a_sweep_is_shown_row_by_row() -> None:
     many = replace(swept(), count=1_000)
     assert "<table" not in html(many)
     assert "least" in texts(many)
+
+
+def test_designs_side_by_side_have_what_differs_and_their_findings() -> None:
+    small = Design(design("plate_translating").scene.with_values({"follower.base_radius": 30}))
+    found = compare([("as it is", design("plate_translating")), ("small", small)])
+    page = html(found)
+    (head, *rows) = [
+        [Page(cell).texts for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", row)]
+        for row in re.findall(r"<tr>(.*?)</tr>", page)
+    ]
+    assert head == [[], ["as it is"], ["small"]]
+    assert [["follower.base_radius"], ["50"], ["30"]] in rows
+    assert [["verdict"], ["✓ ok"], ["✗ BROKEN"]] in rows
+    (angle,) = [row for row in rows if row[0] == ["transmission-angle"]]
+    assert angle[1] == ["63.0337 deg"]
+    assert angle[2][-1] == "✗ BROKEN"
+    assert page.count("<img") == 1
 
 
 def test_answers_with_a_picture_show_it() -> None:

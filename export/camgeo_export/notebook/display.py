@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from html import escape
-from typing import Any
+from typing import Any, cast
 
 from camgeo.answers import render
 from camgeo.answers.answer import MARKS, Answer
 from camgeo.answers.check import Check
+from camgeo.answers.compare import Cell, Compare
 from camgeo.answers.laws import UNITS, LawRow, Laws
 from camgeo.answers.report import Report, advised
 from camgeo.answers.report.steps import next_step
@@ -20,7 +21,7 @@ from camgeo.answers.sweep.rendering import FEW, headed
 from camgeo.answers.sweep.rendering import shown as cell
 from camgeo.answers.table import ValueTable
 from camgeo.answers.verify import Verification
-from camgeo.check.finding import Finding, Findings
+from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.check.judge import Judgement
 from camgeo.design import Design
 from camgeo.displayed import Displayed
@@ -299,3 +300,28 @@ def _(value: Sweep) -> Shown:
         cells = [*map(cell, (*each.values.values(), *each.answers.values()))]
         rows.append([escape(text) for text in (*cells, each.reason)][: len(heads)])
     return Shown(markup.rows_of(heads, rows, numbers=False))
+
+
+@shown.register
+def _(value: Compare) -> Shown:
+    """Keys that differ, verdicts and findings, a column for each design."""
+    rows = [
+        [escape(each.key), *(escape(text) or "-" for text in each.values)] for each in value.keys
+    ]
+    if any(each.verdict for each in value.designs):
+        verdicts = [markup.badge(cast("Severity", each.verdict)) for each in value.designs]
+        rows.append(["verdict", *verdicts])
+    rows += [[escape(line.name), *map(_compared, line.cells)] for line in value.lines]
+    heads = ["", *(each.label for each in value.designs)]
+    reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)
+    told = "".join(map(markup.paragraph, reasons))
+    table = markup.rows_of(heads, rows, numbers=False) + told
+    return Shown(table, render.figure(value), "flanks and curves of the designs over each other")
+
+
+def _compared(found: Cell) -> str:
+    text = "-" if found.value is None else f"{cell(found.value)} {found.unit}".rstrip()
+    if found.severity in ("", "ok"):
+        return escape(found.severity if found.value is None and found.severity else text)
+    mark = markup.badge(cast("Severity", found.severity))
+    return mark if found.value is None else f"{escape(text)} {mark}"
