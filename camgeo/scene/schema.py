@@ -184,8 +184,9 @@ def schema_for(values: Mapping[str, Any]) -> Composed:
     return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)), mills=mills)
 
 
+@functools.cache
 def milling_tables() -> Node:
-    """Return the schemas of the tables on milling, by their keys."""
+    """Return the schemas of the tables on milling, by their keys; shared, never to be changed."""
     from camgeo.toolpath.milling import tables  # few scenes mill
 
     return tables()
