@@ -58,6 +58,16 @@ export class Player {
     this.controls.play.setAttribute("aria-pressed", "false");
   }
 
+  // Says the cam angle and where the follower is, once nothing has changed for a while.
+  tell(): void {
+    clearTimeout(this.told);
+    this.told = setTimeout(() => {
+      const { degrees } = this.angle;
+      const said = this.words.state(degrees.toFixed(1), this.lift(degrees));
+      if (this.controls.state.textContent !== said) this.controls.state.textContent = said;
+    }, RESTED);
+  }
+
   dispose(): void {
     this.stop();
     clearTimeout(this.told);
@@ -84,16 +94,13 @@ export class Player {
   }
 
   private show(degrees: number, rests: boolean): void {
-    const { slider, field, state } = this.controls;
+    const { slider, field } = this.controls;
     const shown = degrees.toFixed(1);
     const active = (slider.getRootNode() as Document | ShadowRoot).activeElement;
     if (active !== slider || !rests) slider.value = shown;
     if (active !== field) field.value = shown;
     slider.setAttribute("aria-valuetext", this.words.degrees(shown));
     clearTimeout(this.told);
-    if (!rests) return;
-    this.told = setTimeout(() => {
-      state.textContent = this.words.state(shown, this.lift(degrees));
-    }, RESTED);
+    if (rests) this.tell();
   }
 }

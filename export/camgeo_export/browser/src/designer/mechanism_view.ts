@@ -85,6 +85,7 @@ export class MechanismView {
     const high = other ? ([0, 1].map((k) => Math.max(found.high[k]!, other.high[k]!)) as [number, number]) : found.high;
     const both = other ? { ...found, low, high, turning: [...found.turning, ...ghosts(other)] } : found;
     this.mechanism.update(both, held === SPACE);
+    if (!this.player.playing) this.player.tell();
     const { width, height } = this.mechanism.svg.viewBox.baseVal;
     this.picture.style.setProperty("--aspect", (width / height).toFixed(4));
     this.place();
