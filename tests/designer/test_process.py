@@ -21,6 +21,7 @@ from websockets import Origin
 from websockets.sync.client import connect
 
 from tests.designer.served import SECONDS, Client
+from tests.long_form import some
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, and /proc, of Linux")
 
@@ -133,7 +134,7 @@ def test_a_kill_in_the_middle_of_edits_loses_no_file_and_no_edit(folder: Path) -
     assert [*(folder.parent / "states" / "camgeo" / "designer").iterdir()] == []
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", some([signal.SIGTERM, signal.SIGHUP], of=2))
 def test_other_signals_end_it_too_and_leave_nothing_running(folder: Path, number: int) -> None:
     with running(folder) as server:
         page = server.page

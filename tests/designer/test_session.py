@@ -224,3 +224,42 @@ def test_a_page_that_takes_nothing_holds_up_no_other(server: Served) -> None:
 
 def page_revision(server: Served) -> int:
     return server.session._revision
+
+
+HOSTILE = (
+    "</script><script>alert(1)</script><img src=x onerror=alert(1)> javascript:alert(1) \u2028"
+)
+
+
+def test_texts_of_a_scene_are_data_and_never_part_of_a_page(folder: Path) -> None:
+    name = "a<b>&'javascript:.toml"
+    (folder / name.replace(":", "")).write_text(f'name = "{HOSTILE}"\n')
+    with served(folder, "cam.toml") as server, server.page() as page:
+        page.say("text", id=1, text=f'name = "{HOSTILE}"\n')
+        assert page.hear("curves", answers=1)["text"] == f'name = "{HOSTILE}"\n'
+        page.say("hello")
+        assert name.replace(":", "") in page.hear("state", saved=False)["folder_files"]
+        reply = server.get("/")
+        assert b"alert" not in reply.text  # type: ignore[attr-defined]  # see Served.get
+        assert b"<b>" not in reply.text  # type: ignore[attr-defined]  # see Served.get
+
+
+@pytest.mark.parametrize(
+    "name", ['a"b.dxf', "a\r\nX: 1.dxf", "../a.dxf", "</script>.dxf", "ä\u202e.dxf", "all.zip"]
+)
+def test_names_of_files_stay_names(folder: Path, name: str) -> None:
+    def built(job: Job, seconds: float) -> Mapping[str, Any]:
+        if job.kind == "build":
+            return {"files": [{"name": name, "bytes": "Y2Ft"}], "faults": []}
+        return computed(job, seconds)
+
+    with served(folder, "cam.toml", built) as server, server.page() as page:
+        page.say("build", id=1)
+        (file,) = page.hear("built", answers=1)["files"]
+        assert file["url"].isascii()
+        assert not {*file["url"]} & {*'"<>\r\n'}
+        reply = server.get(file["url"])
+        if reply.status == 200:
+            assert reply.text == b"cam"  # type: ignore[attr-defined]  # see Served.get
+            assert reply.headers["content-disposition"].startswith("attachment; ")
+            assert "X" not in reply.headers

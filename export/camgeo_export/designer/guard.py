@@ -15,7 +15,7 @@ import socket
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from http import HTTPStatus
-from typing import Any, Final
+from typing import Final
 from urllib.parse import parse_qsl
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -255,24 +255,22 @@ def _same(one: str, other: str) -> bool:
 
 async def _answer(scope: Scope, send: Send, status: int, sentence: str) -> None:
     """Refuse a request in a sentence, and end its connection."""
-    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close")]
+    kind = (b"content-type", b"text/plain; charset=utf-8")
     data = f"{status} {HTTPStatus(status).phrase}\n{sentence}\n".encode()
     if scope["type"] == "http":
-        await _reply(send, status, data, headers)
+        await _reply(send, status, data, [kind, (b"connection", b"close")])
     elif "websocket.http.response" in scope.get("extensions", {}):
-        await _reply(send, status, data, headers, "websocket.http.response")
+        head = {"type": "websocket.http.response.start", "status": status, "headers": [kind]}
+        await send(head)  # the server states length and end itself
+        await send({"type": "websocket.http.response.body", "body": data})
     else:
         await send({"type": "websocket.close", "code": 1008, "reason": sentence})
 
 
 async def _reply(
-    send: Send,
-    status: int,
-    data: bytes,
-    headers: Iterable[tuple[bytes, bytes]],
-    kind: str = "http.response",
+    send: Send, status: int, data: bytes, headers: Iterable[tuple[bytes, bytes]]
 ) -> None:
-    head: dict[str, Any] = {"type": f"{kind}.start", "status": status}
     length = (b"content-length", str(len(data)).encode())
-    await send({**head, "headers": [*headers, length]})
-    await send({"type": f"{kind}.body", "body": data})
+    head = {"type": "http.response.start", "status": status, "headers": [*headers, length]}
+    await send(head)
+    await send({"type": "http.response.body", "body": data})
