@@ -66,6 +66,20 @@ def test_words_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
         assert answer.spans[0].least is None
 
 
+def test_designs_with_different_units() -> None:
+    with closing(sweep(family("units.length=mm,inch"), ["max:s", "laws"])) as result:
+        answer = answer_of(result)
+        reported = document(answer)
+        rows = list(csv.reader(io.StringIO(comma_separated(answer).decode())))
+        assert "58.5 mm" in text(answer)
+        assert "58.5 inch" in text(answer)
+    assert reported["questions"][0]["unit"] == ""
+    assert reported["questions"][0]["least"] is None
+    assert [each["units"] for each in reported["designs"]] == [{"max:s": "mm"}, {"max:s": "inch"}]
+    assert rows[0] == ["units.length", "max:s", "max:s unit", "laws", "reason"]
+    assert [row[2] for row in rows[1:]] == ["mm", "inch"]
+
+
 def test_how_designs_were_drawn_is_told() -> None:
     from camgeo.sweep.family import Sample
 

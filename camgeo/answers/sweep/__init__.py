@@ -24,11 +24,13 @@ class Design:
     ----------
     values : by the keys that vary.
     answers : by what was asked; None where there is none.
+    units : of those answers that designs state in different units.
     reason : why something is missing; empty if nothing failed.
     """
 
     values: Mapping[str, Value]
     answers: Mapping[str, float | str | None]
+    units: Mapping[str, str]
     reason: str
 
 
@@ -39,19 +41,29 @@ class Span:
     Attributes
     ----------
     word : what was asked.
-    unit : of the numbers; several, joined by "or", if designs state it in different ones.
+    units : of the numbers; several if designs state it in different ones.
     count : designs with an answer.
     least, greatest : the designs with the least and the greatest number, the first of several; None
-        if no answer is a number.
+        if no answer is a number, or if units differ.
     words : how often each answer that is a word was given.
     """
 
     word: str
-    unit: str
+    units: tuple[str, ...]
     count: int
     least: Design | None
     greatest: Design | None
     words: Mapping[str, int]
+
+    @property
+    def mixed(self) -> bool:
+        """Whether designs state the numbers in different units."""
+        return len(self.units) > 1
+
+    @property
+    def unit(self) -> str:
+        """Of the numbers; empty if there is none, or if they have different ones."""
+        return self.units[0] if len(self.units) == 1 else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +105,8 @@ class Sweep(Answer):
     @property
     def designs(self) -> Iterator[Design]:
         """All designs, in the order of the family."""
-        return (_design(self.result, row) for row in self.result.rows)
+        mixed = frozenset(span.word for span in self.spans if span.mixed)
+        return (_design(self.result, row, mixed) for row in self.result.rows)
 
 
 def answer_of(result: Result) -> Sweep:
@@ -140,14 +153,16 @@ class _Spanned:
 
     def span(self, result: Result, word: str) -> Span:
         least, greatest = (
-            None if found is None else _design(result, found[1])
+            None if found is None or len(self._units) > 1 else _design(result, found[1])
             for found in (self._least, self._greatest)
         )
         words = dict(sorted(self._words.items()))
-        return Span(word, " or ".join(sorted(self._units)), self._count, least, greatest, words)
+        return Span(word, tuple(sorted(self._units)), self._count, least, greatest, words)
 
 
-def _design(result: Result, row: Row) -> Design:
-    words = (asked.word for asked in result.asked)
+def _design(result: Result, row: Row, mixed: frozenset[str] = frozenset()) -> Design:
+    words = [asked.word for asked in result.asked]
     values = result.family.edits(row.point)
-    return Design(values, dict(zip(words, row.values, strict=True)), row.reason)
+    answers = dict(zip(words, row.values, strict=True))
+    units = {word: unit for word, unit in zip(words, row.units, strict=True) if word in mixed}
+    return Design(values, answers, units, row.reason)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from camgeo.answers.sweep import Design, Span, Sweep
-from camgeo.wording import counted
+from camgeo.wording import counted, listed
 
 FEW: Final = 40
 """Rows that are printed; of more, only the least and the greatest answers."""
@@ -52,6 +52,8 @@ def _span(span: Span) -> list[str]:
     if span.words:
         found = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
         return [f"{head}: {found}"]
+    if span.mixed:
+        return [f"{head}: {counted(span.count, 'answer')} in different units, {listed(span.units)}"]
     if span.least is None or span.greatest is None:
         return [f"{head}: no design has an answer"]
     lines = [f"{head}: {counted(span.count, 'answer')}"]
@@ -62,15 +64,19 @@ def _span(span: Span) -> list[str]:
 
 
 def headed(span: Span) -> str:
-    """Heading of the answers, with their unit."""
+    """Heading of the answers, with their unit if they have one."""
     return f"{span.word} [{span.unit}]" if span.unit else span.word
 
 
 def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
     rows = [[*answer.keys, *(headed(span) for span in answer.spans), REASON]]
     for each in designs:
-        cells = [*each.values.values(), *each.answers.values()]
-        rows.append([*(shown(cell) for cell in cells), short(each.reason, LONGEST)])
+        answers = (
+            " ".join(filter(None, (shown(answer), each.units.get(word, ""))))
+            for word, answer in each.answers.items()
+        )
+        values = map(shown, each.values.values())
+        rows.append([*values, *answers, short(each.reason, LONGEST)])
     if not answer.failed:
         rows = [row[:-1] for row in rows]
     return rows
@@ -100,13 +106,21 @@ def shown(value: object) -> str:
 
 
 def comma_separated(answer: Sweep) -> bytes:
-    """All rows as CSV in UTF-8; each number in the shortest form that reads back the same."""
+    """All rows as CSV in UTF-8; each number in the shortest form that reads back the same.
+
+    Where designs state an answer in different units, a column with them follows.
+    """
     found = io.BytesIO()
     stream = io.TextIOWrapper(found, "utf-8", newline="")
     rows = csv.writer(stream, lineterminator="\n")
-    rows.writerow([*answer.keys, *(headed(span) for span in answer.spans), REASON])
+    heads = list(answer.keys)
+    for span in answer.spans:
+        heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
+    rows.writerow([*heads, REASON])
     for each in answer.designs:
-        cells = [_exact(value) for value in (*each.values.values(), *each.answers.values())]
+        cells = [_exact(value) for value in each.values.values()]
+        for word, value in each.answers.items():
+            cells += [_exact(value), *([each.units[word]] if word in each.units else [])]
         rows.writerow([*cells, each.reason])
     stream.flush()
     return found.getvalue()
