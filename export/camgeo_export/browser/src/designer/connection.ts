@@ -25,6 +25,7 @@ export interface Ears {
 const FIRST_WAIT = 300; // milliseconds before trying again, doubled each time
 const LONGEST_WAIT = 5000;
 const ENDED = 1008; // close code: the server does not know this page
+const PATIENT = 5; // failures after which the server has probably ended
 const PATIENCE = 30000; // an answer that takes longer is not waited for
 
 export class Connection {
@@ -36,6 +37,7 @@ export class Connection {
   private queue: Waiting[] = [];
   private commands: ToServer[] = [];
   private greeted = false;
+  private failures = 0; // to connect, one after the other
 
   constructor(private readonly ears: Ears) {}
 
@@ -50,6 +52,7 @@ export class Connection {
     this.greeted = false;
     socket.addEventListener("open", () => {
       this.wait = FIRST_WAIT;
+      this.failures = 0;
       socket.send(JSON.stringify({ kind: "hello", ...(revision === undefined ? {} : { revision }) }));
       this.greeted = true;
       this.ears.connected(true, false);
@@ -61,9 +64,9 @@ export class Connection {
     socket.addEventListener("message", (event) => this.heard(JSON.parse(String(event.data)) as FromServer));
     socket.addEventListener("close", (event) => {
       if (this.socket !== socket) return;
-      const ended = event.code === ENDED;
-      this.ears.connected(false, ended);
-      if (ended) return;
+      this.failures += 1;
+      this.ears.connected(false, event.code === ENDED || this.failures > PATIENT);
+      if (event.code === ENDED) return;
       window.setTimeout(() => this.open(revision), this.wait);
       this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
     });

@@ -67,6 +67,10 @@ export class Handles {
     this.exact.append(this.help, this.title, this.fields);
     this.show = keyed(this.layer, (handle) => handle.name, (handle) => this.made(handle));
     this.list = keyed(this.fields, (value) => `${this.chosen ?? ""} ${value.key}`, (value) => this.field(value));
+    this.fields.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || event.defaultPrevented) return;
+      [...this.layer.querySelectorAll("button")].find((each) => each.dataset["name"] === this.chosen)?.focus();
+    });
     this.choose(null);
   }
 

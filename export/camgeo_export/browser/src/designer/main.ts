@@ -20,7 +20,7 @@ import { timings } from "./timings";
 
 const NAME = 120; // letters of a scene's name that are shown in the title
 
-// Undo and redo are those of the scene; in a field whose text is not taken yet they are the field's own.
+// Undo and redo are those of the scene, also in fields and in its text.
 function keys(files: Files): void {
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey || document.querySelector("dialog[open]")) return;
@@ -54,7 +54,9 @@ function start(root: HTMLElement): void {
   const text = new TextEditor(session);
   const findings = new Findings(session, (key) => form.reveal(key));
   const files = new Files(session, () => {
-    if (document.activeElement instanceof HTMLInputElement) document.activeElement.dispatchEvent(new Event("change"));
+    // What was typed into a field and not yet taken is taken first.
+    const field = document.activeElement;
+    if (field instanceof HTMLInputElement && field.dataset["key"] && ["number", "text"].includes(field.type)) field.dispatchEvent(new Event("change"));
     text.rest();
   });
   const comparison = new Comparison(session);

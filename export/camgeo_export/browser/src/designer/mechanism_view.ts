@@ -78,7 +78,7 @@ export class MechanismView {
     shown(this.picture, Boolean(found));
     shown(this.old, faults.length > 0 && Boolean(found));
     this.picture.classList.toggle("old", faults.length > 0);
-    say(this.none, curves ? t("mechanism.none") : t("mechanism.waiting"));
+    say(this.none, !curves ? t("mechanism.waiting") : this.session.text.trim() ? t("mechanism.none") : t("mechanism.empty"));
     if (!found) return this.handles.update([], () => null);
     const other = pinned?.animation;
     const low = other ? ([0, 1].map((k) => Math.min(found.low[k]!, other.low[k]!)) as [number, number]) : found.low;

@@ -51,6 +51,7 @@ export class Session {
       connected: (is, ended) => {
         if (is && this.state) announce(t("connection.back"));
         [this.connected, this.ended] = [is, ended];
+        if (is) this.revision = -1; // what comes first is what there is
         this.tell("connection");
       },
     });
@@ -118,8 +119,11 @@ export class Session {
         const { kind: _, text, ...rest } = found;
         this.state = rest;
         this.revision = Math.max(this.revision, found.revision);
-        if (typeof text === "string") this.text = text;
-        this.tell("state");
+        if (typeof text === "string") {
+          this.text = text;
+          this.message = ""; // it was said of what was there before
+        }
+        this.tell("state", "told");
         break;
       }
       case "curves": {
@@ -132,8 +136,7 @@ export class Session {
         this.faults = rest.faults;
         // With faults the last pictures stay; what can be entered is that of the text all the same.
         if (rest.charts) this.curves = rest;
-        else if (this.curves) this.curves = { ...this.curves, form: rest.form ?? this.curves.form ?? [], plan: rest.plan ?? this.curves.plan ?? [], effects: rest.effects ?? this.curves.effects ?? [] };
-        else if (rest.form) this.curves = { faults: rest.faults, form: rest.form, plan: rest.plan ?? [] };
+        else if (rest.form?.length) this.curves = { ...this.curves, faults: rest.faults, form: rest.form, plan: rest.plan ?? [], effects: rest.effects ?? [] };
         this.tell("curves", "faults", "told");
         if (this.refused) announce(t("text.refused", { message: this.refused }));
         else if (this.faults.length) announce(`${t("text.faults", { n: this.faults.length })} ${this.faults[0]?.message ?? ""}`);

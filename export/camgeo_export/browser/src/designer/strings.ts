@@ -52,6 +52,7 @@ export const STRINGS = {
   "mechanism.title": "Mechanism",
   "mechanism.label": "The mechanism at the cam angle stated below",
   "mechanism.waiting": "The mechanism follows.",
+  "mechanism.empty": "There is no scene yet: choose New … or Open … above.",
   "mechanism.none": "There is no mechanism to be shown.",
   "mechanism.old": "The scene has faults: this is the last picture without one.",
   "mechanism.play": "Play",
