@@ -52,7 +52,12 @@ FAULTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
 SLOW: Final = "GL Driver Message (OpenGL, Performance"
 """What the browser's own drawing without a graphics card says of itself."""
 
-REPORT_PROBE: Final = """
+SHEET: Final = 750
+"""Height of what is printed on A4 [points], where it is as wide as a diagram."""
+
+REPORT_PROBE: Final = (
+    f"const SHEET = {SHEET};"
+    """
 const all = (what) => [...document.querySelectorAll(what)];
 const turned = () => document.querySelector("#mechanism .turning")?.getAttribute("transform");
 const places = () => all(".cursor").map((e) => e.getAttribute("x1")).join();
@@ -75,6 +80,13 @@ document.body.dataset.camgeo = JSON.stringify({
     const grey = plain.getImageData(0, 0, 64, 40).data.filter((v, k) => k % 4 === 0 && v < 240);
     return grey.length < 64;
   }).length,
+  uncut: all("[id^=chart-] > svg:not(.part)").filter((e) => {
+    const parts = [...e.parentElement.querySelectorAll(".part")].map((p) => p.viewBox.baseVal);
+    const found = parts.length ? parts : [e.viewBox.baseVal];
+    const sum = found.reduce((high, each) => high + each.height, 0);
+    const gone = Math.abs(sum - e.viewBox.baseVal.height);
+    return found.some((each) => each.height > SHEET) || gone > 0.1;
+  }).length,
   unnamed: all("svg:not([aria-label]), input:not([aria-label]):not(label input)").length,
   wrong: all("*").flatMap((e) => [...e.attributes]).filter(
     (a) => /NaN|undefined/.test(a.value)).length,
@@ -82,6 +94,7 @@ document.body.dataset.camgeo = JSON.stringify({
     (document.getElementById("solid-0") === null),
 });
 """
+)
 """Turns the cam of a report, and measures what is shown then."""
 
 OF_REPORTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
@@ -93,6 +106,7 @@ OF_REPORTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
     "the slider does not follow": lambda shown: float(shown["slider"]) != 123.5,
     "a figure is blank": lambda shown: shown["blank"] > 0,
     "a solid is not drawn": lambda shown: shown["empty"] > 0,
+    "a diagram does not fit on paper": lambda shown: shown["uncut"] > 0,
     "a picture or a field has no name": lambda shown: shown["unnamed"] > 0,
     "it has places that are no numbers": lambda shown: shown["wrong"] > 0,
     "it has elements that are not its own": lambda shown: shown["strange"] != 0,

@@ -24,15 +24,18 @@ export class Drawing {
   readonly svg = element("svg", { class: "drawn" });
   readonly overlay = element("g");
   panels: Drawn[] = [];
-  private readonly picture: Node;
+  private readonly picture = new Node("g");
   private readonly serial = ++drawings; // tells its clips from those of others
   private corners: (string | undefined)[] = []; // where legends are that choose for themselves
 
   constructor(role: "img" | "group" = "img") {
     this.svg.setAttribute("role", role);
-    const group = element("g");
-    this.picture = new Node("g", group);
-    this.svg.append(group, this.overlay);
+    this.svg.append(this.picture.element, this.overlay);
+  }
+
+  // All but what lies over it.
+  get drawn(): SVGElement {
+    return this.picture.element;
   }
 
   // `held`: legends stay in the corners that they are in, as they should during a drag.

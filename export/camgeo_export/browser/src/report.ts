@@ -6,6 +6,7 @@ import type { Animation, Charted } from "./data";
 import { Drawing } from "./figure";
 import { liftAt, Mechanism } from "./mechanism";
 import { Player } from "./player";
+import { cut } from "./sheets";
 import { WORDS } from "./words";
 
 interface Data {
@@ -38,6 +39,7 @@ charts.forEach((each, k) => {
   const chart = new Chart(angle, () => player.stop());
   chart.update(each);
   found(`chart-${k}`).prepend(chart.svg);
+  cut(chart.svg, chart.drawing.drawn);
 });
 if (prices) {
   const drawing = new Drawing();
