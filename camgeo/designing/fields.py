@@ -153,7 +153,7 @@ class Fields:
             return None
         whole = {**found, "refs": refs}
         exact = self.document.at(path)
-        default = self._default(found)
+        default = self._default(path, found)
         value = default if exact is None else plain(exact)
         kind = _type(found, value)
         low, high = _limits(found)
@@ -174,7 +174,10 @@ class Fields:
             if found is not None:
                 yield found
 
-    def _default(self, node: Node) -> Any:
+    def _default(self, path: Path, node: Node) -> Any:
+        if "x-default-by-law" in node:
+            law = self.document.at((*path[:-1], "law"))
+            return node["x-default-by-law"].get(law) if isinstance(law, str) else None
         if "x-default-key" in node:
             path = tuple(node["x-default-key"].split("."))
             there = self.document.at(path)

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
 from camgeo.designing.fields import Field, Fields, plain
 from camgeo.designing.spans import joints, span_of
+from camgeo.motion.laws import ALIASES, FAMILIES
+from camgeo.motion.planning.request import AUTO
 from camgeo.scene.document import Document
+from camgeo.scene.rules import JERK, parameters_of
+from camgeo.scene.schema import SHAPES
 
 MOST: Final = 400
 """Segments of a plan that are shown."""
 
 DATA: Final = ("points", "table")
 """Laws by data, which are kinds of segments of their own."""
+
+
+OPTIMISE: Final = "optimise"
+"""Key of what "auto" keeps small."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +62,17 @@ class Row:
         }
 
 
+def _fitting(fields: Iterable[Field], law: Any) -> Iterator[Field]:
+    """Those that the law takes, and those that are stated all the same."""
+    known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
+    taken = parameters_of(law) if known else frozenset(SHAPES)
+    for each in fields:
+        key = each.key.rpartition(".")[2]
+        idle = (key in (*SHAPES, JERK) and key not in taken) or (key == OPTIMISE and law != AUTO)
+        if each.stated or not idle:
+            yield each
+
+
 def plan(document: Document) -> tuple[Row, ...]:
     """The segments of a scene; none if its motion is no list."""
     motion = document.at(("motion",))
@@ -86,7 +106,7 @@ def plan(document: Document) -> tuple[Row, ...]:
                 start,
                 position,
                 law if isinstance(law, str) and not rests else None,
-                tuple(fields.of_table(("motion", index), node)),
+                tuple(_fitting(fields.of_table(("motion", index), node), law)),
             )
         )
     return tuple(rows)

@@ -61,6 +61,9 @@ FOR_ROLLERS: Final = "is for roller followers"
 DRIVES: Final = {"mm": "turns a rocker", "rad": "moves a guided follower"}
 """What a linkage does that cannot drive a follower whose lift has that unit."""
 
+JERK: Final = "jerk"
+"""Key of the third derivative at the end of a move."""
+
 Rule = Callable[[ValidValues], Iterator[Broken]]
 
 
@@ -128,16 +131,21 @@ def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
             continue
         if name != AUTO and values.has(*place, "optimise"):
             yield (*place, "optimise"), f'belongs to law "{AUTO}"'
-        family = None if name == AUTO else find_family(name)
-        taken = set().union(*family.parameters.values()) if family else set(SHAPES)
-        for key in (*SHAPES, "jerk"):
+        taken = parameters_of(name)
+        for key in (*SHAPES, JERK):
             if not values.has(*place, key) or key in taken:
-                continue
-            if key == "jerk" and {"j0", "j1"} & taken:
                 continue
             own = [each for each in SHAPES if each in taken]
             known = f"its parameters: {', '.join(own)}" if own else "it has no parameters"
             yield (*place, key), f'is not a parameter of "{name}"; {known}'
+
+
+def parameters_of(law: str) -> frozenset[str]:
+    """Keys of a move that shape its law, or its jerk at the end, if the law takes them."""
+    if law == AUTO:
+        return frozenset(SHAPES)
+    taken = frozenset[str]().union(*find_family(law).parameters.values())
+    return taken & set(SHAPES) | ({JERK} if {"j0", "j1"} & taken else set())
 
 
 def one_speed(values: ValidValues) -> Iterator[Broken]:

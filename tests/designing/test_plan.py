@@ -33,6 +33,33 @@ def test_a_row_has_the_keys_of_its_kind() -> None:
     assert (rows[1].start, rows[1].to, rows[1].law) == (0.0, 58.5, "polynomial-345")
 
 
+def test_a_row_has_the_parameters_that_its_law_takes() -> None:
+    def keys(law: Any, **more: Any) -> set[str]:
+        move = {"law": law, "span": 360, "to": 0, **more}
+        (row,) = plan(document_of({"motion": [move]}))
+        return {each.title for each in row.fields} - {
+            "law",
+            "span",
+            "to",
+            "velocity",
+            "acceleration",
+        }
+
+    assert keys("polynomial-345") == {"inflection"}
+    assert keys("polynomial-7") == {"jerk"}
+    assert keys("polynomial-5") == set()
+    assert keys("scca") == {"inflection", "sine", "cosine", "curved"}
+    assert keys("cycloidal") == {"inflection"}
+    assert keys("auto") > {"optimise", "inflection"}
+    assert keys("polynomial-5", jerk=3) == {"jerk"}
+    assert {"sine", "inflection"} <= keys("no") & keys([])
+
+
+def test_a_default_may_depend_on_the_law() -> None:
+    (row,) = plan(document_of({"motion": [{"law": "scca", "span": 360, "to": 0}]}))
+    assert {each.title: each.default for each in row.fields}["sine"] == 0.25
+
+
 @pytest.mark.parametrize(
     "motion",
     [
