@@ -12,12 +12,13 @@ from typing import Any, Final
 
 from camgeo.check.cures.cure import Cure
 from camgeo.design import Design
+from camgeo.designing.companions import with_companions
 from camgeo.designing.fields import Fields
 from camgeo.designing.given import Given, refusal
 from camgeo.designing.handles import dragged
 from camgeo.designing.labels import label_of
 from camgeo.designing.mechanisms import other_table
-from camgeo.designing.segments import changed_segments, with_a_point
+from camgeo.designing.segments import changed_segments
 from camgeo.designing.snapping import styled
 from camgeo.designing.spans import Neighbours, is_fixed, span_key, spans_of, total
 from camgeo.designing.switching import switched
@@ -25,7 +26,7 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.motion.spans import FULL_TURN
 from camgeo.reading import SCENE
 from camgeo.scene.document import document, document_of_tree
-from camgeo.scene.keys import Path, path_of
+from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene
 from camgeo.scene.toml import written_into
 from camgeo.scene.tree import Tree, edited
@@ -119,14 +120,10 @@ def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`edits`: values by key, None to remove the key.
 
     A segment whose span changes takes from the next one, or gives to it, so that the turn stays
-    whole.
+    whole; choices come with what goes with them.
     """
     edits = _edits(arguments["edits"])
-    after = edited(given.tree, edits)
-    for key in edits:
-        path = path_of(key) or ()
-        if path[:1] == ("motion",) and path[2:] == ("law",):
-            after = _suiting_law(given, after, path)
+    after = with_companions(given, edited(given.tree, edits), edits)
     return _whole_turn(given.tree, after), label_of(edits, _units(after, edits))
 
 
@@ -192,20 +189,6 @@ def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
     """The unit of each key."""
     fields = Fields(document_of_tree(tree))
     return {key: fields.unit(path_of(key) or ()) for key in edits}
-
-
-def _suiting_law(given: Given, after: Tree, path: Path) -> Tree:
-    """The tree without the parameters that the law at `path` does not take; with a point to start
-    from for a motion through points.
-    """
-    after = with_a_point(after, int(path[1]))
-    wrong = {path_of(fault.key) for fault in given.faults(given.tree)}
-
-    def may(misfit: Path) -> bool:
-        own = misfit[:2] == path[:2] and len(misfit) == 3
-        return own and misfit[2] not in ("law", "span", "to") and misfit not in wrong
-
-    return given.without_misfits(after, may)
 
 
 def _whole_turn(before: Tree, after: Tree) -> Tree:

@@ -98,24 +98,6 @@ def test_the_next_segment_gives_what_a_span_takes() -> None:
     assert changed(broken, "", None, {"edits": {"motion[3].dwell": 20}}).text == TEXT
 
 
-def test_another_law_takes_its_own_parameters() -> None:
-    text = TEXT.replace("span = 80", "span = 80\ninflection = 0.4")
-    found = changed(text, "", None, {"edits": {"motion[2].law": "modified-trapezoid"}})
-    assert "inflection" in found.text
-    found = changed(text, "", None, {"edits": {"motion[2].law": "polynomial-5"}})
-    assert "inflection" not in found.text
-    parse_scene(found.text)
-
-
-def test_a_motion_through_points_starts_with_one() -> None:
-    there = changed(TEXT, "", None, {"edits": {"motion[2].law": "points"}}).text
-    assert exact(there)["motion"][1]["points"] == [{"at": 40, "to": Decimal("29.25")}]
-    parse_scene(there)
-    back = changed(there, "", None, {"edits": {"motion[2].law": "polynomial-345"}}).text
-    assert exact(back) == exact(TEXT)
-    assert comments(back) == comments(TEXT)
-
-
 def test_a_handle_is_dragged() -> None:
     arguments = {"handle": "joint 3", "to": [187.3, 57.1], "step": 0.5}
     found = changed(TEXT, str(SETZHUB), None, arguments, design(SETZHUB))
