@@ -19,6 +19,7 @@ from camgeo.contour.spline import CubicSpline, SplineContour, SplineFit, strands
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import instance, positive
+from camgeo.outline.clearance import stays_on_one_side, surely_clear_of_axis
 from camgeo.outline.moments import (
     Moments,
     SecondMoments,
@@ -156,6 +157,18 @@ class CurveBoundary(Pickled):
         """See `camgeo.part.part.Boundary`."""
         nearest = radii(self.path).lowest.value
         return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
+
+    def surely_around(self, radius: float) -> bool:
+        """True if bounds show that it goes round the cam axis farther than `radius` [mm] from it.
+
+        False is inconclusive; `nearest` decides then. A roller centre that stays on one side goes
+        round the axis, and with it a whole parallel that is nearer to it than the axis.
+        """
+        if not self.path.is_whole or not self.path.stretches:
+            return False
+        curve = self.path.stretches[0].curve
+        beyond = radius + abs(curve.distance)
+        return stays_on_one_side(curve.pitch) and surely_clear_of_axis(curve.pitch, beyond)
 
 
 def once(

@@ -103,9 +103,11 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
     """
     if spec.bore is None:
         return
-    room = flank.nearest()
     outline = bore_outline(spec.bore, spec.keyway)
     reach = largest_radius(outline)
+    if flank.surely_around(reach + tolerance):
+        return
+    room = flank.nearest()
     if reach + tolerance < room:
         return
     if 0.5 * spec.bore + tolerance < room:

@@ -91,6 +91,15 @@ def test_changes_one_after_another_are_painted_as_their_texts() -> None:
         assert written(found) == written(run(now))
 
 
+def test_a_change_that_cannot_be_made_leaves_the_text() -> None:
+    text = SETZHUB.read_text("utf-8")
+    for arguments in ({}, {"handle": "none", "to": [1, 2]}, {"edits": {}, "cure": 1}, {"cure": 9}):
+        found = run(Job("change", text, arguments=arguments))
+        assert found["text"] == text
+        assert found["refused"]
+        written(found)
+
+
 def test_a_scene_with_faults_tells_them_with_their_lines() -> None:
     text = SETZHUB.read_text("utf-8").replace("arm = 61.29", "arm = -1\nlenght = 3")
     recent = Recent()

@@ -253,6 +253,23 @@ def test_extreme_radii_of_a_flank_are_exact(
     assert angle == pytest.approx(math.pi, rel=1e-15)  # where the upper dwell begins
 
 
+@pytest.mark.parametrize("distance", [-8.0, -3.0, 0.0, 8.0])
+@pytest.mark.parametrize("rotation", [1, -1])
+def test_what_surely_goes_round_a_radius_does(distance: float, rotation: int) -> None:
+    pitch = PitchCurve(PLAN, TranslatingRoller(40.0, ROLLER), rotation)
+    flank = CurveBoundary("outline", hole=False, path=whole(WorkingCurve(pitch, distance)))
+    nearest = 40.0 + distance
+    assert flank.nearest() == pytest.approx(nearest)
+    assert flank.surely_around(0.9 * (40.0 - abs(distance)))
+    assert not flank.surely_around(nearest)
+
+
+def test_what_is_trimmed_is_not_surely_round_anything() -> None:
+    flank = CurveBoundary("outline", hole=False, path=swallow_tail())
+    assert flank.nearest() > 0.0
+    assert not flank.surely_around(0.1 * flank.nearest())
+
+
 @pytest.mark.parametrize(("radius", "nearest"), [(1.0, 0.0), (2.99, 0.0), (3.01, 0.01), (8, 5)])
 def test_a_disc_beside_the_axis_has_no_room_for_a_bore(radius: float, nearest: float) -> None:
     """A circle about a point 3 mm away, in three arcs."""
