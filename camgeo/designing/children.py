@@ -8,6 +8,7 @@ next one gets a spare that has been warm since before.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -40,6 +41,9 @@ LANES: Final[Mapping[str, str]] = {
 """By which process a kind of job is done; those that are not named here are quick."""
 
 QUICK: Final = "quick"
+
+ALONE: Final = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Unless the user says otherwise: no job is quicker for threads, each of which takes memory."""
 
 CODE: Final = (
     "import importlib, sys; sys.path[:] = sys.argv[3:];"
@@ -80,6 +84,7 @@ class Child:
     def __init__(self, memory: int, work: str) -> None:
         self.process = subprocess.Popen(
             [sys.executable, "-P", "-c", CODE, str(memory), work, *sys.path],
+            env={**ALONE, **os.environ},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )

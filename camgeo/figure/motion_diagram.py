@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -58,9 +57,6 @@ SPIKE: Final = Style(LIMIT, 1.0)
 SPIKES_ROOM: Final = 0.25
 """Least part of a panel on the side of zero towards which a spike points."""
 
-ValuesAt = Callable[[FloatArray], FloatArray]
-"""Values at cam angles [rad], in the unit of the panel."""
-
 
 @dataclass(frozen=True, slots=True)
 class Unit:
@@ -96,16 +92,14 @@ def panels(
     """
     places = tuple(joint.cam_angle for joint in joints(plan))
     phi = diagram_angles(tuple(joint.cam_angle for joint in breaks(plan)))
+    jet = motion.jet(phi) * unit.scale
+    near = _near_extremes(phi, jet)
+    nearby = motion.jet(near.ravel())[: len(MARKS)].reshape(len(MARKS), *near.shape) * unit.scale
     found = []
     for order, mark in enumerate(MARKS):
         if order:
             strips.skip(GAP)
-
-        def values_at(angles: FloatArray, order: int = order) -> FloatArray:
-            values: FloatArray = motion.jet(angles)[order] * unit.scale
-            return values
-
-        values = values_at(phi)
+        values = jet[order]
         infinite = infinite_at(plan, motion, order)
         low, high = _range(values, infinite)
         shown = low, high + HEADROOM * (high - low)
@@ -113,7 +107,8 @@ def panels(
         curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks += _spikes(infinite, low, high)
-        marks.append(_extremes(values_at, phi, values, infinite))
+        closer = list(zip(near[order], nearby[order, order], strict=True))
+        marks.append(_extremes(phi, values, closer, infinite))
         label = f"{unit.symbol}{mark} [{unit.name}{OVER_ANGLE[order]}]"
         # A curve that is zero wherever it is finite has no scale: its range is arbitrary.
         ticks = (0.0,) if infinite and not np.any(values) else None
@@ -179,27 +174,36 @@ def number(value: float) -> str:
     return text.replace("-", "−")
 
 
+def _near_extremes(phi: FloatArray, jet: FloatArray) -> FloatArray:
+    """(rows, 2, CLOSER) cam angles between the neighbours of the largest and of the smallest value
+    of each row of `jet` at `phi`.
+    """
+    places = np.stack((np.argmax(jet, axis=1), np.argmin(jet, axis=1)), axis=1)
+    starts = phi[np.maximum(places - 1, 0)]
+    ends = phi[np.minimum(places + 1, len(phi) - 1)]
+    return np.linspace(starts, ends, CLOSER, axis=-1)
+
+
 def _extremes(
-    values_at: ValuesAt, phi: FloatArray, values: FloatArray, infinite: list[Infinite]
+    phi: FloatArray,
+    values: FloatArray,
+    closer: list[tuple[FloatArray, FloatArray]],
+    infinite: list[Infinite],
 ) -> Text:
     """Largest and smallest value with the first place of each, to the digits written.
 
-    They are searched for between the neighbours of the largest of the drawn `values` at `phi`;
-    where a value is `infinite` no finite one is the largest.
+    They are searched for among the drawn `values` at `phi` and those `closer` to the largest and to
+    the smallest of them; where a value is `infinite` no finite one is the largest.
     """
     size = float(np.max(np.abs(values)))
     lines = []
-    for word, sign in (("max", 1.0), ("min", -1.0)):
+    for word, sign, (near, nearby) in zip(("max", "min"), (1.0, -1.0), closer, strict=True):
         beyond = [each.cam_angle for each in infinite if (each.up if sign > 0.0 else each.down)]
         if beyond:
             end = "∞" if sign > 0.0 else "−∞"
             lines.append(f"{word} {end} at {math.degrees(min(beyond)):.1f}°")
             continue
-        index = int(np.argmax(sign * values))
-        around = slice(max(index - 1, 0), index + 2)
-        closer = np.linspace(phi[around][0], phi[around][-1], CLOSER)
-        angles = np.concatenate((phi, closer))
-        found = np.concatenate((values, values_at(closer)))
+        found, angles = np.concatenate((values, nearby)), np.concatenate((phi, near))
         extreme = float(np.max(sign * found)) * sign
         first = float(np.min(angles[np.abs(found - extreme) <= SAME * size]))
         lines.append(f"{word} {number(extreme)} at {math.degrees(first):.1f}°")
