@@ -73,6 +73,12 @@ def test_a_design_is_described_without_computing_anything() -> None:
     assert design.ledger.runs == []
 
 
+def test_effects_are_named() -> None:
+    design = camgeo.load(FIXTURES / "effects" / "press.toml")
+    assert repr(design.effects) == f"Effects{design.effects.names}"
+    assert design.ledger.runs == []
+
+
 def test_findings_are_counted() -> None:
     ok, broken = Finding("a", "ok", "it is"), Finding("b", "broken", "it is not")
     assert repr(ok) == "Finding('a', 'ok', 'it is')"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
+from camgeo.displayed import clipped
 from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
 from camgeo.effects.premises import not_made, qualified
 from camgeo.effects.registry import find_effect
@@ -56,6 +57,9 @@ class Effects:
         self._known: dict[str, Effect] = {}
         self._results: dict[str, Any] = {}
         self._failures: dict[str, EffectError] = {}
+
+    def __repr__(self) -> str:
+        return clipped(f"Effects({', '.join(map(repr, self.names))})")
 
     @property
     def names(self) -> tuple[str, ...]:
