@@ -93,6 +93,13 @@ class _Cells:
     piece: IntArray
     rigid: BoolArray
 
+    @property
+    def have_middles(self) -> BoolArray:
+        """(n,) whether there is a number between the ends of each."""
+        middle = 0.5 * (self.low + self.high)
+        found: BoolArray = (self.low < middle) & (middle < self.high)
+        return found
+
     def halved(self, which: BoolArray) -> _Cells:
         cells = taken(self, which)
         middle = 0.5 * (cells.low + cells.high)
@@ -170,7 +177,7 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
         if not np.any(loose):
             _check_turns(run, turned[0], turned[1])
             return found, _with_ends(run, places, largest)
-        if np.count_nonzero(loose) > MAX_CELLS // 2:
+        if np.count_nonzero(loose) > MAX_CELLS // 2 or not np.any(loose & cells.have_middles):
             break
         cells = cells.halved(loose)
         jet, speeds = run.leg.jet_and_bounds(cells.low, cells.high)
@@ -189,7 +196,7 @@ def _uncompared(run: Run, place: float) -> GeometryError:
         return GeometryError(message)
     first, span = math.degrees(start % TURN), math.degrees(end - start)
     return GeometryError(
-        f"{message} from {first:.9g} to {first + span:.9g} deg of the cam angle: what moves there"
+        f"{message} from {first:.12g} to {first + span:.12g} deg of the cam angle: what moves there"
         f" within {span:.3g} deg takes few of the cam angles that can be told apart, or turns too"
         " sharply; give it a longer span or a shorter way",
         "motion",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,8 +20,11 @@ from camgeo.contour.proof.locate import locate
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray
+from camgeo.outline.outline import real_outline
 from camgeo.outline.path import whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, dwell, flank, polyline
 from tests.laws import LAWS
@@ -225,3 +230,25 @@ def test_what_moves_too_fast_to_be_compared_is_named() -> None:
         fit_polyline(knife, 1e-3)
     assert caught.value.key == "motion"
     assert "give it a longer span or a shorter way" in caught.value.message
+
+
+def test_cells_that_cannot_be_halved_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A flat face that swings by 16 degrees within 1e-5: the proof ends where numbers do."""
+    law, span = LAWS["polynomial-345"], Decimal("1.039e-05")
+    rise = Move(Decimal(130), math.radians(18.95), law)
+    back = Move(Decimal(102), math.radians(16.14), law)
+    plan = MotionPlan((rise, back, Dwell(128 - span), Move(span, 0.0, law)))
+    pitch = PitchCurve(plan, OscillatingFlat(23.84 + 5.5j, 6.12, 0.0), 1)
+    path = real_outline(WorkingCurve(pitch, 0.0)).path
+    rounds = 0
+
+    def counted(self: PitchCurve, low: FloatArray, high: FloatArray) -> Any:
+        nonlocal rounds
+        rounds += 1
+        return enclosed(self, low, high)
+
+    enclosed = PitchCurve.jet_and_bounds
+    monkeypatch.setattr(PitchCurve, "jet_and_bounds", counted)
+    with pytest.raises(GeometryError, match="cannot be compared"):
+        fit_arcs(path, 0.01)
+    assert rounds < 200  # 281 in 40 rounds of each proof that fails
