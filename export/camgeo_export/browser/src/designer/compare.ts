@@ -104,6 +104,7 @@ export class Comparison {
 
   update(): void {
     const { curves, pinned } = this.session;
+    if (this.session.held) return;
     shown(this.element, pinned !== null);
     if (!pinned || !curves) return this.element.replaceChildren();
     const [now, then] = [fields(curves), fields(pinned)];

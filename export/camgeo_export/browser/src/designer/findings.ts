@@ -30,7 +30,8 @@ export class Findings {
     const found = this.session.findings;
     const old = !found || found.revision < this.session.revision;
     this.element.classList.toggle("old", old);
-    if (!found || old) return;
+    // Not while something is dragged: what grows above a picture would move it.
+    if (!found || old || this.session.held) return;
     const all = found.findings ?? [];
     const bad = all.filter((each) => each.severity !== "ok");
     const verdict = found.verdict || t(all.length ? "findings.kept" : "findings.none");

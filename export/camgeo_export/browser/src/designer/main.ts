@@ -80,8 +80,8 @@ function start(root: HTMLElement): void {
     el("div", { class: "bar" }, title, findings.verdict, files.element, pinning(session)),
     lost,
     files.banner,
-    message,
-    busy,
+    // Over the page and not above it: what comes and goes must not move a picture in which is dragged.
+    el("div", { class: "over" }, message, busy),
   );
   // Columns, side by side as far as there is room; their order is that of reading.
   const column = (...sections: HTMLElement[]): HTMLElement => el("div", { class: "column" }, ...sections);

@@ -58,9 +58,9 @@ export class MechanismView {
     this.picture = el("div", { class: "picture" }, this.mechanism.svg as unknown as Node, this.handles.layer);
     this.element.append(
       this.none,
-      this.old,
       this.handles.exact,
       this.picture,
+      this.old,
       el("div", { class: "controls", role: "group", "aria-label": t("mechanism.angle") }, play, el("label", {}, `${t("mechanism.speed")} `, speed), slider, el("span", {}, field, " °")),
       state,
       this.details,

@@ -106,7 +106,7 @@ export class Session {
 
   hold(name: string): void {
     this.held = name;
-    this.tell("hold", "curves");
+    this.tell("hold", "curves", "findings");
   }
 
   private heard(found: FromServer): void {
