@@ -110,7 +110,9 @@ def written(text: str) -> list[Displayed]:
                 ),
             ),
         ),
-        replace(swept(), reasons={text: 1}, failed=1, spans=(replace(span, word=text, unit=text),)),
+        replace(
+            swept(), reasons={text: 1}, failed=1, spans=(replace(span, word=text, units=(text,)),)
+        ),
     ]
 
 
