@@ -48,6 +48,9 @@ ROOM: Final = 1.25
 FEW: Final = 10.0
 """How far the slider of a whole number, or of one that is 0, reaches at least."""
 
+LEAST: Final = 1e-6
+"""How far any slider reaches at least."""
+
 LONGEST: Final = 400
 """Characters of a text, or items of a list, that a field shows."""
 
@@ -274,9 +277,9 @@ def slider_of(
     if low is not None and high is not None and high - low <= WIDE:
         start, end = float(low), float(high)
     else:
-        reach = _round_above(ROOM * abs(value)) if value else FEW
+        reach = _round_above(max(ROOM * abs(value), LEAST)) if value else FEW
         reach = max(reach, FEW) if whole else reach
-        start = -reach if low is None or low < 0 else float(low)
+        start = -reach if low is None else max(-reach, float(low))
         end = reach if high is None else min(reach, float(high))
     if not start < end:
         return None
@@ -288,5 +291,5 @@ def slider_of(
 
 def _round_above(value: float) -> float:
     """The least power of ten, or 2 or 5 times one, above `value`."""
-    power = 10.0 ** math.floor(math.log10(value)) if value > 1e-300 else 1.0
+    power = 10.0 ** math.floor(math.log10(value))
     return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power > value)
