@@ -20,6 +20,7 @@ from camgeo.scene.new import template
 from tests.answers.documents import FIXTURES, SCENES
 
 REFUSED = FIXTURES / "refused"
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 
 def job(path: Path, **arguments: Any) -> Job:
@@ -54,9 +55,8 @@ def test_effects_have_diagrams_once_they_are_on() -> None:
 
 
 def test_programs_are_judged_unless_they_are_left_out() -> None:
-    scene = Job("findings", template("milled"))
-    about = [each["about"] for each in run(scene)["findings"]]
-    less = run(Job("findings", template("milled"), arguments={"machining": False}))["findings"]
+    about = [each["about"] for each in run(job(SETZHUB))["findings"]]
+    less = run(job(SETZHUB, machining=False))["findings"]
     assert any(each.startswith("program") for each in about)
     assert [each["about"] for each in less] == [
         each for each in about if not each.startswith("program")
