@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
 
 from camgeo.errors import SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.load import read_file
-
-LONGEST: Final = 1024
-"""Characters of a text that may be the name of a file; longer ones are none."""
-
-Stamp = tuple[int, int, int] | None
-"""What tells one state of a file from another: its number, time of change and size; None if there
-is no such file. A file that is replaced by another, as editors do on saving, has another number."""
+from camgeo.scene.named import Stamp, named, stamp
 
 Stamps = dict[Path, Stamp]
 
@@ -41,18 +33,9 @@ class SceneFiles:
             self._read = own
             with suppress(SceneError, ValueError):  # read again when it changes again
                 text = read_file(self.scene, SCENE.size).decode()
-                folder = self.scene.resolve().parent
-                self._named = tuple(sorted({folder / each for each in _texts(tomllib.loads(text))}))
+                found = named(text, self.scene.resolve().parent)
+                self._named = self._named if found is None else found
         return {self.scene: own} | {path: stamp(path) for path in self._named}
-
-
-def stamp(path: Path) -> Stamp:
-    """The present state of one file."""
-    try:
-        found = path.stat()
-    except (OSError, ValueError):
-        return None
-    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def watch(
@@ -79,13 +62,3 @@ def watch(
 def _after(wait: Callable[[], None], files: Callable[[], Stamps]) -> Stamps:
     wait()
     return files()
-
-
-def _texts(value: Any) -> Iterator[str]:
-    """All texts in a TOML value that may be names of files."""
-    if isinstance(value, str):
-        if 0 < len(value) <= LONGEST and value.isprintable():
-            yield value
-    elif isinstance(value, dict | list):
-        for each in value.values() if isinstance(value, dict) else value:
-            yield from _texts(each)

@@ -54,6 +54,11 @@ class Desk:
         return self.opened.path.relative_to(self.folder).as_posix()
 
     @property
+    def beside(self) -> Path:
+        """The folder in which the files lie that the scene names."""
+        return self.folder if self.opened is None else self.opened.path.parent
+
+    @property
     def saved(self) -> bool:
         """Whether the text is that which was read or saved last."""
         if self.opened is None:

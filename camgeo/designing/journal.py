@@ -151,6 +151,7 @@ class Journal:
         self.kept = kept(data, self._file)
         if self.kept.damage:
             aside = self._place.with_suffix(".damaged")
+            self.kept = replace(self.kept, damage=f"{self.kept.damage}; it is kept as {aside}")
             try:
                 self._place.replace(aside)
             except OSError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import stat
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,15 +10,13 @@ from typing import Final, Literal
 
 from camgeo.errors import FileError, unreadable
 from camgeo.reading import SCENE, check_size, read_within
+from camgeo.scene.named import Stamp, stamp_of
 from camgeo.writing.transaction import settle, write_set
 
 SUFFIX: Final = ".toml"
 
 MOST_LISTED: Final = 500
 """Scenes of a folder that are offered."""
-
-Stamp = tuple[int, int, int]
-"""What tells one state of a file from another: its number, time of change and size."""
 
 Disk = Literal["same", "changed", "gone"]
 """How a file on disk is to what was read from it or saved last."""
@@ -42,7 +39,7 @@ class Opened:
 
     path: Path
     digest: str
-    stamp: Stamp | None = None
+    stamp: Stamp = None
 
 
 def place(folder: Path, name: str) -> Path:
@@ -98,14 +95,18 @@ def read(path: Path) -> tuple[str, Opened]:
         raise FileError(f"{path.name}: is not text in UTF-8") from error
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return text, Opened(path, digest(data), _stamp(before))
+    return text, Opened(path, digest(data), stamp_of(before))
 
 
-def disk(opened: Opened) -> Disk:
-    """How the file is now; a file that was written anew with the same bytes is the same."""
+def disk(opened: Opened, *, closely: bool = False) -> Disk:
+    """How the file is now; a file that was written anew with the same bytes is the same.
+
+    It is read if its state is another one, or `closely` in any case: what is written within the
+    same tick of the clock has the same time.
+    """
     try:
         found = opened.path.lstat()
-        if _stamp(found) == opened.stamp:
+        if stamp_of(found) == opened.stamp and not closely:
             return "same"
         if not stat.S_ISREG(found.st_mode) or found.st_size > SCENE.size:
             return "changed"
@@ -142,7 +143,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
         found = path.lstat()
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return Opened(path, digest(data), _stamp(found))
+    return Opened(path, digest(data), stamp_of(found))
 
 
 def encoded(text: str, name: str) -> bytes:
@@ -162,7 +163,7 @@ def digest(data: bytes) -> str:
 
 def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
     if before is not None and before.path == path:
-        if disk(before) == "changed":
+        if disk(before, closely=True) == "changed":
             raise OverwriteError(f"{path.name} has been changed on disk since it was read")
         return
     if not path.exists() and not path.is_symlink():
@@ -176,7 +177,3 @@ def _is_link(path: Path) -> bool:
         return path.is_symlink()
     except (OSError, ValueError):
         return False
-
-
-def _stamp(found: os.stat_result) -> Stamp:
-    return found.st_ino, found.st_mtime_ns, found.st_size

@@ -15,7 +15,8 @@ import pytest
 
 from camgeo.cli import watch as command
 from camgeo.cli.main import main
-from camgeo.cli.watching import SceneFiles, stamp, watch
+from camgeo.cli.watching import SceneFiles, watch
+from camgeo.scene.named import stamp
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

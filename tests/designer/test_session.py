@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -158,6 +159,25 @@ def test_refusals_are_sentences(folder: Path) -> None:
         page.socket.send(b"bytes")
         with pytest.raises(Exception, match="1003"):
             page.hear("state", saved=7)
+
+
+def test_a_scene_is_shown_anew_when_a_file_that_it_names_has_changed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("camgeo_export.designer.session.EVERY", 0.02)
+    (folder / "lift.csv").write_text("0, 0\n")
+    (folder / "cam.toml").write_text('file = "lift.csv"\n')
+
+    def reading(job: Job, seconds: float) -> Mapping[str, Any]:
+        return {**computed(job, seconds), "read": (Path(job.folder) / "lift.csv").read_text()}
+
+    with served(folder, "cam.toml", reading) as server, server.page() as page:
+        page.say("hello")
+        page.hear("findings", read="0, 0\n")
+        time.sleep(0.1)  # looked at once
+        (folder / "lift.csv").write_text("0, 1\n")
+        assert page.hear("curves", read="0, 1\n")["revision"] == 0
+        page.hear("findings", read="0, 1\n")
 
 
 def test_a_file_changed_on_disk_is_told_and_not_overwritten(

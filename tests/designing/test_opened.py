@@ -101,6 +101,15 @@ def test_a_change_on_disk_is_seen_and_not_overwritten(cam: Path) -> None:
     assert cam.read_text() == "mine"
 
 
+def test_a_change_within_the_same_tick_of_the_clock_is_not_overwritten(cam: Path) -> None:
+    text, found = read(cam)
+    times = cam.stat()
+    cam.write_bytes(cam.read_bytes().replace(b"1", b"2"))
+    os.utime(cam, ns=(times.st_atime_ns, times.st_mtime_ns))
+    with pytest.raises(OverwriteError):
+        saved(cam, text, found, force=False)
+
+
 def test_a_file_written_anew_with_the_same_bytes_is_the_same(cam: Path) -> None:
     _, found = read(cam)
     data = cam.read_bytes()

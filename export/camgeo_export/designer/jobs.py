@@ -52,8 +52,7 @@ class Jobs:
         """The result of a job; CamgeoError if there is none."""
         desk = self._desk
         file = "" if desk.opened is None else str(desk.opened.path)
-        folder = desk.folder if desk.opened is None else desk.opened.path.parent
-        job = Job(kind, desk.text, file, str(folder), arguments or {})
+        job = Job(kind, desk.text, file, str(desk.beside), arguments or {})
         began = self._began.setdefault(kind, [])
         began.append(now := time.monotonic())
         try:

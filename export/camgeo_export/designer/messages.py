@@ -52,6 +52,12 @@ class Said:
     id: str | int | None = None
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
+    def replaces(self, waiting: Said) -> bool:
+        """Whether one that still waits is needless: this is a later place of the same drag."""
+        gesture = self.arguments.get("gesture")
+        alike = self.kind == waiting.kind and self.arguments.keys() == waiting.arguments.keys()
+        return bool(gesture) and alike and waiting.arguments.get("gesture") == gesture
+
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)

@@ -22,6 +22,7 @@ from camgeo.writing.writer import writer_names
 from camgeo_export.designer.files import Files
 from camgeo_export.designer.jobs import Jobs
 from camgeo_export.designer.messages import MessageError, Said, understood
+from camgeo_export.designer.named_files import NamedFiles
 from camgeo_export.designer.pages import NOTHING, Message, Page, body
 
 PAUSE: Final = 0.12
@@ -108,7 +109,7 @@ class Session:
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
         self._formats = writer_names()
-        self._unsynced = False
+        self._unsynced = self._outdated = False
         self._judging: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -144,7 +145,7 @@ class Session:
             self._begin(self._answer(page, said))
         else:
             waiting = self._asked[-1] if self._asked else None
-            if waiting is not None and waiting.page is page and _replaces(said, waiting.said):
+            if waiting is not None and waiting.page is page and said.replaces(waiting.said):
                 self._asked.pop()
             if len(self._asked) >= MOST_ASKED:
                 raise MessageError("too much is asked at once", said.id)
@@ -175,6 +176,10 @@ class Session:
                 self._wake.clear()
                 while self._asked:
                     await self._do(self._asked.popleft())
+                if self._outdated:
+                    self._outdated = False
+                    await self._paint(None)
+                    self._judge()
         finally:
             for task in (watching, self._judging, *self._tasks):
                 if task is not None:
@@ -359,9 +364,13 @@ class Session:
         task.add_done_callback(self._tasks.discard)
 
     async def _watch(self) -> None:
-        """Look again and again whether the file has changed, and put edits on disk."""
+        """Look again and again whether files have changed, and put edits on disk."""
+        files = NamedFiles()
         while True:
             await asyncio.sleep(EVERY)
+            if await files.changed(self.desk.text, self.desk.beside):
+                self._outdated = True
+                self._wake.set()
             if self._unsynced:
                 self._unsynced = False
                 await asyncio.to_thread(self.desk.sync)
@@ -371,13 +380,6 @@ class Session:
                 self._broadcast(self._state())
                 if disk != "same":
                     self._broadcast(_told(f"{self.desk.name} has been {BECOME[disk]}"))
-
-
-def _replaces(said: Said, waiting: Said) -> bool:
-    """Whether a message makes one needless that still waits: a later place of the same drag."""
-    gesture = said.arguments.get("gesture")
-    alike = said.kind == waiting.kind and said.arguments.keys() == waiting.arguments.keys()
-    return bool(gesture) and alike and waiting.arguments.get("gesture") == gesture
 
 
 def _refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
