@@ -40,7 +40,14 @@ HELP: Final = frozenset(("-h", "--help", "--version"))
 MOST_CPU: Final = 10.0
 """Seconds of a command."""
 
-LONG: Final = {"accuracy": 60.0, "stability": 60.0, "build": 20.0, "verify": 20.0}
+LONG: Final = {
+    "accuracy": 60.0,
+    "stability": 60.0,
+    "sweep": 60.0,
+    "compare": 30.0,
+    "build": 20.0,
+    "verify": 20.0,
+}
 """Seconds of those that compute many designs, and that write or read programs of any length."""
 
 PATIENCE: Final = 5.0

@@ -22,15 +22,15 @@ from tests.sweep.families import family
 
 ASK: Final = ("largest-acceleration",)
 
-COUNT: Final = 10_000 if LONG else 120
+COUNT: Final = 10_000 if LONG else 400
 
-CHUNK: Final = 0.02
+CHUNK: Final = 0.01
 """Seconds of a chunk here, so that a small family has many."""
 
 
 def killed_family() -> Family:
     """The designs of the test."""
-    return family(f"follower.base_radius=45:60:{COUNT // 2}", "motion.2.law=modified-sine,auto")
+    return family(f"follower.base_radius=45:60:{COUNT}")
 
 
 def main() -> None:

@@ -139,7 +139,7 @@ def test_killed_drivers_and_workers_lose_no_row_and_repeat_none(tmp_path: Path) 
     steps = 5 if LONG else 1
     for step in range(steps):  # from a tenth to nine tenths of the rows
         at = int((0.1 + 0.8 * (step + 0.5 * seed.random()) / steps) * COUNT)
-        delay = 0.05 * seed.random()
+        delay = 0.02 * seed.random()
         if LONG and not step:
             killed(tmp_path / f"worker-{step}.sqlite", "worker", at, delay)
         done = killed(store, "driver", max(at, kept), delay)
