@@ -15,6 +15,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection
 from typing import Final
 
+from camgeo.errors import CamgeoError
 from camgeo.sweep.engine import Chunks, Pace
 from camgeo.sweep.family import Point
 from camgeo.sweep.rows import Row, Work, rows_of
@@ -34,6 +35,11 @@ DEADLY: Final = 2
 """Times that a design alone may end its process before that is its answer."""
 
 DIED: Final = "the process that computed it died, {times} times: killed, or out of memory"
+
+NO_START: Final = (
+    "the processes of the pool end as they start; a program that uses the pool must do its own work"
+    ' below `if __name__ == "__main__":`, for they import it'
+)
 
 Chunk = tuple[Point, ...]
 
@@ -58,7 +64,8 @@ class Pool:
         """See `Engine.rows`.
 
         If a process dies, all chunks that were handed out are lost, and any may be to blame. They
-        are computed again one at a time, and a chunk that does it again is taken apart.
+        are computed again one at a time, and a chunk that does it again is taken apart. Raises
+        CamgeoError if processes end before they compute anything.
         """
         pace, suspects = Pace(), deque[Chunk]()
         deaths: dict[Point, int] = {}
@@ -93,6 +100,7 @@ class Pool:
                     running.clear()
                     executor.shutdown(cancel_futures=True)
                     executor = _started(self._workers)
+                    _require_to_run(executor)
                     if not alone:
                         suspects.extendleft(reversed(lost))
                     elif len(lost[0]) > 1:
@@ -112,20 +120,38 @@ def _submitted(
     executor: ProcessPoolExecutor, work: Work, chunk: Chunk
 ) -> Future[tuple[tuple[Row, ...], float]]:
     """The chunk handed out; a process that is started for it has one BLAS thread."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
-        return executor.submit(_computed, work, chunk)
+        with _one_thread():
+            return executor.submit(_computed, work, chunk)
     except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
         failed: Future[tuple[tuple[Row, ...], float]] = Future()
         failed.set_exception(error)
         return failed
+
+
+@contextlib.contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes that are started within have one BLAS thread."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
     finally:
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def _require_to_run(executor: ProcessPoolExecutor) -> None:
+    """Raise CamgeoError if a process of the pool ends as it starts: no design is to blame."""
+    try:
+        with _one_thread():
+            started = executor.submit(os.getpid)
+        started.result()
+    except BrokenProcessPool as error:
+        raise CamgeoError(NO_START) from error
 
 
 def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:

@@ -93,6 +93,26 @@ def test_a_worker_has_one_thread_and_leaves_ctrl_c_to_the_driver() -> None:
     assert not multiprocessing.active_children()
 
 
+UNGUARDED = """
+from camgeo.sweep.pool import Pool
+from tests.sweep.families import family
+from tests.sweep.test_rows import work_on
+
+found = family("follower.base_radius=45,46")
+list(Pool(1).rows(work_on(found, "laws"), found.points()))
+"""
+
+
+def test_a_program_that_cannot_be_imported_is_told_so(tmp_path: Path) -> None:
+    program = tmp_path / "unguarded.py"
+    program.write_text(UNGUARDED)
+    words = [sys.executable, str(program)]
+    paths = {**os.environ, "PYTHONPATH": str(ROOT)}
+    run = subprocess.run(words, stderr=subprocess.PIPE, text=True, check=False, env=paths)
+    assert run.returncode == 1
+    assert "CamgeoError: the processes of the pool end as they start" in run.stderr
+
+
 def test_an_engine_by_its_name() -> None:
     assert {name: type(engine_of(name, 2)).__name__ for name in ENGINES} == {
         "loop": "Loop",
