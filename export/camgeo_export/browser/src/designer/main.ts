@@ -92,13 +92,16 @@ function start(root: HTMLElement): void {
       part("mechanism", "mechanism.title", mechanism.element),
       part("findings", "findings.title", findings.element),
       part("compare", "compare.title", comparison.element),
-      part("effects", "effects.title", effects.element),
-      part("size", "size.title", new SizeView(session).element),
-      part("build", "build.title", new Build(session).element),
     ),
     column(part("motion", "motion.title", motion.element), part("segments", "plan.title", motion.plan.element)),
     column(part("sizes", "form.title", form.element)),
-    column(part("text", "text.title", text.element), part("solid", "solid.title", new SolidView(session).element)),
+    column(part("text", "text.title", text.element)),
+    column(
+      part("effects", "effects.title", effects.element),
+      part("size", "size.title", new SizeView(session).element),
+      part("build", "build.title", new Build(session).element),
+      part("solid", "solid.title", new SolidView(session).element),
+    ),
     part("diagrams", "charts.title", charts.element),
   );
   root.replaceChildren(header, main, announcer(), files.dialogs);
