@@ -20,7 +20,7 @@ from camgeo.errors import CamgeoError
 from camgeo.scene.new import KINDS, template
 from camgeo.writing.writer import writer_names
 from camgeo_export.designer.files import Files
-from camgeo_export.designer.jobs import Jobs
+from camgeo_export.designer.jobs import Jobs, head_of
 from camgeo_export.designer.messages import MessageError, Said, understood
 from camgeo_export.designer.named_files import NamedFiles
 from camgeo_export.designer.pages import NOTHING, Message, Page, body
@@ -205,7 +205,7 @@ class Session:
         gesture = arguments.pop("gesture", "")
         try:
             found = await self._jobs.do("change", arguments)
-            data, painting = found.data, found.text
+            data, painting = head_of(found.text, ("label", "refused")), found.text
         except Refused as error:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
             painting = body({"faults": [_fault(str(error))], "label": data["label"]})
