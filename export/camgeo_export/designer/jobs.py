@@ -30,6 +30,9 @@ SECONDS: Final[Mapping[str, float]] = {
 }
 """That each kind of job may take."""
 
+PICTURES: Final = ("curves", "change")
+"""Kinds of jobs that compute what is seen at once."""
+
 DECODER: Final = json.JSONDecoder()
 
 THREADS: Final = 16
@@ -77,6 +80,14 @@ class Jobs:
         self._compute, self._cancel = compute, cancel
         self._threads = ThreadPoolExecutor(THREADS, "camgeo-designer")
         self._began: dict[str, list[float]] = {}
+        self._painted = 0.0
+
+    @property
+    def idle(self) -> float:
+        """Seconds since the last picture was computed; 0 while one is."""
+        if any(self._began.get(kind) for kind in PICTURES):
+            return 0.0
+        return time.monotonic() - self._painted
 
     async def do(self, kind: str, arguments: Mapping[str, Any] | None = None) -> Result:
         """The result of a job; CamgeoError if there is none."""
@@ -90,6 +101,8 @@ class Jobs:
             return await loop.run_in_executor(self._threads, self._compute, job, SECONDS[kind])
         finally:
             began.remove(now)
+            if kind in PICTURES:
+                self._painted = time.monotonic()
 
     def give_up(self, kind: str, patience: float, *, unless: str = "") -> None:
         """End jobs of a kind that were begun more than `patience` seconds ago.

@@ -26,10 +26,11 @@ from camgeo_export.designer.named_files import NamedFiles
 from camgeo_export.designer.pages import NOTHING, Message, Page, body
 
 PAUSE: Final = 0.12
-"""Seconds after the last change before findings are computed."""
+"""Seconds after the last picture before findings are computed."""
 
-PATIENCE: Final = 1.0
-"""Seconds after which a picture, or findings, are given up if there is a newer text."""
+PATIENCE: Final = 4.0
+"""Seconds after which a picture, or findings, are given up if there is a newer text. It costs a
+process, of which a new one takes a second to be ready."""
 
 EVERY: Final = 1.0
 """Seconds between two looks at the file on disk, and two times that edits are put on disk."""
@@ -302,9 +303,9 @@ class Session:
         revision = -1
         found = NOTHING
         while revision != self._revision:
-            while revision != self._revision:
-                revision = self._revision
-                await asyncio.sleep(PAUSE)
+            while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
+                await asyncio.sleep(left)
+            revision = self._revision
             found = body({"faults": [], "findings": [], "cures": [], "places": []})
             if self.desk.text.strip():
                 try:
