@@ -14,10 +14,12 @@ from typing import Final
 import shapely
 
 from camgeo.contour.contour import Contour
+from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary
 from camgeo.printing.nozzle import unreached
 from camgeo.toolpath.cut import LetterCut
+from camgeo.toolpath.plane.spiral import MOST_TURNS
 from camgeo.toolpath.sweep import Area, parts, polygon, rings
 from camgeo.toolpath.tool import END_MILL, Tool
 
@@ -54,6 +56,11 @@ def unfit(tool: Tool, walls: Sequence[Boundary]) -> str:
 def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
     """Paths of the cutter's centre that clear a stroke, the innermost first: counter-clockwise in a
     hole and clockwise around what stands in it, where the cut climbs.
+
+    Raises
+    ------
+    GeometryError
+        With key "tool.stepover", if they are more than `MOST_TURNS`.
     """
     step = min(cut.stepover, cut.tool.radius)
     first = cut.tool.radius + cut.allowance + OFF
@@ -62,7 +69,10 @@ def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
         for number in range(int(stroke.length / step) + 2)
     )
     found: list[Contour] = []
-    for area in takewhile(lambda each: not each.is_empty, shrunk):
+    for number, area in enumerate(takewhile(lambda each: not each.is_empty, shrunk)):
+        if number == MOST_TURNS:
+            message = f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}"
+            raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
         thin = shapely.orient_polygons(shapely.simplify(area, FINE))
         found += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
     return found[::-1]

@@ -8,8 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Self
 
-from camgeo.errors import GeometryError
+from camgeo.errors import FileError, GeometryError
 from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, one_of, positive, shown
+from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.tool import Tool
 
@@ -87,6 +88,14 @@ class Stop:
 
     def __post_init__(self) -> None:
         instance("toolpath", self.note, str, "a text")
+
+
+def too_long() -> FileError:
+    """The error for a program that would not be read back."""
+    return FileError(
+        f"the program would have more than {PROGRAM_LINES:,} lines, the limit for a program that is"
+        " read; a larger tolerance or a larger stepdown needs fewer"
+    )
 
 
 Move = Rapid | Feed | ArcFeed

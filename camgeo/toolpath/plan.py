@@ -8,13 +8,13 @@ from itertools import islice
 
 from camgeo.contour.contour import Effort
 from camgeo.contour.spline import Arc
-from camgeo.errors import FileError, GeometryError
+from camgeo.errors import GeometryError
 from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.compensation import limits_of
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.machine_tables import ArcLimits
 from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath
+from camgeo.toolpath.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath, too_long
 from camgeo.toolpath.strategies import STRATEGIES
 from camgeo.toolpath.tool import ToolError
 
@@ -68,14 +68,6 @@ def _moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> l
         if error.key == "tool":
             raise ToolError(f"{cut.name}: {error.message}", cut.tool) from error
         raise
-
-
-def too_long() -> FileError:
-    """The error for a program that would not be read back."""
-    return FileError(
-        f"the program would have more than {PROGRAM_LINES:,} lines, the limit for a program that is"
-        " read; a larger tolerance or a larger stepdown needs fewer"
-    )
 
 
 def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:

@@ -11,6 +11,7 @@ from camgeo import reading
 from camgeo.cli.main import main
 from camgeo.errors import FileError
 from camgeo.toolpath import plan
+from camgeo.toolpath.strategies import walk
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.gcode import speller
 from camgeo_export.solid import prism
@@ -27,7 +28,8 @@ SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
         ("3mf", prism, "FACETS", "3mf: the body would have at least "),
         ("step", step_writer, "INSTANCES", "step: the solid would have walls of "),
         ("dxf", dxf_writer, "DRAWING_LINES", "dxf: the drawing would have "),
-        ("gcode", plan, "PROGRAM_LINES", "gcode: the program would have more than 20 lines"),
+        ("gcode", plan, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
+        ("gcode", walk, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
         (
             "gcode",
             speller,

@@ -208,6 +208,13 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
         WRITER.measure(product, moved.encode())
 
 
+def test_rounds_without_number_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("camgeo.toolpath.lettering.MOST_TURNS", 3)
+    with pytest.raises(GeometryError, match="more than 3 rounds in a stroke") as caught:
+        letters(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
+    assert caught.value.key == "tool.stepover"
+
+
 def test_a_letter_that_is_left_standing_is_a_rest() -> None:
     """The simulation knows what letters are to be: too shallow a text is found."""
     product = camgeo.loads(SCENE.replace("depth = 0.3", "depth = 0.5")).disc

@@ -12,6 +12,7 @@ from camgeo.part.part import Boundary
 from camgeo.toolpath.cut import AreaCut
 from camgeo.toolpath.leads import begun, flattest, started
 from camgeo.toolpath.moves import Heights, Move
+from camgeo.toolpath.plane.spiral import MOST_TURNS
 from camgeo.toolpath.plane.track import Track
 from camgeo.toolpath.strategies.area import SPENT, along, coarse, off_joints, require_clear, star_of
 from camgeo.toolpath.strategies.around import descent
@@ -29,7 +30,7 @@ def ring(
     Raises
     ------
     GeometryError
-        If the cutter is too large for the groove.
+        If the cutter is too large for the groove, or there are more than `MOST_TURNS` rounds.
     """
     fine = coarse(cut, tolerance)
     outer, inner = (Track.around(each.arcs(tolerance, "fast").contour) for each in (hole, solid))
@@ -42,6 +43,9 @@ def ring(
             key="tool",
             value=f"{cut.tool.diameter:g}",
         )
+    if 0.5 * play > MOST_TURNS * cut.stepover:
+        message = f"makes more than {MOST_TURNS} rounds on each side of the groove's middle"
+        raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
     count = math.ceil(0.5 * play / cut.stepover)
     offs = [0.5 * play * (count - k) / count for k in range(1, count + 1)] if count else []
     middle = _begun(along(hole, cut, fine, 0.5 * play), climb=cut.climb)

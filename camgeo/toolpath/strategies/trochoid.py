@@ -18,9 +18,10 @@ import numpy as np
 
 from camgeo.contour.contour import Contour, Effort
 from camgeo.errors import GeometryError
+from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import AreaCut, Cut
 from camgeo.toolpath.leads import flattest, started
-from camgeo.toolpath.moves import Heights, Move
+from camgeo.toolpath.moves import Heights, Move, too_long
 from camgeo.toolpath.plane.track import Track, chained
 from camgeo.toolpath.strategies.area import SPENT, along, coarse, limit_of, require_clear
 from camgeo.toolpath.strategies.around import descend
@@ -43,6 +44,9 @@ ROUNDING: Final = 1e-4
 
 BISECTED: Final = 40
 """Steps of a bisection."""
+
+MOVES: Final = 4
+"""Of a loop at least: the way to it, two of its cutting part, and the way back."""
 
 SHORTEST: Final = 1e-3
 """Of a step, as a share of the cutter's radius: a limit that asks for less cannot be kept."""
@@ -126,6 +130,8 @@ def _steps(
     if largest < least:
         message = "is too small for loops along the wall"
         raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+    if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
+        raise too_long()
     cutting = size * (math.pi + math.asin(min(0.5 * largest / size, 1.0)))
     place, before = 0.0, _circle(path, 0.0, free, size)
     while place < length:

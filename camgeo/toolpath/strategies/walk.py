@@ -10,9 +10,10 @@ import numpy as np
 
 from camgeo.contour.nearness import least_distance
 from camgeo.errors import GeometryError
+from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.feeds import centre_feed
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid
+from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Rapid, too_long
 from camgeo.toolpath.plane.track import Track
 
 RAMP = math.radians(3.0)
@@ -117,7 +118,11 @@ class Walk:
         ------
         GeometryError
             With key "holding", if the cutter would touch a clamp or a screw.
+        FileError
+            If there are more moves than lines are allowed in a program that is read.
         """
+        if len(self.moves) + len(track) > PROGRAM_LINES:
+            raise too_long()
         start = self.z
         end = start if z is None else z
         self._require_clear(track, min(start, end))

@@ -14,8 +14,7 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.reading import PROGRAM_LINES
 from camgeo.toolpath.machine_tables import ArcLimits, NumberForm
 from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid
-from camgeo.toolpath.plan import too_long
+from camgeo.toolpath.moves import ArcFeed, Feed, Point, Rapid, too_long
 from camgeo.toolpath.turning import OTHER
 from camgeo.toolpath.zero import OF_THE_PART, Zero
 from camgeo_export.gcode.blocks import Budget, Grid, number

@@ -11,7 +11,7 @@ import shapely
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.nearness import distances
-from camgeo.errors import GeometryError
+from camgeo.errors import FileError, GeometryError
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
@@ -97,6 +97,22 @@ def test_a_cutter_wider_than_the_groove_is_refused() -> None:
     with pytest.raises(GeometryError, match="narrower than the groove of 16 mm") as caught:
         made(replace(GROOVE, tool=replace(TOOL, diameter=15.8)))
     assert caught.value.key == "tool"
+
+
+def test_rounds_without_number_are_refused() -> None:
+    """As turns of a spiral are."""
+    thin = replace(GROOVE, tool=replace(TOOL, stepover=1e-6), stepover=1e-6)
+    with pytest.raises(GeometryError, match="more than 500 rounds on each side") as caught:
+        made(thin)
+    assert caught.value.key == "tool.stepover"
+
+
+def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of one cut alone, before the others are made."""
+    count = len(made(GROOVE))
+    monkeypatch.setattr("camgeo.toolpath.strategies.walk.PROGRAM_LINES", count // 2)
+    with pytest.raises(FileError, match="the limit for a program that is read"):
+        made(GROOVE)
 
 
 def test_areas_of_other_walls_are_refused() -> None:
