@@ -109,10 +109,7 @@ class Store:
         self.path = path
         self.heading = heading
         if path is not None:
-            if path.exists() and existing == "refuse":
-                message = "exists: resume it, replace it, or name another file"
-                raise OutputError(f"{path} {message}")
-            require_local(path)
+            _require_place(path, existing)
         self._open = _connected(path)
         self._end = weakref.finalize(self, self._open.close)
         try:
@@ -228,6 +225,23 @@ class Store:
     def close(self) -> None:
         """Close the file; rows in memory are gone."""
         self._end()
+
+
+def _require_place(path: Path, existing: Existing) -> None:
+    """OutputError if there can be no store, or none may be there."""
+    try:
+        if path.exists() and existing == "refuse":
+            message = "exists: resume it, replace it, or name another file"
+            raise OutputError(f"{path} {message}")
+        require_local(path)
+    except OutputError:
+        raise
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links is a RuntimeError
+        raise OutputError(f"{path} cannot be written: {_why(error)}") from error
+
+
+def _why(error: Exception) -> str:
+    return unreadable(error) if isinstance(error, OSError | ValueError) else str(error)
 
 
 class told:

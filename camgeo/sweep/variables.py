@@ -151,17 +151,28 @@ def spaced(key: str, start: Decimal, stop: Decimal, steps: int | None, keys: int
 
 
 def listed(key: str, rows: Sequence[tuple[Value, ...]]) -> Listed:
-    """A list that is checked; GeometryError with `key` if it is empty or repeats itself."""
+    """A checked list; GeometryError with `key` if it is empty, repeats itself or is no text."""
     if not rows:
         raise GeometryError("is an empty list", key)
     seen = set()
     for row in rows:
+        if any(isinstance(value, str) and not _encodable(value) for value in row):
+            raise GeometryError("has a text that UTF-8 cannot encode", key)
         mark = repr(row)
         if mark in seen:
             shown = TIED.join(str(value) for value in row)
             raise GeometryError(f"{shown} is listed twice", key)
         seen.add(mark)
     return Listed(tuple(rows))
+
+
+def _encodable(text: str) -> bool:
+    """Whether UTF-8, in which scenes and stores are written, has a form of the text."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _row(key: str, word: str, keys: int) -> tuple[Value, ...]:

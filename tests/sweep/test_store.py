@@ -203,6 +203,15 @@ def test_a_folder_that_there_is_not(tmp_path: Path) -> None:
         run(tmp_path / "none" / "runs.sqlite")
 
 
+def test_places_where_no_file_can_be(tmp_path: Path) -> None:
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    for path in (tmp_path / ("x" * 300), loop / "runs.sqlite", tmp_path):
+        for existing in ("resume", "replace"):
+            with pytest.raises(OutputError):
+                run(path, existing=existing)
+
+
 def test_a_network_file_system_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     mounts = tmp_path / "mounts"
     mounts.write_text(f"/dev/sda / ext4 rw 0 0\nhost:/x {tmp_path} nfs4 rw 0 0\n")

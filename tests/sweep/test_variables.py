@@ -85,6 +85,7 @@ def test_samples_stay_within_their_range(share: float) -> None:
         ("a=1:2:1", "one value for two ends"),
         ("a=1:1e999:3", "too large a number"),
         ("a=1,2,1.0", "a: 1 is listed twice"),
+        ("a=x,\udcff", "a text that UTF-8 cannot encode"),
         ("a,b=1/2/3", "1/2/3 has 3 values for 2 keys"),
     ],
 )

@@ -125,7 +125,7 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
         columns = [_answers(design, ask, designs) for _, design in designs]
         verdicts = [""] * len(designs)
     else:
-        found = [check(design).everything for _, design in designs]
+        found = [_everything(label, design) for label, design in designs]
         columns = [_findings(each) for each in found]
         verdicts = [_worst(each) for each in found]
     names = dict.fromkeys(name for column in columns for name in column)
@@ -137,6 +137,14 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
         for (label, design), verdict in zip(designs, verdicts, strict=True)
     )
     return Compare(compared, _differing([design for _, design in designs]), lines)
+
+
+def _everything(label: str, design: Design) -> tuple[Finding, ...]:
+    """The findings of a check; an error names the design."""
+    try:
+        return check(design).everything
+    except GeometryError as error:
+        raise GeometryError(f"{label}: {error.message}", error.key, error.value) from error
 
 
 def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
