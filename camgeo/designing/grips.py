@@ -100,7 +100,7 @@ def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     yield _base_circle(follower, -outward, yoke)
     if yoke is None:
         yield Grip("roller centre", "arm", follower.start_arm, "xy", centre)
-    yield from _roller("roller", "follower.", follower.start_arm, follower, -1j * outward)
+    yield from _roller("roller", "follower.", follower.start_arm, follower)
     yield _guide(follower, follower.guide_angle)
 
 
@@ -121,7 +121,7 @@ def _(follower: OscillatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     yield _pivot(pivot)
     yield _base_circle(follower, -pivot, None)
     yield Grip("roller centre", "arm", here, "xy", centre)
-    yield from _roller("roller", "follower.", here, follower, follower.start_arm)
+    yield from _roller("roller", "follower.", here, follower)
 
 
 @grips_of.register
@@ -182,7 +182,7 @@ def _(
 
     yield Grip("return roller centre", "arm", returning.start_arm, "xy", centre)
     here = returning.start_arm
-    yield from _roller("return roller", "follower.return.", here, returning, -1j * outward)
+    yield from _roller("return roller", "follower.return.", here, returning)
 
 
 @_returning.register
@@ -200,7 +200,7 @@ def _(
         }
 
     yield Grip("return roller centre", "arm", pivot + arm, "xy", centre)
-    yield from _roller("return roller", "follower.return.", pivot + arm, returning, arm)
+    yield from _roller("return roller", "follower.return.", pivot + arm, returning)
 
 
 def _pivot(pivot: complex) -> Grip:
@@ -225,12 +225,13 @@ def _base_radius(follower: Follower, radius: float, yoke: Yoke | None) -> Sizes:
     return sizes
 
 
-def _roller(
-    name: str, table: str, centre: complex, follower: Follower, way: complex
-) -> Iterator[Grip]:
-    """The rim of a roller, along `way` from its centre; none of a knife edge."""
+def _roller(name: str, table: str, centre: complex, follower: Follower) -> Iterator[Grip]:
+    """The rim of a roller, on the side that looks away from the cam; none of a knife edge.
+
+    Beside its centre, so that the targets of both are as far apart as they can be.
+    """
     if follower.roller_radius:
-        rim = centre + follower.roller_radius * way / abs(way)
+        rim = centre + math.copysign(follower.roller_radius, centre.real)
         key = f"{table}roller_radius"
         yield Grip(name, "roller", rim, "radial", lambda to: {key: Size(abs(to - centre))})
 
