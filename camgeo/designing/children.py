@@ -87,6 +87,7 @@ class Child:
             env={**ALONE, **os.environ},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C is for the process that has started it
         )
         assert self.process.stdin is not None  # these are pipes
         assert self.process.stdout is not None

@@ -27,7 +27,7 @@ from camgeo_export.designer.pages import body
 from camgeo_export.designer.serve import listening, server_of
 from camgeo_export.designer.session import Session
 
-SECONDS: Final = 20.0
+SECONDS: Final = 60.0
 """In which everything in a test has happened."""
 
 Compute = Callable[[Job, float], Mapping[str, Any]]

@@ -51,7 +51,7 @@ def running(folder: Path, *words: str) -> Generator[Running]:
     with subprocess.Popen(
         [sys.executable, "-m", "camgeo", "design", *words, "--no-browser"],
         cwd=folder, env=os.environ | states, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     ) as process:  # fmt: skip
         assert process.stdout is not None
         try:
@@ -132,6 +132,17 @@ def test_a_kill_in_the_middle_of_edits_loses_no_file_and_no_edit(folder: Path) -
     assert "Traceback" not in told
     assert b"roller_radius = 8" in (folder / "cam.toml").read_bytes()
     assert [*(folder.parent / "states" / "camgeo" / "designer").iterdir()] == []
+
+
+def test_ctrl_c_while_processes_start_ends_them_silently(folder: Path) -> None:
+    """A terminal sends it to all processes that it has started, theirs among them."""
+    with running(folder, "cam.toml") as server:
+        family = server.family
+        os.killpg(server.process.pid, signal.SIGINT)
+        assert server.process.wait(SECONDS) == 0
+        assert ended(family)
+        assert server.process.stderr is not None
+        assert server.process.stderr.read() == "\n"  # after the ^C of the terminal
 
 
 @pytest.mark.parametrize("number", some([signal.SIGTERM, signal.SIGHUP], of=2))
