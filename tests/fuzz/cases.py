@@ -10,6 +10,7 @@ from tests.fuzz.case import Case
 from tests.fuzz.extremes import extreme_case
 from tests.fuzz.files import file_case
 from tests.fuzz.lines import line_case
+from tests.fuzz.numbers import number_case
 from tests.fuzz.scenes import scene_case
 
 KINDS: Final[Mapping[str, tuple[Callable[[Random], Case], float]]] = {
@@ -17,6 +18,7 @@ KINDS: Final[Mapping[str, tuple[Callable[[Random], Case], float]]] = {
     "lines": (line_case, 0.2),
     "files": (file_case, 0.2),
     "extremes": (extreme_case, 0.0),
+    "numbers": (number_case, 0.0),
 }
 """What draws the cases of a kind, and its share of the cases where no kind is asked for."""
 

@@ -15,7 +15,7 @@ from tests.fuzz.invariants import Failure, Outcome
 from tests.fuzz.minimise import minimised
 from tests.fuzz.worker import Worker
 
-SCENES = ("scenes", "extremes")
+SCENES = ("scenes", "extremes", "numbers")
 """Kinds whose cases are scenes."""
 
 
