@@ -47,7 +47,7 @@ def test_most_scenes_pass_the_door(tmp_path: Path) -> None:
     assert 12 <= passed < 20  # those that the door refuses are cases too
 
 
-def test_all_commands_are_called() -> None:
+def test_all_commands_that_end_are_called() -> None:
     rng = Random(1)
     called = Counter(line(rng)[0] for _ in range(600))
     assert set(ENDING) <= set(called)
