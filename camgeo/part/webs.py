@@ -143,7 +143,8 @@ def _inside(contour: Contour, around: Contour) -> bool:
 def _web(one: Boundary, hole: Boundary, limit: float | None) -> Web:
     usual = _usual(one, hole)
     exact = None if one.hole else _about_the_axis(one, hole)
-    for tolerance in TOLERANCES[1:]:
+    # Where it is exact, contours show its place alone.
+    for tolerance in TOLERANCES[1:] if exact is None else TOLERANCES[:1]:
         fits = [each.beside(tolerance) for each in (one, hole)]
         a, b = (Pieces.around([fit.contour]) for fit in fits)
         apart = least_distance(a, b) if exact is None else exact

@@ -12,9 +12,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.cam.contact import Contact
+from camgeo.contour.contour import Fit
+from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
-from camgeo.part.webs import SHARE, surely_thick, thinnest
+from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -55,6 +57,23 @@ def test_a_keyway_towards_the_dwell() -> None:
         assert (found.thickness < limit) == (wall < limit)
         assert found.thickness == pytest.approx(wall, abs=1e-6)
         assert min(abs(found.place - corner) for corner in (4.0 + 28.0j, -4.0 + 28.0j)) < 1e-9
+
+
+def test_an_exact_wall_takes_no_fine_contours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A steep flank has 180,000 chords within 1e-4 mm, which would show a place for the eye."""
+    asked = []
+    beside = CurveBoundary.beside
+
+    def counted(self: CurveBoundary, tolerance: float) -> Fit:
+        asked.append(tolerance)
+        return beside(self, tolerance)
+
+    monkeypatch.setattr(CurveBoundary, "beside", counted)
+    found = thinnest(made(Contact.INNER, PartSpec(bore=60.0)))
+    assert found is not None
+    assert found.thickness == pytest.approx(2.0, abs=1e-12)
+    assert abs(found.place) == pytest.approx(30.0)
+    assert min(asked) == TOLERANCES[0]
 
 
 def test_the_limit_decides_which_wall_is_told() -> None:
