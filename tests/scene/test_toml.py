@@ -13,10 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
+from camgeo.scene import toml
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.new import TEMPLATES
 from camgeo.scene.scene import Scene
 from camgeo.scene.toml import written_into
+from camgeo.scene.tree import edited, read_only
 from tests.scene.scenes import FIXTURES, PLATE
 from tests.scene.test_scene import leaves
 
@@ -47,6 +49,42 @@ def test_values_are_written_without_a_text(file: pathlib.Path) -> None:
     scene = Scene(text.values, folder=text.source.folder)
     assert read_back(scene) == scene
     assert read_back(scene).made == text.made
+
+
+@pytest.mark.parametrize("file", FILES, ids=NAMES)
+def test_numbers_are_written_in_their_lines_as_tomlkit_writes_them(
+    file: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = file.read_text("utf-8")
+    tree = tomllib.loads(text, parse_float=Decimal)
+    found = [key for key, value in leaves(read_only(tree)).items() if toml._is_number(value)]
+    values = [Decimal("-0.250"), 7, Decimal("1E+2"), Decimal(4)]
+    after = edited(tree, dict(zip(found[::3], values, strict=False)))
+    quick = toml._with_numbers(text, tree, after)
+    assert (quick or text) == text or tomllib.loads(quick or "", parse_float=Decimal) == after
+    written = written_into(text, after)
+    monkeypatch.setattr(toml, "_with_numbers", lambda *_: None)
+    assert written_into(text, after) == written
+
+
+@pytest.mark.parametrize(
+    ("text", "there"),
+    [
+        ("a = 1\r\n[t]\r\nb = 2.50  # c = 2.50\r\n", True),
+        ("a = 1\n[t]\nb = 2.50\n[[u]]\nb = [2.50, 1 , 3]# b\n[[u]]\n  b=[ 2,2 ]", True),
+        ('a = 1\ns = """\nb = 2.50\n"""\nb = 2.50\n', True),
+        ("a = 1\nt = {b = 2.50}\n", False),
+        ("a = [\n1,\n2]\n", False),
+    ],
+)
+def test_numbers_that_stand_in_one_line_with_their_key(text: str, there: bool) -> None:
+    tree = tomllib.loads(text, parse_float=Decimal)
+    after = edited(tree, {key: Decimal("8.0") for key in leaves(read_only(tree)) if key != "s"})
+    found = toml._with_numbers(text, tree, after)
+    assert (found is not None) is there
+    if found is not None:
+        assert tomllib.loads(found, parse_float=Decimal) == after
+        assert comments(found) == comments(text)
 
 
 @settings(max_examples=60, deadline=None)
