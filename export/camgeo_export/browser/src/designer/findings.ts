@@ -10,7 +10,6 @@ const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", 
 export class Findings {
   readonly element = el("div", { class: "findings" });
   readonly verdict = el("a", { href: "#findings", class: "verdict" });
-  private readonly note = el("p", { class: "stale", hidden: true }, t("findings.old"));
   private readonly sentence = el("p", { class: "sentence" });
   private readonly bad = el("ul", { class: "list" });
   private readonly kept = el("ul", { class: "list" });
@@ -22,7 +21,7 @@ export class Findings {
     private readonly session: Session,
     private readonly reveal: (key: string) => boolean,
   ) {
-    this.element.append(this.note, this.sentence, this.bad, this.cures, this.more);
+    this.element.append(this.sentence, this.bad, this.cures, this.more);
     say(this.sentence, t("findings.waiting"));
   }
 

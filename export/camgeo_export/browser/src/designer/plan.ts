@@ -33,7 +33,10 @@ export class Plan {
   }
 
   update(segments: Segment[]): void {
+    const focus = document.activeElement;
+    const row = this.element.contains(focus) ? focus?.closest("tr")?.dataset["segment"] : undefined;
     this.show(segments);
+    if (row !== undefined && !focus?.isConnected) this.keep(Number(row), (focus as HTMLElement).dataset["action"]);
     shown(this.hidden, segments.length === 0);
     const rows = [...this.element.querySelectorAll("tbody tr")];
     rows.forEach((row, k) => {
@@ -44,6 +47,14 @@ export class Plan {
       const remove = row.querySelector<HTMLButtonElement>('[data-action="remove"]');
       if (remove) remove.disabled = rows.length < 2;
     });
+  }
+
+  // The focus goes on in the row that is in the place of one that is gone, at the same button.
+  private keep(index: number, action = ""): void {
+    const rows = this.element.querySelectorAll("tbody tr");
+    const row = rows[Math.min(index, rows.length - 1)];
+    const same = row?.querySelector<HTMLElement>(`[data-action="${action}"]`);
+    (same ?? row?.querySelector<HTMLElement>("button:not([hidden])"))?.focus();
   }
 
   private row(segment: Segment): Kept<Segment> {

@@ -143,7 +143,6 @@ export const STRINGS = {
   "findings.cure": "Apply",
   "findings.cure-label": "Apply: {sentence}",
   "findings.no-cure": "no cure: {sentence}",
-  "findings.old": "These are findings of an earlier state.",
 
   "size.title": "Smallest cam",
   "size.ask": "Find sizes",
