@@ -14,7 +14,7 @@ import numpy as np
 
 from camgeo.designing.given import Given
 from camgeo.designing.segments import with_a_point
-from camgeo.designing.snapping import rounded
+from camgeo.designing.snapping import is_number, rounded
 from camgeo.errors import CamgeoError
 from camgeo.scene.keys import Path, path_of, value_at
 from camgeo.scene.tree import Tree, edited
@@ -95,7 +95,7 @@ def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
         edits["part.rim"] = _diameter(given)
     thick = value_at(after, ("part", "thickness"))
     deep = dict(edits)
-    if isinstance(thick, int | Decimal) and value_at(after, ("part", "groove_depth")) is None:
+    if is_number(thick) and value_at(after, ("part", "groove_depth")) is None:
         deep["part.groove_depth"] = rounded(Decimal(thick) / 2)
     part = after.get("part", {})
     if isinstance(part, dict):

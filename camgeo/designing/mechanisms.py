@@ -16,17 +16,14 @@ from typing import Any, Final, TypeGuard
 
 from camgeo.designing.fields import is_angular
 from camgeo.designing.given import Given, refusal
-from camgeo.designing.snapping import rounded
-from camgeo.designing.switching import suiting
+from camgeo.designing.snapping import is_number, rounded
+from camgeo.designing.switching import base_radius, suiting
 from camgeo.errors import UnknownNameError
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.scene.document import document_of_tree
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.new import template
 from camgeo.scene.schema import EFFECTS
 from camgeo.scene.tree import Tree, without
-from camgeo.scene.valid_values import ValidValues
-from camgeo.units import MM_PER
 
 WIDEST: Final = Decimal(60)
 """Largest swing that a rocker is given [degrees]."""
@@ -196,7 +193,7 @@ def _in_other_unit(before: Tree, after: Tree) -> Tree:
     if angular == is_angular(before):
         return after
     arms = [_table(tree, "follower").get("arm") for tree in (after, before)]
-    arm = next((each for each in arms if _is_number(each)), None) or _base(after)
+    arm = next((each for each in arms if is_number(each)), None) or base_radius(after)
     factor = (
         Decimal(math.degrees(1.0)) / Decimal(arm)
         if angular
@@ -220,7 +217,7 @@ def _reach(tree: Tree) -> Decimal:
         if isinstance(motion, list)
         else []
     )
-    return max((abs(Decimal(each)) for each in ends if _is_number(each)), default=Decimal(0))
+    return max((abs(Decimal(each)) for each in ends if is_number(each)), default=Decimal(0))
 
 
 def _with_positions(tree: Tree, factor: Decimal) -> Tree:
@@ -233,7 +230,7 @@ def _with_positions(tree: Tree, factor: Decimal) -> Tree:
             return value
         made = {}
         for key, each in value.items():
-            if key in IN_POSITIONS and _is_number(each):
+            if key in IN_POSITIONS and is_number(each):
                 made[key] = rounded(Decimal(each) * factor)
             else:
                 made[key] = scaled(each) if key == "points" else each
@@ -264,27 +261,13 @@ def _kind(table: Any) -> str:
     return kind if isinstance(kind, str) else ""
 
 
-def _is_number(value: Any) -> TypeGuard[int | Decimal]:
-    real = isinstance(value, int | Decimal) and not isinstance(value, bool)
-    return real and Decimal(value).is_finite() and abs(value) <= 10**12
-
-
 def _is_point(value: Any) -> TypeGuard[list[int | Decimal]]:
-    return isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))
-
-
-def _base(tree: Tree) -> Decimal:
-    """The base radius of a scene, in its unit; that of a usual cam if it has none."""
-    radius: Any = _table(tree, "follower").get("base_radius")
-    if _is_number(radius) and radius > 0:
-        return Decimal(radius)
-    unit = ValidValues(document_of_tree(tree)).unit
-    return Decimal(50) / Decimal(str(MM_PER[unit]))
+    return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
 
 
 def _size_of(tree: Tree) -> Decimal:
     """How large a scene is, compared with those that `camgeo new` writes."""
-    return _base(tree) / 50
+    return base_radius(tree) / 50
 
 
 def _resized(node: Mapping[str, Any], value: Any, size: Decimal) -> Any:
@@ -292,4 +275,4 @@ def _resized(node: Mapping[str, Any], value: Any, size: Decimal) -> Any:
     if isinstance(value, list):
         return [_resized(node.get("items", {}), each, size) for each in value]
     lengths = node.get("$ref") in LENGTHS
-    return rounded(Decimal(value) * size) if lengths and _is_number(value) else value
+    return rounded(Decimal(value) * size) if lengths and is_number(value) else value

@@ -10,7 +10,7 @@ from decimal import ROUND_FLOOR, Decimal, localcontext
 from typing import Any, Final
 
 from camgeo.designing.given import Given, refusal
-from camgeo.designing.snapping import styled
+from camgeo.designing.snapping import is_number, styled
 from camgeo.designing.spans import EXACT, is_fixed, least_span, span_key, span_of
 from camgeo.scene.keys import spelled
 from camgeo.scene.tree import Tree
@@ -227,8 +227,7 @@ def _level(motion: Motion, at: int) -> Any:
 
 def _number(value: Any) -> Any:
     """A position; 0 in place of what is none."""
-    real = isinstance(value, int | Decimal) and not isinstance(value, bool)
-    return value if real and Decimal(value).is_finite() and abs(value) <= 10**9 else 0
+    return value if is_number(value) else 0
 
 
 def _between(start: Any, end: Any) -> Any:

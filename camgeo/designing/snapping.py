@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import ROUND_HALF_EVEN, Decimal, localcontext
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 FINEST: Final = 1e-6
 """Step without a stated one [unit of the scene, degrees]."""
@@ -17,6 +17,15 @@ FEW: Final = 3
 
 DIGITS: Final = 60
 """With which a value is rounded: those of the largest number in the least steps, and more."""
+
+LARGEST: Final = 10**12
+"""Magnitude of the numbers of a scene."""
+
+
+def is_number(value: Any) -> TypeGuard[int | Decimal]:
+    """Whether a value of a scene, right or wrong, is a finite number that a scene can have."""
+    real = isinstance(value, int | Decimal) and not isinstance(value, bool)
+    return real and Decimal(value).is_finite() and -LARGEST <= value <= LARGEST
 
 
 def step_near(step: float) -> Decimal:

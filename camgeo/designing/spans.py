@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from typing import Any, Final
 
+from camgeo.designing.snapping import is_number
 from camgeo.errors import GeometryError
 from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN
 
@@ -25,10 +26,7 @@ def span_key(segment: Segment) -> str:
 def span_of(segment: Any) -> Decimal | None:
     """Its span [degrees], exactly as written; None if it has none that can be."""
     found = segment.get(span_key(segment)) if isinstance(segment, dict) else None
-    if isinstance(found, bool) or not isinstance(found, int | Decimal):
-        return None
-    exact = Decimal(found)
-    return exact if exact.is_finite() and 0 <= exact <= FULL_TURN else None
+    return Decimal(found) if is_number(found) and 0 <= found <= FULL_TURN else None
 
 
 def spans_of(motion: Any) -> list[Decimal] | None:

@@ -7,13 +7,16 @@ from decimal import Decimal
 from typing import Any, Final
 
 from camgeo.designing.given import Given, refusal
-from camgeo.designing.snapping import rounded
+from camgeo.designing.snapping import is_number, rounded
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import effect_names, find_effect
 from camgeo.errors import SceneError, UnknownNameError
+from camgeo.scene.document import document_of_tree
 from camgeo.scene.keys import Path, path_of, value_at
 from camgeo.scene.schema import EFFECTS
 from camgeo.scene.tree import Tree, edited
+from camgeo.scene.valid_values import ValidValues
+from camgeo.units import MM_PER
 
 SPEED: Final = 60
 """Of a cam without one [rev/min]."""
@@ -148,27 +151,29 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
 
 def _value(tree: Tree, key: str) -> Any:
     """A value for a key that an effect needs."""
-    return rounded(_radius(tree) * THICK) if key == "part.thickness" else SPEED
+    return rounded(base_radius(tree) * THICK) if key == "part.thickness" else SPEED
 
 
 def _with_table(tree: Tree, name: str, example: Table) -> Tree:
     made: Table = {}
     for key, value in example.items():
         if isinstance(value, str) and key != "kind":
-            made[key] = rounded(Decimal(value) * _radius(tree))
+            made[key] = rounded(Decimal(value) * base_radius(tree))
         elif value is None:
             speed = value_at(tree, ("cam", "speed"))
-            real = isinstance(speed, int | Decimal) and not isinstance(speed, bool)
-            made[key] = rounded(Decimal(speed if real else SPEED) * FASTER)
+            made[key] = rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
         else:
             made[key] = value
     return {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: made}}
 
 
-def _radius(tree: Tree) -> Decimal:
+def base_radius(tree: Tree) -> Decimal:
+    """The base radius of a scene, in its unit; that of a usual cam if it has none."""
     radius = value_at(tree, ("follower", "base_radius"))
-    real = isinstance(radius, int | Decimal) and not isinstance(radius, bool)
-    return Decimal(radius) if real and 0 < radius < 10**9 else Decimal(50)
+    if is_number(radius) and radius > 0:
+        return Decimal(radius)
+    unit = ValidValues(document_of_tree(tree)).unit
+    return Decimal(50) / Decimal(str(MM_PER[unit]))
 
 
 def _off(given: Given, name: str) -> Tree:

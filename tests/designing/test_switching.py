@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import pathlib
+from typing import Any
 
 import pytest
 
@@ -70,3 +72,24 @@ def test_what_is_no_effect_is_refused(asked: object) -> None:
         changed(TEXT, str(SETZHUB), None, {"effect": {"name": "no", "on": True}})
     with pytest.raises(SceneError, match="is off"):
         changed(TEXT, str(SETZHUB), None, {"effect": {"name": "spring", "on": False}})
+
+
+@pytest.mark.parametrize("number", ["nan", "-inf", "1e9999999"])
+@pytest.mark.parametrize(
+    ("stated", "asked"),
+    [
+        ("speed = 90", {"effect": {"name": "speed-fluctuation", "on": True}}),
+        ("base_radius = 50.199", {"effect": {"name": "friction", "on": True}}),
+        ("thickness = 12", {"edits": {"follower.contact": "groove"}}),
+        ("thickness = 12", {"edits": {"follower.contact": "outer"}}),
+    ],
+)
+def test_a_scene_with_a_number_that_is_none_can_be_changed(
+    stated: str, asked: dict[str, Any], number: str
+) -> None:
+    """Its fault stays, and values to start from are made without it; or it is refused."""
+    key = stated.partition(" ")[0]
+    assert stated in TEXT
+    text = TEXT.replace(stated, f"{key} = {number}")
+    with contextlib.suppress(SceneError):
+        assert f"{key} = {number}\n" in changed(text, str(SETZHUB), None, asked).text
