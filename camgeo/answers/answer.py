@@ -8,10 +8,12 @@ document is read from the result (`camgeo.answers.render`).
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from camgeo.displayed import Displayed
+from camgeo.wording import counted
 
 if TYPE_CHECKING:  # the command line needs the exit codes before it imports anything else
     from camgeo.check.finding import Finding
@@ -61,6 +63,13 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
     found = tuple(findings)
     width = max([NAME_WIDTH, *(len(f.name) + 2 for f in found)])
     return [f"{MARKS[f.severity]:8}{f.name:{width}}{f.sentence}" for f in found]
+
+
+def verdict_on(findings: Iterable[Finding]) -> str:
+    """How many findings there are, and how many of each severity that is not "ok"."""
+    several = Counter[str](each.severity for each in findings)
+    bad = [f"{several[each]} {MARKS[each]}" for each in MARKS if several[each] and each != "ok"]
+    return f"{counted(several.total(), 'finding')}: {', '.join(bad) or 'all limits are kept'}"
 
 
 def exit_code(findings: Iterable[Finding]) -> int:

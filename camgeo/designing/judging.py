@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
 
-from camgeo.answers.answer import MARKS
+from camgeo.answers.answer import MARKS, verdict_on
 from camgeo.answers.check import Check, check
 from camgeo.answers.report import Advised, advised
 from camgeo.check.cures.cure import Cure
@@ -22,7 +21,6 @@ from camgeo.designing.recent import Recent
 from camgeo.errors import GeometryError
 from camgeo.outline.path import Flank
 from camgeo.units import TURN
-from camgeo.wording import counted
 
 KEYS: Final[Mapping[str, str]] = {
     "transmission-angle": "limits.transmission_angle",
@@ -64,22 +62,12 @@ def findings(job: Job, recent: Recent) -> dict[str, Any]:
     found = check(design, machining=machining)
     listed = advised(found)
     return {
-        "verdict": _verdict(listed),
+        "verdict": f"{verdict_on(each.finding for each in listed)}.",
         "findings": [_finding(each) for each in listed],
         "cures": [_cure(index, each) for index, each in enumerate(found.cures)],
         "places": list(_places(found)),
         "charts": effect_charts(design),
     }
-
-
-def _verdict(found: tuple[Advised, ...]) -> str:
-    """How many findings there are, and how many of them are bad."""
-    severities = Counter[str](each.finding.severity for each in found)
-    bad = [
-        f"{severities[each]} {MARKS[each]}" for each in MARKS if severities[each] and each != "ok"
-    ]
-    several = counted(len(found), "finding")
-    return f"{several}: {', '.join(bad)}." if bad else f"{several}: all limits are kept."
 
 
 def _finding(each: Advised) -> dict[str, Any]:

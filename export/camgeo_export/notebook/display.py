@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
@@ -10,7 +9,7 @@ from html import escape
 from typing import Any, cast
 
 from camgeo.answers import render
-from camgeo.answers.answer import MARKS, Answer
+from camgeo.answers.answer import Answer, verdict_on
 from camgeo.answers.check import Check
 from camgeo.answers.compare import Cell, Compare
 from camgeo.answers.laws import UNITS, LawRow, Laws
@@ -32,7 +31,6 @@ from camgeo.figure.model import Figure
 from camgeo.motion.laws.comparison import QUANTITIES, entry_of
 from camgeo.motion.laws.law import Law
 from camgeo.product.value_table import Table
-from camgeo.wording import counted
 from camgeo.writing.write import Report as Written
 from camgeo_export.notebook import markup
 
@@ -101,7 +99,7 @@ def _(value: Design) -> Shown:
         figure, why = plots.of_design(value, what)[0], ""
     except CamgeoError as error:
         figure, why = None, markup.preformatted(str(error))
-    head = markup.heading(value.name, _verdict(value.findings))
+    head = markup.heading(value.name, verdict_on(value.findings))
     told = "".join(map(markup.paragraph, stated))
     below = _findings(value.findings)
     return Shown(head + told + why, figure, f"{what[0].capitalize()} of {value.name}", below)
@@ -117,12 +115,6 @@ def _spelled(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(map(_spelled, value))}]"
     return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _verdict(found: Findings) -> str:
-    several = Counter[str](each.severity for each in found)
-    bad = [f"{several[each]} {MARKS[each]}" for each in MARKS if several[each] and each != "ok"]
-    return f"{counted(len(found), 'finding')}: {', '.join(bad) or 'all limits are kept'}"
 
 
 def _findings(found: Findings) -> str:
@@ -147,7 +139,7 @@ def _(value: Findings) -> Shown:
 
 @shown.register
 def _(value: Judgement) -> Shown:
-    return Shown(markup.paragraph(_verdict(value.findings)), below=_findings(value.findings))
+    return Shown(markup.paragraph(verdict_on(value.findings)), below=_findings(value.findings))
 
 
 @shown.register

@@ -12,7 +12,6 @@ import base64
 import hashlib
 import json
 import math
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, Final
@@ -22,7 +21,7 @@ import numpy as np
 from camgeo import __version__
 from camgeo.accuracy.knee import advice
 from camgeo.accuracy.survey import Survey
-from camgeo.answers.answer import MARKS
+from camgeo.answers.answer import MARKS, verdict_on
 from camgeo.answers.report import STEP, Chart, Report
 from camgeo.answers.report.readings import plain, shown
 from camgeo.figure import accuracy
@@ -103,7 +102,7 @@ def render(report: Report) -> bytes:
 <body>
 <header>
 <h1>{name}</h1>
-<p>{escape(_verdict(report))}</p>
+<p>{escape(verdict_on(each.finding for each in report.advised))}.</p>
 <p>camgeo {escape(__version__)}, scene {escape(report.scene.made)}</p>
 <nav aria-label="Sections"><ul>{links}</ul></nav>
 <noscript><p>Diagrams and the turning mechanism need scripts.</p></noscript>
@@ -152,13 +151,6 @@ def _rounded(value: Any) -> Any:
         number = float(f"{value:.{DIGITS}g}")
         return int(number) if number == int(number) else number
     return value
-
-
-def _verdict(report: Report) -> str:
-    found = Counter[str](each.finding.severity for each in report.advised)
-    bad = [f"{found[each]} {MARKS[each]}" for each in MARKS if found[each] and each != "ok"]
-    several = counted(len(report.advised), "finding")
-    return f"{several}: {', '.join(bad)}." if bad else f"{several}: all limits are kept."
 
 
 def _mechanism(report: Report) -> str:
