@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -141,6 +142,11 @@ class Judgement(Pickled, Displayed):
         from camgeo.check.cures.smallest import cures  # a search that few cams need
 
         return cures(self.cams, self.unit)
+
+
+def worst(findings: Iterable[Finding]) -> Severity:
+    """The worst severity of the findings; "ok" if there are none."""
+    return min((each.severity for each in findings), key=WORST_FIRST.index, default="ok")
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:

@@ -11,10 +11,10 @@ import numpy as np
 
 from camgeo.check.finding import Finding, forbidding
 from camgeo.check.judge import (
-    WORST_FIRST,
     linkage_findings,
     motion_findings,
     transmission_angle_limit,
+    worst,
 )
 from camgeo.errors import CamgeoError, EffectError, SceneError
 from camgeo.numeric.arrays import FloatArray, merged
@@ -153,8 +153,7 @@ def _verdict(design: Design, _: Asked) -> Reading:
     if design.scene.follower is not None and not forbidding(design.findings):
         for disc in design.discs:
             found += findings_on(disc)
-    severities = {finding.severity for finding in found}
-    return Reading(next(each for each in WORST_FIRST if each in severities or each == "ok"))
+    return Reading(worst(found))
 
 
 # Columns ------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Final
 from camgeo.answers.answer import Answer
 from camgeo.answers.check import check
 from camgeo.check.finding import Finding
-from camgeo.check.judge import WORST_FIRST
+from camgeo.check.judge import worst
 from camgeo.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.scene.keys import Path, spelled
@@ -127,7 +127,7 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
     else:
         found = [_everything(label, design) for label, design in designs]
         columns = [_findings(each) for each in found]
-        verdicts = [_worst(each) for each in found]
+        verdicts = [worst(each) for each in found]
     names = dict.fromkeys(name for column in columns for name in column)
     lines = tuple(
         Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
@@ -154,11 +154,6 @@ def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
         value = None if each.value is None else float(each.value)
         found.setdefault(each.name, Cell(value, each.unit, each.severity))
     return found
-
-
-def _worst(findings: Sequence[Finding]) -> str:
-    severities = {finding.severity for finding in findings}
-    return next(each for each in WORST_FIRST if each in severities or each == "ok")
 
 
 def _answers(
