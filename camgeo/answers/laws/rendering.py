@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from camgeo.figure.model import Figure
 
 HEAD: Final = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
+"""Symbols of `QUANTITIES`, as in VDI 2143."""
 
 PHYSICAL_HEAD: Final = ("v", "a", "a*", "j", "j*", "M/m", "M/m*")
+"""Those of the same quantities of a move; M/m is the torque against the inertia of 1 kg."""
 
 SYMBOLS: Final = {
     "inflection": "lambda",

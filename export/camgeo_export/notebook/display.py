@@ -13,6 +13,7 @@ from camgeo.answers.answer import Answer, verdict_on
 from camgeo.answers.check import Check
 from camgeo.answers.compare import Cell, Compare
 from camgeo.answers.laws import UNITS, LawRow, Laws
+from camgeo.answers.laws.rendering import HEAD, PHYSICAL_HEAD
 from camgeo.answers.report import Report, advised
 from camgeo.answers.report.steps import next_step
 from camgeo.answers.sweep import Sweep
@@ -33,13 +34,6 @@ from camgeo.motion.laws.law import Law
 from camgeo.product.value_table import Table
 from camgeo.writing.write import Report as Written
 from camgeo_export.notebook import markup
-
-SYMBOLS = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
-"""Of QUANTITIES, as in VDI 2143."""
-
-
-PEAKS = ("v", "a", "a*", "jerk", "jerk*", "M/m", "M/m*")
-"""Of the same of a move; M/m is the torque against the inertia of 1 kg."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,7 +204,7 @@ def _(value: Laws) -> Shown:
         ]
         return Shown(markup.rows_of(("task", "from, to", "laws"), told, numbers=False))
     rows = [[escape(cell) for cell in _of_law(row)] for row in value.rows]
-    table = markup.rows_of(("law", "parameters", *SYMBOLS), rows, numbers=False)
+    table = markup.rows_of(("law", "parameters", *HEAD), rows, numbers=False)
     table += _of_move(value.rows) + _as_text(value)
     return Shown(table, render.figure(value), "f', f'', f''' and f' f'' of each law over the move")
 
@@ -220,7 +214,7 @@ def _of_move(rows: Sequence[LawRow]) -> str:
     moved = [(row.entry.name, row.physical) for row in rows if row.physical is not None]
     if not moved:
         return ""
-    heads = [f"{symbol} [{unit}]" for symbol, unit in zip(PEAKS, UNITS, strict=True)]
+    heads = [f"{symbol} [{unit}]" for symbol, unit in zip(PHYSICAL_HEAD, UNITS, strict=True)]
     found = [
         [
             escape(name),
@@ -234,7 +228,7 @@ def _of_move(rows: Sequence[LawRow]) -> str:
 def _of_law(row: LawRow) -> list[str]:
     given = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
     if row.entry.law is None:
-        return [row.entry.name, given, row.entry.reason, *[""] * (len(SYMBOLS) - 1)]
+        return [row.entry.name, given, row.entry.reason, *[""] * (len(HEAD) - 1)]
     numbers = [row.entry.bounded(each) for each in QUANTITIES]
     cells = ("unbounded" if each is None else f"{each + 0.0:.6g}" for each in numbers)
     return [row.entry.name, given, *cells]
