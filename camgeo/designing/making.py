@@ -5,12 +5,11 @@ from __future__ import annotations
 import base64
 import json
 import math
-from typing import Any, Final
-
-import numpy as np
+from typing import Any
 
 from camgeo.answers.build import told
 from camgeo.answers.report import coarse_solids
+from camgeo.answers.report.triangles import triangles
 from camgeo.answers.size import CamSize
 from camgeo.answers.size import size as size_of
 from camgeo.answers.size.rendering import text
@@ -21,12 +20,6 @@ from camgeo.designing.job import Job
 from camgeo.designing.recent import Recent
 from camgeo.units import MM_PER
 from camgeo.writing.write import CERTIFICATE, make_files
-
-FACETS: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-"""Triangles of a binary STL."""
-
-BEFORE: Final = 84
-"""Bytes of a binary STL before its triangles."""
 
 
 def build(job: Job, recent: Recent) -> dict[str, Any]:
@@ -70,11 +63,9 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def solid(job: Job, recent: Recent) -> dict[str, Any]:
-    """The bodies, coarser than they are made: three coordinates [mm] of three corners of each
-    triangle, single precision, little-endian; none if the part has no thickness.
-    """
+    """The bodies as `triangles`, coarser than they are made; none if the part has no thickness."""
     found = coarse_solids(recent.design(job))
-    return {"solids": [{"name": name, "places": _places(data)} for name, data in found.items()]}
+    return {"solids": [{"name": name, "places": triangles(data)} for name, data in found.items()]}
 
 
 def size(job: Job, recent: Recent) -> dict[str, Any]:
@@ -128,11 +119,6 @@ def _rating(name: str, rating: Rating, unit: float) -> dict[str, Any]:
         "transmission_angle": math.degrees(rating.transmission_angle.value),
         "radius_ratio": rating.radius_ratio.value,
     }
-
-
-def _places(stl: bytes) -> str:
-    corners = np.frombuffer(stl, FACETS, offset=BEFORE)["corners"]
-    return _text(np.ascontiguousarray(corners).tobytes())
 
 
 def _text(data: bytes) -> str:

@@ -16,20 +16,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
-import numpy as np
-
 from camgeo import __version__
 from camgeo.accuracy.knee import advice
 from camgeo.accuracy.survey import Survey
 from camgeo.answers.answer import MARKS, verdict_on
 from camgeo.answers.report import STEP, Chart, Report
 from camgeo.answers.report.readings import plain, shown
+from camgeo.answers.report.triangles import triangles
 from camgeo.figure import accuracy
 from camgeo.figure.model import data_of
 from camgeo.product.value_table import Table
 from camgeo.wording import counted
 from camgeo_export.browser.bundles import bundle
-from camgeo_export.stl.writer import FACET, PREFIX
 
 DIGITS: Final = 6
 """Significant digits of coordinates in diagrams: finer than a printed line."""
@@ -133,7 +131,7 @@ def _data(report: Report) -> str:
             {"figure": data_of(chart.figure), "sentence": chart.sentence} for chart in report.charts
         ],
         "prices": prices,
-        "solids": [{"places": _singles(data)} for data in report.solids.values()],
+        "solids": [{"places": triangles(data)} for data in report.solids.values()],
     }
     text = json.dumps(_rounded(found), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     for each in "<>&\u2028\u2029":
@@ -234,12 +232,6 @@ def _solids(found: Mapping[str, bytes]) -> str:
         ' build makes it, coarser.<span class="live"> Drag to turn it.</span></figcaption></figure>'
         for number, name in enumerate(found)
     )
-
-
-def _singles(stl: bytes) -> str:
-    """Three coordinates [mm] of three corners of each triangle of a binary STL, as base 64."""
-    corners = np.frombuffer(stl, FACET, offset=PREFIX)["corners"]
-    return base64.b64encode(np.ascontiguousarray(corners).tobytes()).decode()
 
 
 def _values(table: Table) -> str:
