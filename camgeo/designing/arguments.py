@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from camgeo.designing.job import Job, JobError
 
@@ -66,14 +65,6 @@ class Arguments:
         if not isinstance(value, list | tuple) or not all(isinstance(each, str) for each in value):
             raise self._wrong(name, "a list of texts")
         return tuple(value)
-
-    def text(self, name: str) -> str | None:
-        """A text; None if it is not given."""
-        value: Any = self._given.get(name)
-        if value is not None and not isinstance(value, str):
-            raise self._wrong(name, "text")
-        found: str | None = value
-        return found
 
     def _wrong(self, name: str, allowed: str) -> JobError:
         return JobError(f"{name} must be {allowed}")

@@ -23,7 +23,7 @@ class Job:
 
     Attributes
     ----------
-    kind : one of `camgeo.designing.work.KINDS`.
+    kind : one of `camgeo.designing.work.WORK`.
     text : of the scene, TOML.
     file : path that messages name; empty for a scene that is in no file yet.
     folder : in which the files lie that the scene names; empty if there is none.

@@ -105,7 +105,7 @@ CHANGES: Final[Mapping[str, Check]] = {
 """What a change may be: one of these."""
 
 KINDS: Final[Mapping[str, Mapping[str, Check]]] = {
-    "hello": {"revision": _is_index},
+    "hello": {},
     "change": {**CHANGES, "to": _is_place, "step": _is_number, "gesture": _is_name},
     "text": {"text": _is_text, "gesture": _is_name},
     "undo": {},

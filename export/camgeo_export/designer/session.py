@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.designing import edits, opened
+from camgeo.designing import edits, faults, opened
 from camgeo.designing.children import Refused
 from camgeo.designing.desk import Desk
 from camgeo.designing.opened import OverwriteError
@@ -209,7 +209,7 @@ class Session:
             data, painting = head_of(found.text, ("label", "refused")), found.text
         except Refused as error:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
-            painting = body({"faults": [_fault(str(error))], "label": data["label"]})
+            painting = body({"faults": faults.told(error), "label": data["label"]})
         if "refused" in data or not isinstance(data.get("text"), str):
             sentence = str(data.get("refused") or "this cannot be changed so")
             asked.page.put(_refused(asked.said.id, sentence, faults=data.get("faults", [])))
@@ -278,7 +278,7 @@ class Session:
             except CamgeoError as error:
                 if self._asked:
                     return  # given up for something newer
-                painting = body({"faults": [_fault(str(error))]})
+                painting = body({"faults": faults.told(error)})
         self._painted = self._revision
         self._show(painting, asked)
         if self._findings is None:
@@ -311,7 +311,7 @@ class Session:
                 try:
                     found = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
-                    found = body({"faults": [_fault(str(error))]})
+                    found = body({"faults": faults.told(error)})
         self._findings = Message("findings", {"revision": revision}, found)
         self._broadcast(self._findings)
 
@@ -389,7 +389,3 @@ def _refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
 
 def _told(sentence: str) -> Message:
     return Message("told", {"message": sentence})
-
-
-def _fault(sentence: str) -> dict[str, Any]:
-    return {"key": "", "value": "", "message": sentence, "hint": "", "line": None}
