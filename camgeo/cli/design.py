@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import signal
 from pathlib import Path
 from typing import Final
 
 from camgeo.answers.answer import FINE
 from camgeo.cli.command import CallError
-from camgeo.cli.streams import notify, say
+from camgeo.cli.streams import notify, say, until_ctrl_c
 from camgeo.errors import FileError
 
 DESIGNERS: Final = "camgeo.designers"
@@ -84,11 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     browser = not arguments.no_browser
     try:
-        serve(desk, arguments.host, arguments.port, tell, notes=notes, browser=browser)
-    except KeyboardInterrupt as stop:
-        if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
-            raise
-        notify("")  # after the ^C that terminals show
+        with until_ctrl_c():
+            serve(desk, arguments.host, arguments.port, tell, notes=notes, browser=browser)
     finally:
         desk.close()
         for sentence in desk.told():

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Final
 
 from camgeo.cli.progress import clear
@@ -49,6 +51,17 @@ def write(text: str) -> None:
 def say(text: str) -> None:
     """Print lines on standard output."""
     write(f"{printable(text)}\n")
+
+
+@contextmanager
+def until_ctrl_c() -> Iterator[None]:
+    """Ctrl-C ends what is within, and is no error; other signals are."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
+            raise
+        notify("")  # after the ^C that terminals show
 
 
 def notify(message: str) -> None:

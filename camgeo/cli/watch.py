@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import time
 from pathlib import Path
 from typing import Final
@@ -13,7 +12,7 @@ from camgeo.answers.check import Check, check
 from camgeo.cli.command import CallError, add_output, add_scene, from_0, number, opened
 from camgeo.cli.plot import SUFFIXES, drawn
 from camgeo.cli.progress import Progress
-from camgeo.cli.streams import notify, say
+from camgeo.cli.streams import say, until_ctrl_c
 from camgeo.cli.watching import SceneFiles, watch
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.wording import counted, listed
@@ -73,13 +72,9 @@ def run(arguments: argparse.Namespace) -> int:
         seconds = time.monotonic() - start
         say(f"{time.strftime('%H:%M:%S')}  {line} ({seconds:.1f} s)")
 
-    try:
+    with until_ctrl_c():
         files = SceneFiles(arguments.scene)
         watch(files.stamps, once, lambda: time.sleep(arguments.every), arguments.runs)
-    except KeyboardInterrupt as stop:
-        if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
-            raise
-        notify("")  # after the ^C that terminals show
     return FINE
 
 
