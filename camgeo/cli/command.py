@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Final
@@ -64,15 +64,21 @@ def add_output(
 
     Its name ends in one of `suffixes`, if there are any.
     """
+    named = str if suffixes is None else ending_in(suffixes)
+    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+
+
+def ending_in(suffixes: Sequence[str]) -> Callable[[str], str]:
+    """The type of an option that names a file, whose name must end in one of `suffixes`."""
 
     def named(name: str) -> str:
-        if suffixes is not None and Path(name).suffix not in suffixes:
+        if Path(name).suffix not in suffixes:
             message = f"{name!r} must end in one of {', '.join(suffixes)}"
             raise argparse.ArgumentTypeError(message)
         return name
 
-    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
-    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+    return named
 
 
 def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:

@@ -38,11 +38,11 @@ def run(arguments: argparse.Namespace) -> int:
     from camgeo.design import Design
     from camgeo.lazy import Ledger
     from camgeo.scene.load import load_scene
+    from camgeo.sweep.stated import names_in
 
     designs = [Design(load_scene(name), Ledger(arguments.progress)) for name in arguments.scenes]
-    ask = [word.strip() for text in arguments.ask for word in text.split(",") if word.strip()]
     labels = labels_of(arguments.scenes)
-    found = compare(list(zip(labels, designs, strict=True)), ask)
+    found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
     write_files(pictures(found, arguments, "flanks, motion, acceleration, mu"), arguments)
     return show(found, arguments)
 

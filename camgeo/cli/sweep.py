@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from camgeo.cli.command import CallError, add_json, add_scene, show, write_files
-from camgeo.cli.plot import drawn
+from camgeo.cli import plot
+from camgeo.cli.command import (
+    CallError,
+    add_json,
+    add_scene,
+    document,
+    ending_in,
+    show,
+    write_files,
+)
 from camgeo.cli.streams import notify
 from camgeo.wording import counted
 
@@ -23,8 +30,6 @@ if TYPE_CHECKING:
 STORE: Final = ".sqlite"
 
 SUFFIXES: Final = (STORE, ".csv", ".json")
-
-PICTURES: Final = (".png", ".svg", ".pdf")
 
 KINDS: Final = ("map", "parallel", "pareto")
 
@@ -68,15 +73,15 @@ def options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         dest="output",
         action="append",
-        type=_named,
+        type=ending_in(SUFFIXES),
         default=[],
         help=f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
     )
     parser.add_argument(
         "--picture",
         metavar="FILE",
-        type=_pictured,
-        help=f"also draw a picture, {', '.join(PICTURES)}",
+        type=ending_in(plot.SUFFIXES),
+        help=f"also draw a picture, {', '.join(plot.SUFFIXES)}",
     )
     parser.add_argument(
         "--show",
@@ -158,12 +163,10 @@ def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
 ) -> Callable[[Result], list[Written]]:
     """What draws the picture; a wrong call is refused before anything is computed."""
-    least, largest = (
-        [word.strip() for text in texts for word in text.split(",") if word.strip()]
-        for texts in (arguments.least, arguments.largest)
-    )
-    path = arguments.picture
-    if path is None:
+    from camgeo.sweep.stated import names_in
+
+    least, largest = names_in(arguments.least), names_in(arguments.largest)
+    if arguments.picture is None:
         if arguments.show or least or largest:
             raise CallError("--show, --least and --largest need --picture")
         return lambda _: []
@@ -177,48 +180,37 @@ def _picture(
     if kind == "pareto":
         pictures.objectives(ask, least, largest)
 
+    path = Path(arguments.picture)
+
     def draw(result: Result) -> list[Written]:
         if kind == "pareto":
             figure = pictures.pareto(result, least, largest)
         else:
             figure = pictures.PICTURES[kind](result)
-        return [(path, drawn(figure, path.suffix), kind)]
+        return [(path, plot.drawn(figure, path.suffix), kind)]
 
     return draw
 
 
-def _pictured(name: str) -> Path:
-    if Path(name).suffix not in PICTURES:
-        raise argparse.ArgumentTypeError(f"{name!r} must end in one of {', '.join(PICTURES)}")
-    return Path(name)
-
-
-def _named(name: str) -> Path:
-    if Path(name).suffix not in SUFFIXES:
-        raise argparse.ArgumentTypeError(f"{name!r} must end in one of {', '.join(SUFFIXES)}")
-    return Path(name)
-
-
 def _outputs(arguments: argparse.Namespace) -> tuple[Path | None, Sequence[Path]]:
     """The store, and the other files."""
-    stores = [path for path in arguments.output if path.suffix == STORE]
-    files = [path for path in arguments.output if path.suffix != STORE]
+    paths = [Path(name) for name in arguments.output]
+    stores = [path for path in paths if path.suffix == STORE]
+    files = [path for path in paths if path.suffix != STORE]
     if len(stores) > 1:
         raise CallError("-o may name one store only")
     if arguments.resume and not stores:
         raise CallError(f"--resume needs a store: -o FILE{STORE}")
-    all_files = [*files, *filter(None, [arguments.picture])]
+    all_files = [*files, *map(Path, filter(None, [arguments.picture]))]
     if len({path.parent for path in all_files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o and --picture must name different files in one folder")
     return (stores[0] if stores else None), files
 
 
 def _written(found: Sweep, path: Path) -> Written:
-    from camgeo.answers import render
     from camgeo.answers.sweep.rendering import comma_separated
 
     rows = counted(found.count, "row")
     if path.suffix == ".csv":
         return path, comma_separated(found), rows
-    document = json.dumps(render.to_json(found), indent=2, allow_nan=False)
-    return path, f"{document}\n".encode(), rows
+    return path, document(found).encode(), rows

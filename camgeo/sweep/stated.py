@@ -41,8 +41,12 @@ def questions_of(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
 
     If there are none, those that the scene states.
     """
-    found = tuple(word.strip() for text in ask for word in text.split(",") if word.strip())
-    return found or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
+    return names_in(ask) or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
+
+
+def names_in(texts: Iterable[str]) -> tuple[str, ...]:
+    """All names in texts, of which each may have several, comma-separated."""
+    return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
 
 
 def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:

@@ -27,8 +27,6 @@ Existing = Literal["refuse", "resume", "replace"]
 FORMAT: Final = "camgeo sweep 1"
 """Version of the tables."""
 
-SUFFIX: Final = ".sqlite"
-
 MEMORY: Final = ":memory:"
 
 AT_ONCE: Final = 500
