@@ -51,14 +51,8 @@ def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree
         elif path == CONTACT:
             after = _with_contact(given, after)
         elif path[:1] == ("linkage",) and DIRECTION not in paths:
-            after = _mended(given, after, (DIRECTION,))
+            after = given.without_misfits(after, lambda misfit: misfit == DIRECTION)
     return after
-
-
-def _mended(given: Given, after: Tree, among: tuple[Path, ...]) -> Tree:
-    """The tree without those keys that are at fault now, and were not before."""
-    wrong = {path_of(fault.key) for fault in given.faults(given.tree)}
-    return given.without_misfits(after, lambda misfit: misfit in among and misfit not in wrong)
 
 
 def _with_law(given: Given, after: Tree, path: Path) -> Tree:
@@ -67,7 +61,8 @@ def _with_law(given: Given, after: Tree, path: Path) -> Tree:
     """
     after = with_a_point(after, int(path[1]))
     own = value_at(after, path[:2])
-    return _mended(given, after, tuple((*path[:2], key) for key in own if key not in KEPT))
+    among = [(*path[:2], key) for key in own if key not in KEPT]
+    return given.without_misfits(after, lambda misfit: misfit in among)
 
 
 KEPT: Final = ("law", "span", "to")
@@ -79,11 +74,10 @@ def _with_contact(given: Given, after: Tree) -> Tree:
 
     Without what has no place in a cam of that contact.
     """
-    wrong = {fault.key for fault in given.faults(given.tree)}
     first: Tree | None = None
     for tree in _blanks(given, after):
-        mended = _mended(given, tree, OF_CONTACT)
-        if not {fault.key for fault in given.faults(mended)} - wrong:
+        mended = given.without_misfits(tree, lambda misfit: misfit in OF_CONTACT)
+        if not given.new_faults(mended):
             return mended
         first = first or mended
     return first or after

@@ -60,13 +60,22 @@ class Given:
             return error.faults
         return ()
 
+    @cached_property
+    def wrong(self) -> frozenset[str]:
+        """The keys at fault in the text as it is."""
+        return frozenset(fault.key for fault in self.faults(self.tree))
+
+    def new_faults(self, tree: Tree) -> tuple[Fault, ...]:
+        """What is wrong with other values, at keys that are not `wrong` as it is."""
+        return tuple(fault for fault in self.faults(tree) if fault.key not in self.wrong)
+
     def without_misfits(self, tree: Tree, may: Callable[[Path], bool]) -> Tree:
-        """The tree without the keys at fault that may be left out.
+        """The tree without the keys newly at fault that may be left out.
 
         Some only turn out to be at fault without others.
         """
         for _ in range(ROUNDS):
-            paths = {path_of(fault.key) or () for fault in self.faults(tree)}
+            paths = {path_of(fault.key) or () for fault in self.new_faults(tree)}
             misfits = [path for path in paths if path and may(path)]
             if not misfits:
                 break

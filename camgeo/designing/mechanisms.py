@@ -61,7 +61,6 @@ def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
 
 def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
     """The first tree that is valid without what does not belong to it; else the first of all."""
-    wrong = {fault.key for fault in given.faults(given.tree)}
     required = {
         name: {*kind.schema.get("required", ()), "kind"}
         for kinds in (FOLLOWERS, LINKAGES)
@@ -72,13 +71,13 @@ def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
         kinds = {key: _kind(tree.get(key)) for key in ("follower", "linkage")}
 
         def may(path: Path, kinds: Mapping[str, str] = kinds) -> bool:
-            if len(path) < 2 or path[0] not in ELSEWHERE or path in {path_of(key) for key in wrong}:
+            if len(path) < 2 or path[0] not in ELSEWHERE:
                 return False
             if path[0] in kinds:
                 return path[1] not in required.get(kinds[str(path[0])], ())
             return path[0] != "part" or path[1] in OF_PART
 
-        mended = _with_suiting_effects(given, given.without_misfits(tree, may), wrong)
+        mended = _with_suiting_effects(given, given.without_misfits(tree, may))
         if not given.faults(mended):
             return mended
         first = first or mended
@@ -86,17 +85,17 @@ def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
     return first
 
 
-def _with_suiting_effects(given: Given, tree: Tree, wrong: set[str]) -> Tree:
+def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
     """The tree with other data for the effects whose own do not suit, or without these effects."""
-    for fault in given.faults(tree):
+    for fault in given.new_faults(tree):
         path = path_of(fault.key) or ()
         effects = tree.get(EFFECTS)
-        if fault.key in wrong or path[:1] != (EFFECTS,) or not isinstance(effects, dict):
+        if path[:1] != (EFFECTS,) or not isinstance(effects, dict):
             continue
         name = str(path[1]) if len(path) > 1 else ""
         if name in effects:
             bare = without(tree, (EFFECTS, name))
-            tree = suiting(given, bare, name, wrong) or bare
+            tree = suiting(given, bare, name) or bare
     return tree
 
 

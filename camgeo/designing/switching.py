@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from typing import Any, Final
 
@@ -91,34 +91,31 @@ def _on(given: Given, name: str) -> Tree:
     tree = given.tree
     if not isinstance(tree.get(EFFECTS, {}), dict):
         raise refusal("is no table", EFFECTS)
-    wrong = {fault.key for fault in given.faults(tree)}
     for need in _needs(tree, find_effect(name)):
         if need.startswith(f"{EFFECTS}."):
-            tree = _with(given, tree, need.partition(".")[2], wrong)
+            tree = _with(given, tree, need.partition(".")[2])
         else:
             tree = edited(tree, {need: _value(tree, need)})
-    return _with(given, tree, name, wrong)
+    return _with(given, tree, name)
 
 
-def _with(given: Given, tree: Tree, name: str, wrong: set[str]) -> Tree:
+def _with(given: Given, tree: Tree, name: str) -> Tree:
     """With that effect too; SceneError if the machine cannot have it."""
-    made = suiting(given, tree, name, wrong)
+    made = suiting(given, tree, name)
     if made is None:
         bare = {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: {}}}
         raise SceneError([each for each in given.faults(bare) if _is_of(each.key, name)])
     return made
 
 
-def suiting(given: Given, tree: Tree, name: str, wrong: Container[str]) -> Tree | None:
-    """The tree with the first example of an effect that leaves nothing wrong with it; None if none.
-
-    Nothing but what is `wrong` before.
+def suiting(given: Given, tree: Tree, name: str) -> Tree | None:
+    """The tree with the first example of an effect that leaves nothing wrong with it, but for what
+    was wrong before; None if none does.
     """
     made = [_with_table(tree, name, each) for each in EXAMPLES.get(name, ({},))]
 
     def fits(each: Tree) -> bool:
-        found = [fault.key for fault in given.faults(each) if fault.key not in wrong]
-        return not any(_is_of(key, name) for key in found)
+        return not any(_is_of(fault.key, name) for fault in given.new_faults(each))
 
     return next(filter(fits, made), None)
 
@@ -179,10 +176,9 @@ def base_radius(tree: Tree) -> Decimal:
 def _off(given: Given, name: str) -> Tree:
     """Without it, and without the effects that cannot do without it."""
     tree = given.tree
-    wrong = {path_of(fault.key) for fault in given.faults(tree)}
 
     def may(path: Path) -> bool:
-        return path[0] == EFFECTS and len(path) == 2 and path not in wrong
+        return path[0] == EFFECTS and len(path) == 2
 
     rest = {key: each for key, each in tree[EFFECTS].items() if key != name}
     made = given.without_misfits({**tree, EFFECTS: rest}, may)
