@@ -16,14 +16,16 @@ from camgeo.designing.labels import title_of
 from camgeo.designing.snapping import step_near
 from camgeo.scene.document import Document, document_of_tree
 from camgeo.scene.keys import Path, spelled, value_at
-from camgeo.scene.schema import Composed, Node, definition, keys_of, schema_for
+from camgeo.scene.schema import Composed, Node, keys_of, referred, resolved, schema_for
 from camgeo.scene.tree import Tree
 from camgeo.scene.valid_values import ValidValues
 
 Type = Literal["number", "choice", "text", "flag", "file", "list"]
 
-LENGTHS: Final = {"length", "coordinate", "roller_radius", "side_clearance"}
-"""Definitions of the schema whose numbers are in the scene's unit of length."""
+LENGTHS: Final = {
+    f"#/$defs/{name}" for name in ("length", "coordinate", "roller_radius", "side_clearance")
+}
+"""References to definitions of the schema whose numbers are in the scene's unit of length."""
 
 POSITIONS: Final = {
     "to": "", "smoothing": "", "velocity": "/rad", "acceleration": "/rad²", "jerk": "/rad³",
@@ -121,40 +123,39 @@ class Fields:
         self.position: str = "°" if _angular(values) else values.unit
 
     def node(self, path: Path) -> Node:
-        """The schema's node for a key, with its references followed; empty if there is none."""
+        """The schema's node for a key; empty if there is none."""
         node, table = self.composed.root, self.document.plain
-        refs: frozenset[str] = frozenset()
         for depth, step in enumerate(path):
             inner: Any = value_at(table, path[:depth])
+            node = resolved(node)
             if isinstance(step, int):
-                found = node.get("items", {})
+                node = node.get("items", {})
             else:
-                found = keys_of(node, inner if isinstance(inner, dict) else {}).get(step, {})
-            node, refs = followed(found)
-        return {**node, "refs": refs}
+                node = keys_of(node, inner if isinstance(inner, dict) else {}).get(step, {})
+        return node
 
     def unit(self, path: Path) -> str:
         """The unit of the number at a key."""
         return self.unit_of(path, self.node(path))
 
     def unit_of(self, path: Path, node: Node) -> str:
-        """The same, with the key's resolved `node`."""
+        """The same, with the key's `node`."""
         if path[:1] == ("motion",) and path[-1] in POSITIONS:
             return f"{self.position}{POSITIONS[str(path[-1])]}"
-        if "x-unit" in node:
-            unit: str = node["x-unit"]
+        found = resolved(node)
+        if "x-unit" in found:
+            unit: str = found["x-unit"]
             return UNITS.get(unit, unit)
-        items, refs = followed(node.get("items", {}))
-        if "x-default-mm" in node or LENGTHS & (node.get("refs", frozenset()) | refs):
+        items = found.get("items", {})
+        if "x-default-mm" in found or is_length(node) or is_length(items):
             return f"{self.length}/min" if path[-1] in FEEDS else self.length
-        return str(items.get("x-unit", ""))
+        return str(resolved(items).get("x-unit", ""))
 
-    def field(self, path: Path, node: Node | bool) -> Field | None:
-        """The field of a key with that node of the schema; None for a table."""
-        found, refs = followed(node)
-        if not found or _is_table(found):
+    def field(self, path: Path, node: Node) -> Field | None:
+        """The field of a key with that node of the schema; None for a table, or a list of them."""
+        found = resolved(node)
+        if not found or has_keys(found) or has_keys(resolved(found.get("items", {}))):
             return None
-        whole = {**found, "refs": refs}
         exact = self.document.at(path)
         default = self._default(path, found)
         value = default if exact is None else plain(exact)
@@ -165,7 +166,7 @@ class Fields:
             slider = slider_of(value, low, high, whole=found.get("type") == "integer")
         return Field(
             spelled(path), title_of(path), found.get("description", ""), kind,
-            self.unit_of(path, whole), value, exact is not None, default, _choices(found), low,
+            self.unit_of(path, node), value, exact is not None, default, _choices(found), low,
             high, slider,
         )  # fmt: skip
 
@@ -202,16 +203,13 @@ def _angular(values: ValidValues) -> bool:
         return False
 
 
-def followed(node: Node | bool) -> tuple[Node, frozenset[str]]:
-    """A node with its references followed, and the names of the definitions that it refers to."""
-    if isinstance(node, bool):
-        return {}, frozenset()
-    refs: set[str] = set()
-    while "$ref" in node:
-        name = node["$ref"].rpartition("/")[2]
-        refs.add(name)
-        node = {**definition(name), **{k: v for k, v in node.items() if k != "$ref"}}
-    return node, frozenset(refs)
+def is_length(node: Node | bool) -> bool:
+    """Whether a node of the schema is of numbers in the scene's unit of length."""
+    while isinstance(node, dict) and "$ref" in node:
+        if node["$ref"] in LENGTHS:
+            return True
+        node = referred(node)
+    return False
 
 
 def plain(value: Any) -> Any:
@@ -230,19 +228,19 @@ def plain(value: Any) -> Any:
     return value if isinstance(value, bool | float) else None
 
 
-def _is_table(node: Node) -> bool:
-    items, _ = followed(node.get("items", {}))
-    return "properties" in node or "allOf" in node or "properties" in items or "allOf" in items
+def has_keys(node: Node) -> bool:
+    """Whether a resolved node of the schema is of tables."""
+    return "properties" in node or "allOf" in node
 
 
 def _alternatives(node: Node) -> list[Node]:
     among: list[Node] = node.get("anyOf") or [node]
-    return [followed(each)[0] for each in among]
+    return [resolved(each) for each in among]
 
 
 def _choices(node: Node) -> tuple[Any, ...]:
     found: list[Any] = list(node.get("x-values") or ())
-    for each in (*_alternatives(node), followed(node.get("items", {}))[0]):
+    for each in (*_alternatives(node), resolved(node.get("items", {}))):
         found += each.get("enum", [])
         if "const" in each:
             found.append(each["const"])

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.designing.fields import Field, Fields, followed
+from camgeo.designing.fields import Field, Fields, has_keys
 from camgeo.designing.labels import title_of
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import FollowerKind, LinkageKind
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, spelled
-from camgeo.scene.schema import Node, keys_of
+from camgeo.scene.schema import Node, keys_of, resolved
 
 MOST: Final = 50
 """Tables of one list, e.g. tools, that a form shows."""
@@ -85,23 +85,18 @@ def _inner(fields: Fields, path: Path, node: Node) -> Iterator[Section]:
     for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
         if not path and key in APART:
             continue
-        found, _ = followed(each)
-        yield from _sections(fields, (*path, key), found)
+        yield from _sections(fields, (*path, key), resolved(each))
 
 
 def _sections(fields: Fields, path: Path, node: Node) -> Iterator[Section]:
     """The table at `path`, or each of a list of tables, with those in it."""
     stated = fields.document.at(path)
-    items, _ = followed(node.get("items", {}))
-    if _has_keys(items):
+    items = resolved(node.get("items", {}))
+    if has_keys(items):
         for index in range(min(len(stated), MOST) if isinstance(stated, list) else 0):
             yield from _table(fields, (*path, index), items, node.get("description", ""))
-    elif _has_keys(node):
+    elif has_keys(node):
         yield from _table(fields, path, node, node.get("description", ""))
-
-
-def _has_keys(node: Node) -> bool:
-    return "properties" in node or "allOf" in node
 
 
 def _table(fields: Fields, path: Path, node: Node, description: str) -> Iterator[Section]:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from typing import Any, Final, TypeGuard
 
-from camgeo.designing.fields import is_angular
+from camgeo.designing.fields import is_angular, is_length
 from camgeo.designing.given import Given, refusal
 from camgeo.designing.snapping import is_number, rounded
 from camgeo.designing.switching import base_radius, suiting
@@ -22,7 +22,7 @@ from camgeo.errors import UnknownNameError
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.new import template
-from camgeo.scene.schema import EFFECTS
+from camgeo.scene.schema import EFFECTS, Node
 from camgeo.scene.tree import Tree, without
 
 WIDEST: Final = Decimal(60)
@@ -36,9 +36,6 @@ ELSEWHERE: Final = ("limits", "effects", "linkage", "units", "follower", "part")
 
 OF_PART: Final = ("rim", "groove_depth", "pair")
 """Those of them in [part], which belong to contacts and conjugate pairs."""
-
-LENGTHS: Final = ("#/$defs/length", "#/$defs/coordinate", "#/$defs/base_radius",
-                  "#/$defs/face_radius", "#/$defs/roller_radius")  # fmt: skip
 
 
 def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
@@ -269,9 +266,8 @@ def _size_of(tree: Tree) -> Decimal:
     return base_radius(tree) / 50
 
 
-def _resized(node: Mapping[str, Any], value: Any, size: Decimal) -> Any:
+def _resized(node: Node, value: Any, size: Decimal) -> Any:
     """A value of a template, larger by `size` if it is a length or a place."""
     if isinstance(value, list):
         return [_resized(node.get("items", {}), each, size) for each in value]
-    lengths = node.get("$ref") in LENGTHS
-    return rounded(Decimal(value) * size) if lengths and is_number(value) else value
+    return rounded(Decimal(value) * size) if is_length(node) and is_number(value) else value

@@ -280,7 +280,7 @@ def node_at(root: Node, evaluation: list[str | int]) -> Node:
     """Return the node of `root` on whose last keyword an evaluation path of the validator ends."""
     node: Any = root
     for step in evaluation[:-1]:
-        node = _referred(node) if step == "$ref" else node[step]
+        node = referred(node) if step == "$ref" else node[step]
     return node if isinstance(node, dict) else {}
 
 
@@ -289,11 +289,11 @@ def resolved(node: Node | bool) -> Node:
     if isinstance(node, bool):
         return {}
     while "$ref" in node:
-        node = _referred(node)
+        node = referred(node)
     return node
 
 
-def _referred(node: Node) -> Node:
+def referred(node: Node) -> Node:
     """The definition that a node refers to; keywords next to the reference take precedence."""
     beside = {key: value for key, value in node.items() if key != "$ref"}
     return {**definition(node["$ref"].rpartition("/")[2]), **beside}
