@@ -14,7 +14,7 @@ from camgeo.check.judge import worst
 from camgeo.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.scene.keys import Path, spelled
-from camgeo.sweep.asked import Asked, asked_of
+from camgeo.sweep.asked import asked_of, canonical
 from camgeo.sweep.reading import read
 from camgeo.wording import counted
 
@@ -162,26 +162,24 @@ def _answers(
     """What a design answers; of a name that only others know, nothing."""
     found: dict[str, Cell] = {}
     for word in ask:
-        asked: Asked | None = None
         try:
             (asked,) = asked_of(design, [word])
         except UnknownNameError:
-            asked = next(_known(word, [other for _, other in designs]), None)
-            if asked is None:
+            if not any(_knows(other, word) for _, other in designs):
                 raise
-            found[asked.word] = Cell(reason="has no such finding or column")
-            continue
-        reading = read(design, asked)
-        found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
+            found[canonical(word)] = Cell(reason="has no such finding or column")
+        else:
+            reading = read(design, asked)
+            found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
     return found
 
 
-def _known(word: str, designs: Sequence[Design]) -> Iterator[Asked]:
-    for design in designs:
-        try:
-            yield from asked_of(design, [word])
-        except UnknownNameError:
-            continue
+def _knows(design: Design, word: str) -> bool:
+    try:
+        asked_of(design, [word])
+    except UnknownNameError:
+        return False
+    return True
 
 
 def _differing(designs: Sequence[Design]) -> tuple[Key, ...]:
