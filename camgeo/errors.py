@@ -183,8 +183,8 @@ class EffectError(CamgeoError, ArithmeticError):
         super().__init__(self.message)
 
 
-def unreadable(error: OSError | ValueError) -> str:
-    """Why a file cannot be read; Python raises a ValueError for a path that no file can have."""
+def unreadable(error: Exception) -> str:
+    """Why a file cannot be read or written; a path that no file can have is a ValueError."""
     return getattr(error, "strerror", None) or str(error)
 
 

@@ -12,6 +12,7 @@ import json
 import sqlite3
 import weakref
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -111,7 +112,7 @@ class Store:
         self._open = _connected(path)
         self._end = weakref.finalize(self, self._open.close)
         try:
-            with told(path):
+            with _as_ours(path):
                 self._prepare(existing)
         except BaseException:
             self.close()
@@ -157,13 +158,13 @@ class Store:
 
     def state(self, sampled: Mapping[str, str]) -> None:
         """Record how designs were drawn last, e.g. the seed; no row depends on it."""
-        with told(self.path), self._open:
+        with _as_ours(self.path), self._open:
             rows = ((f"sample {name}", value) for name, value in sampled.items())
             self._open.executemany("INSERT OR REPLACE INTO sweep VALUES (?, ?)", rows)
 
     def __len__(self) -> int:
         """How many rows there are."""
-        with told(self.path):
+        with _as_ours(self.path):
             found: int = self._open.execute("SELECT count(*) FROM designs").fetchone()[0]
             return found
 
@@ -188,7 +189,7 @@ class Store:
     def _known(self, points: Sequence[Point], columns: str) -> dict[str, tuple[Any, ...]]:
         marks = ", ".join("?" * len(points))
         query = f"SELECT {columns} FROM designs WHERE point IN ({marks})"
-        with told(self.path):
+        with _as_ours(self.path):
             found = self._open.execute(query, [mark(point) for point in points])
             return {row[0]: row for row in found}
 
@@ -200,21 +201,15 @@ class Store:
             (mark(row.point), *row.point, *row.values, json.dumps(row.units), row.reason)
             for row in rows
         ]
-        with told(self.path):
-            try:
-                self._open.execute("BEGIN IMMEDIATE")
-                self._open.executemany(f"INSERT INTO designs VALUES ({marks})", cells)
-                self._open.execute("COMMIT")
-            except BaseException:
-                if self._open.in_transaction:
-                    self._open.execute("ROLLBACK")
-                raise
+        with _as_ours(self.path), self._open:
+            self._open.execute("BEGIN IMMEDIATE")
+            self._open.executemany(f"INSERT INTO designs VALUES ({marks})", cells)
 
     def settle(self) -> None:
         """Move everything into the one file; others may read it from now on."""
         if self.path is None:
             return
-        with told(self.path):
+        with _as_ours(self.path):
             self._open.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._open.execute("PRAGMA journal_mode=DELETE")
             self._open.execute("PRAGMA locking_mode=NORMAL")
@@ -235,43 +230,32 @@ def _require_place(path: Path, existing: Existing) -> None:
     except OutputError:
         raise
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links is a RuntimeError
-        raise OutputError(f"{path} cannot be written: {_why(error)}") from error
+        raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
 
 
-def _why(error: Exception) -> str:
-    return unreadable(error) if isinstance(error, OSError | ValueError) else str(error)
-
-
-class told:
-    """Turns errors of SQLite within it into errors of camgeo, with the file and what to do."""
-
-    def __init__(self, path: Path | None) -> None:
-        self._name = "the rows in memory" if path is None else str(path)
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
-        if not isinstance(error, sqlite3.Error):
-            return
+@contextmanager
+def _as_ours(path: Path | None) -> Iterator[None]:
+    """Errors of SQLite within it become errors of camgeo, with the file and what to do."""
+    name = "the rows in memory" if path is None else str(path)
+    try:
+        yield
+    except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
             message = "another process writes it; only one at a time may"
-            raise OutputError(f"{self._name}: {message}") from error
+            raise OutputError(f"{name}: {message}") from error
         if code == sqlite3.SQLITE_FULL:
             message = "the disk is full; the rows finished before are kept, resume the run later"
-            raise OutputError(f"{self._name}: {message}") from error
+            raise OutputError(f"{name}: {message}") from error
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT):
-            raise FileError(f"{self._name} is no store of a sweep, or is damaged") from error
-        raise OutputError(f"{self._name} cannot be written: {error}") from error
+            raise FileError(f"{name} is no store of a sweep, or is damaged") from error
+        raise OutputError(f"{name} cannot be written: {error}") from error
 
 
 def _connected(path: Path | None) -> sqlite3.Connection:
     try:
         return sqlite3.connect(MEMORY if path is None else path, timeout=0.0, isolation_level=None)
-    except sqlite3.Error as error:
-        raise OutputError(f"{path} cannot be written: {error}") from error
-    except (OSError, ValueError) as error:
+    except (sqlite3.Error, OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
 
 
