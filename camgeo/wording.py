@@ -26,6 +26,11 @@ def listed(words: Sequence[str], most: int | None = None) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
+def shortened(text: str, most: int) -> str:
+    """The text; of one longer than `most` characters the beginning, with "..." at its end."""
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
 def small(value: float, unit: str, *, signed: bool = False) -> str:
     """A measured value with its unit, "0.00512 mm", to four digits and no finer than `FINEST`."""
     rounded = round(value, FINEST) + 0.0

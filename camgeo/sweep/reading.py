@@ -22,6 +22,7 @@ from camgeo.numeric.extremes import Extremes, piecewise_extremes
 from camgeo.product.quantities import Quantity, of_effect, quantities
 from camgeo.product.value_table import bare
 from camgeo.sweep.asked import DIAMETER, Asked, Group, hyphened
+from camgeo.wording import shortened
 
 if TYPE_CHECKING:
     from camgeo.design import Design
@@ -50,7 +51,7 @@ def read(design: Design, asked: Asked) -> Reading:
     try:
         found = ANSWERS[asked.group](design, asked)
     except NoValueError as none:
-        return Reading(None, reason=shortened(str(none)))
+        return Reading(None, reason=in_a_line(str(none)))
     except MemoryError:
         raise  # which is none of the design's
     except Exception as error:
@@ -58,23 +59,22 @@ def read(design: Design, asked: Asked) -> Reading:
     if isinstance(found.value, float):
         if not math.isfinite(found.value):
             return Reading(None, found.unit, found.reason or "is infinite")
-        return Reading(found.value + 0.0, found.unit, shortened(found.reason))  # no -0.0
+        return Reading(found.value + 0.0, found.unit, in_a_line(found.reason))  # no -0.0
     return found
 
 
 def reason_of(error: Exception) -> str:
     """Why there is no design or no answer, in one line."""
     if isinstance(error, SceneError):
-        return shortened("; ".join(str(fault) for fault in error.faults))
+        return in_a_line("; ".join(str(fault) for fault in error.faults))
     if isinstance(error, CamgeoError):
-        return shortened(str(error))
-    return shortened(f"internal error: {type(error).__name__}: {error}")
+        return in_a_line(str(error))
+    return in_a_line(f"internal error: {type(error).__name__}: {error}")
 
 
-def shortened(text: str) -> str:
+def in_a_line(text: str) -> str:
     """The text in one line that is not too long."""
-    text = " ".join(text.split())
-    return text if len(text) <= LONGEST_REASON else f"{text[: LONGEST_REASON - 3]}..."
+    return shortened(" ".join(text.split()), LONGEST_REASON)
 
 
 # Findings -----------------------------------------------------------------------------------------

@@ -6,10 +6,10 @@ from typing import Final
 
 from camgeo.answers.answer import MARKS
 from camgeo.answers.compare import Cell, Compare
-from camgeo.answers.sweep.rendering import aligned, short, shown
+from camgeo.answers.sweep.rendering import aligned, shown
 from camgeo.figure import compare
 from camgeo.figure.model import Figure
-from camgeo.wording import counted
+from camgeo.wording import counted, shortened
 
 MOST_KEYS: Final = 30
 """Keys that are printed; scenes that differ in more have little in common."""
@@ -23,7 +23,7 @@ def text(answer: Compare) -> str:
     labels = [each.label for each in answer.designs]
     rows = [["", *labels]]
     for key in answer.keys[:MOST_KEYS]:
-        rows.append([key.key, *(short(value, LONGEST) or "-" for value in key.values)])
+        rows.append([key.key, *(shortened(value, LONGEST) or "-" for value in key.values)])
     rest = len(answer.keys) - MOST_KEYS
     if rest > 0:
         rows.append([f"and {counted(rest, 'other key')}", *("" for _ in labels)])

@@ -6,7 +6,7 @@ import textwrap
 from typing import Final
 
 from camgeo.answers.lint import Lint, Placed, Program
-from camgeo.wording import counted
+from camgeo.wording import counted, shortened
 
 WIDTH: Final = 100
 
@@ -46,9 +46,7 @@ def _place(each: Placed) -> str:
     """The line, and its text."""
     if each.line is None:
         return "  the program"
-    shown = each.text.strip()
-    shown = shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 3]}..."
-    return f"  line {each.line:<5} {shown}".rstrip()
+    return f"  line {each.line:<5} {shortened(each.text.strip(), LONGEST)}".rstrip()
 
 
 def _said(each: Placed) -> list[str]:

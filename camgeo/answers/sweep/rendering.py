@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from camgeo.answers.sweep import Design, Span, Sweep
-from camgeo.wording import counted, listed
+from camgeo.wording import counted, listed, shortened
 
 FEW: Final = 40
 """Rows that are printed; of more, only the least and the greatest answers."""
@@ -32,7 +32,7 @@ def text(answer: Sweep) -> str:
     if answer.failed:
         lines += ["", f"{counted(answer.failed, 'design')} failed:"]
         for reason, count in list(answer.reasons.items())[:MOST_REASONS]:
-            lines.append(f"  {count:>7,}  {short(reason, LONGEST)}")
+            lines.append(f"  {count:>7,}  {shortened(reason, LONGEST)}")
         rest = len(answer.reasons) - MOST_REASONS
         if rest > 0:
             lines.append(f"           and for {counted(rest, 'other reason')}")
@@ -76,7 +76,7 @@ def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
             for word, answer in each.answers.items()
         )
         values = map(shown, each.values.values())
-        rows.append([*values, *answers, short(each.reason, LONGEST)])
+        rows.append([*values, *answers, shortened(each.reason, LONGEST)])
     if not answer.failed:
         rows = [row[:-1] for row in rows]
     return rows
@@ -89,11 +89,6 @@ def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
         "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-
-
-def short(words: str, most: int) -> str:
-    """The words, cut where they are too many."""
-    return words if len(words) <= most else f"{words[: most - 3]}..."
 
 
 def shown(value: object) -> str:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from camgeo.reading import COORDINATE, DIGITS, number_of
+from camgeo.wording import shortened
 from camgeo_export.interpreter.block import Number
 from camgeo_export.interpreter.rules import Findings
 
@@ -154,4 +155,4 @@ def _put(found: Words, letter: str, text: str, findings: Findings) -> bool:
 
 def shown(text: str) -> str:
     """What a finding shows of a text."""
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return shortened(text, LONGEST)
