@@ -35,7 +35,9 @@ def test_a_page_that_leads_here_gets_a_page_that_goes_on(server: Served) -> None
     assert b'content="0;url=/"' in reply.text  # type: ignore[attr-defined]  # see Served.get
 
 
-@pytest.mark.parametrize("path", ["/", "/designer.js", "/designer.css", "/files/cam.dxf", "/none"])
+@pytest.mark.parametrize(
+    "path", ["/", "/designer.js", "/solid.js", "/designer.css", "/files/cam.dxf", "/none"]
+)
 @pytest.mark.parametrize(
     "cookie", ["", "camgeo-design-{port}=wrong", "camgeo-design-1={value}", "other={value}"]
 )

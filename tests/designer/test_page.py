@@ -216,3 +216,10 @@ def test_texts_of_a_scene_stay_texts(page: Page, server: Served) -> None:
     )
     page.wait_for_selector("#faults:not([hidden])")
     assert page.evaluate("[camgeo.bad ?? null, document.images.length]") == [None, 0]
+
+
+def test_what_draws_solids_is_loaded_when_one_is_shown(page: Page) -> None:
+    assert page.locator("script[src='solid.js']").count() == 0
+    page.click("#show-solid")
+    page.wait_for_selector("#solid canvas[data-view]")
+    assert page.locator("script[src='solid.js']").count() == 1

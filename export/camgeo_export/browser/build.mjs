@@ -11,16 +11,18 @@ import { build } from "esbuild";
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const FOLDER = process.argv[2] ?? join(ROOT, "bundle");
 
-// What each bundle is made from. Those that are no style sheets are plain scripts, but the viewer,
-// which is a module.
+// What each bundle is made from. Scripts are plain ones, except for the viewer, which is a module.
 const BUNDLES = {
   "report.css": "src/report.css",
   "report.js": "src/report.ts",
-  "solid.js": "src/report_solid.ts",
+  "solid.js": "src/solid.ts",
   "designer.css": "src/designer/designer.css",
   "designer.js": "src/designer/main.ts",
   "viewer.js": "src/viewer.ts",
 };
+
+// Names under which other scripts find what a plain script exports.
+const GLOBALS = { "solid.js": "camgeoSolid" };
 
 const ALSO = ["build.mjs", "package.json", "package-lock.json", "tsconfig.json"]; // that bundles depend on
 
@@ -50,6 +52,7 @@ for (const [name, entry] of Object.entries(BUNDLES)) {
     minify: true,
     charset: "utf8",
     format: name === "viewer.js" ? "esm" : "iife",
+    globalName: GLOBALS[name],
     target: "es2022",
     loader: name.endsWith(".js") ? { ".css": "text" } : {},
     legalComments: "none", // the header has the licenses whole

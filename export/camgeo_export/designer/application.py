@@ -1,4 +1,4 @@
-"""The application: page, script and style, the socket of messages, and files to be downloaded."""
+"""The application: page, scripts and style, the socket of messages, and files to be downloaded."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ PAGE: Final = {
     "designer.html": ("", "text/html"),
     "designer.css": ("bundle", "text/css"),
     "designer.js": ("bundle", "text/javascript"),
+    "solid.js": ("bundle", "text/javascript"),
 }
 """Files of the page: their folder in `camgeo_export.browser`, and their media types."""
 
@@ -65,6 +66,7 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
         Route("/", _source("designer.html")),
         Route("/designer.css", _source("designer.css")),
         Route("/designer.js", _source("designer.js")),
+        Route("/solid.js", _source("solid.js")),
         Route("/favicon.ico", _nothing),
         Route("/files/{name}", built),
         WebSocketRoute("/ws", socket),

@@ -2,7 +2,7 @@
 
 import { CamAngle } from "./angle";
 import { Chart } from "./chart";
-import type { Animation, Charted } from "./data";
+import type { Animation, Body, Charted } from "./data";
 import { Drawing } from "./figure";
 import { liftAt, Mechanism } from "./mechanism";
 import { Player } from "./player";
@@ -13,13 +13,27 @@ interface Data {
   animation: Animation | null;
   charts: Charted[];
   prices: Charted | null;
+  solids: Body[];
 }
 
 function found<Kind extends HTMLElement>(identifier: string): Kind {
   return document.getElementById(identifier) as Kind;
 }
 
-const { animation, charts, prices } = JSON.parse(found("data").textContent) as Data;
+function drawSolid(holder: HTMLElement, places: string): void {
+  const canvas = holder.querySelector("canvas")!;
+  const solid = camgeoSolid.Solid.on(canvas);
+  if (!solid) {
+    canvas.replaceWith(WORDS.noWebGL);
+    return;
+  }
+  solid.show(camgeoSolid.singles(places));
+  for (const button of holder.querySelectorAll("button")) {
+    button.addEventListener("click", () => solid.go(button.value));
+  }
+}
+
+const { animation, charts, prices, solids } = JSON.parse(found("data").textContent) as Data;
 const angle = new CamAngle();
 const controls = {
   play: found<HTMLButtonElement>("play"),
@@ -46,4 +60,6 @@ if (prices) {
   drawing.update(prices.figure, prices.sentence);
   found("prices").prepend(drawing.svg);
 }
+// Once the next script is there, which only pages with solids have.
+document.addEventListener("DOMContentLoaded", () => solids.forEach(({ places }, k) => drawSolid(found(`solid-${k}`), places)));
 document.documentElement.dataset.ready = "true";

@@ -1,11 +1,25 @@
 // The solid in three dimensions, made when it is asked for.
 
-import { singles, Solid } from "../solid";
+import type { Solid } from "../solid";
 import { button, el, say, shown } from "./dom";
 import type { Session } from "./session";
 import { type Key, PLAYER, t } from "./strings";
 
 const VIEWS = ["left", "right", "up", "down", "closer", "farther", "back"] as const;
+
+let script: Promise<boolean> | null = null;
+
+// Whether the script that draws solids is there; it is loaded when the first one is wanted.
+function loaded(): Promise<boolean> {
+  script ??= new Promise((resolve) => {
+    const error = (): void => {
+      script = null; // to be tried again
+      resolve(false);
+    };
+    document.head.append(el("script", { src: "solid.js", load: () => resolve(true), error }));
+  });
+  return script;
+}
 
 export class SolidView {
   readonly element = el("div", { class: "solid" });
@@ -15,10 +29,15 @@ export class SolidView {
   private shown: Solid[] = [];
 
   constructor(private readonly session: Session) {
-    this.ask = button(t("solid.show"), () => session.send({ kind: "solid" }), { id: "show-solid" });
+    this.ask = button(t("solid.show"), () => this.request(), { id: "show-solid" });
     this.element.append(this.ask, this.said, this.bodies);
-    session.on("solid", () => this.draw());
+    session.on("solid", () => void this.draw());
     session.on(["solid", "curves"], () => this.tell());
+  }
+
+  private request(): void {
+    this.session.send({ kind: "solid" });
+    void loaded(); // meanwhile
   }
 
   private tell(): void {
@@ -30,22 +49,26 @@ export class SolidView {
     this.bodies.classList.toggle("old", old);
   }
 
-  private draw(): void {
+  private async draw(): Promise<void> {
+    const own = this.session.solid;
+    const there = await loaded();
+    if (this.session.solid !== own) return; // a later one is drawn
     for (const each of this.shown) each.dispose();
     this.shown = [];
-    this.bodies.replaceChildren();
-    for (const { name, places } of this.session.solid?.solids ?? []) {
+    this.bodies.replaceChildren(there ? "" : t("solid.not-loaded"));
+    if (!there) return;
+    for (const { name, places } of own?.solids ?? []) {
       const canvas = el("canvas", { width: 1280, height: 800, role: "img", "aria-label": t("solid.label", { name }) });
       const views = el("div", { class: "actions", role: "group", "aria-label": t("view.of", { name }) });
       this.bodies.append(el("figure", {}, canvas, views, el("figcaption", {}, name)));
-      const solid = Solid.on(canvas);
+      const solid = camgeoSolid.Solid.on(canvas);
       if (!solid) {
         canvas.replaceWith(PLAYER.noWebGL);
         shown(views, false);
         continue;
       }
       this.shown.push(solid);
-      solid.show(singles(places));
+      solid.show(camgeoSolid.singles(places));
       views.append(...VIEWS.map((way) => button(t(`view.${way}` as Key), () => solid.go(way), { value: way })));
     }
   }

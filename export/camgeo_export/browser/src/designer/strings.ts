@@ -207,6 +207,7 @@ export const STRINGS = {
   "solid.again": "Make it anew",
   "solid.old": "The scene has changed since it was made.",
   "solid.none": "The part has no solid: it has no thickness, or there is no disc.",
+  "solid.not-loaded": "The script that draws solids could not be loaded. Try again.",
   "solid.label": "The solid of {name}",
 
   "solid.no-webgl": "This browser has no WebGL, so the solid is not drawn.",
