@@ -50,6 +50,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("verifying",),
     ("design",),
     ("sweep",),
+    ("optimise",),
     ("stability",),
     ("accuracy",),
     ("figure",),

@@ -66,6 +66,7 @@ COMMANDS = (
     "accuracy",
     "compare",
     "sweep",
+    "optimise",
     "explain",
     "stability",
 )

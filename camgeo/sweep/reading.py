@@ -144,6 +144,11 @@ def _part(design: Design, asked: Asked) -> Reading:
 
 
 def _verdict(design: Design, _: Asked) -> Reading:
+    return Reading(worst(judged(design)))
+
+
+def judged(design: Design) -> list[Finding]:
+    """All findings on cam, effects and part, as far as there are such."""
     from camgeo.product.judged_part import findings_on
 
     found = list(design.findings)
@@ -153,7 +158,7 @@ def _verdict(design: Design, _: Asked) -> Reading:
     if design.scene.follower is not None and not forbidding(design.findings):
         for disc in design.discs:
             found += findings_on(disc)
-    return Reading(worst(found))
+    return found
 
 
 # Columns ------------------------------------------------------------------------------------------

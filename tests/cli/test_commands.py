@@ -32,7 +32,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 NAMES = (
     "new", "check", "build", "verify", "lint", "table", "plot", "setup", "replay", "accuracy",
     "laws", "explain", "stability", "slotted-lever", "import", "size",
-    "machines", "probe", "inspect", "watch", "report", "design", "sweep", "compare",
+    "machines", "probe", "inspect", "watch", "report", "design", "sweep", "compare", "optimise",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

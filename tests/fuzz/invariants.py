@@ -44,6 +44,7 @@ LONG: Final = {
     "accuracy": 60.0,
     "stability": 60.0,
     "sweep": 60.0,
+    "optimise": 60.0,
     "compare": 30.0,
     "build": 20.0,
     "verify": 20.0,

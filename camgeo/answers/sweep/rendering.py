@@ -113,15 +113,16 @@ def comma_separated(answer: Sweep) -> bytes:
         heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
     rows.writerow([*heads, REASON])
     for each in answer.designs:
-        cells = [_exact(value) for value in each.values.values()]
+        cells = [exact(value) for value in each.values.values()]
         for word, value in each.answers.items():
-            cells += [_exact(value), *([each.units[word]] if word in each.units else [])]
+            cells += [exact(value), *([each.units[word]] if word in each.units else [])]
         rows.writerow([*cells, each.reason])
     stream.flush()
     return found.getvalue()
 
 
-def _exact(value: object) -> str:
+def exact(value: object) -> str:
+    """A value in the shortest form that reads back the same; empty if there is none."""
     if value is None:
         return ""
     return str(value).lower() if isinstance(value, bool) else str(value)
