@@ -9,15 +9,8 @@ from typing import Any, Final
 
 from camgeo.designing.grips import Moves
 from camgeo.designing.snapping import snapped, step_near, styled
-from camgeo.designing.spans import (
-    EXACT,
-    Neighbours,
-    joints,
-    least_span,
-    span_key,
-    span_of,
-    spans_of,
-)
+from camgeo.designing.spans import Neighbours, joints, least_span, span_key, span_of, spans_of
+from camgeo.motion.spans import EXACT
 from camgeo.scene.keys import spelled
 
 MOST: Final = 400
@@ -105,8 +98,7 @@ def _joint(
         if not both.fixed:
             new = _joint_at(place[0], steps[0], both, at[index - 1], at[index], at[index + 1])
             if new != at[index]:
-                with localcontext() as context:
-                    context.prec = EXACT
+                with localcontext(EXACT):
                     spans = both.with_first(new - at[index - 1])
                 first, second = both.first[span_key(both.first)], both.second[span_key(both.second)]
                 found[span_place] = styled(spans[0], first)
@@ -126,8 +118,7 @@ def _joint_at(
 
     No nearer to its neighbours than a step, unless it is now.
     """
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         by = step_near(step)
         low = min(start + max(least_span(both.first), by), now)
         high = max(end - max(least_span(both.second), by), now)
@@ -148,8 +139,7 @@ def _point(segment: dict[str, Any], index: int, number: int, start: Decimal) -> 
 
     def edits(place: tuple[float, float], steps: tuple[float, float]) -> Edits:
         now = Decimal(own["at"])
-        with localcontext() as context:
-            context.prec = EXACT
+        with localcontext(EXACT):
             by = step_near(steps[0])
             new = Decimal(snapped(place[0] - float(start), steps[0], now))
             new = min(max(new, min(low + by, now)), max(high - by, now))

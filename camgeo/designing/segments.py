@@ -11,7 +11,8 @@ from typing import Any, Final
 
 from camgeo.designing.given import Given, refusal
 from camgeo.designing.snapping import is_number, styled
-from camgeo.designing.spans import EXACT, is_fixed, least_span, span_key, span_of
+from camgeo.designing.spans import is_fixed, least_span, span_key, span_of
+from camgeo.motion.spans import EXACT
 from camgeo.scene.keys import spelled
 from camgeo.scene.tree import Tree
 
@@ -79,8 +80,7 @@ def _remove(motion: Motion, at: int) -> Iterator[Motion]:
     if not takers:
         raise refusal("no segment beside it can take its span", spelled(("motion", at)))
     taker = next((each for each in takers if "dwell" in motion[each]), takers[0])
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         whole = _span(motion[taker]) + _span(motion[at])
     made = [*motion]
     made[taker] = _with_span(motion[taker], whole)
@@ -206,8 +206,7 @@ def _can_give(segment: Any) -> bool:
 def _halves(segment: Any) -> tuple[Decimal, Decimal]:
     """Its span in two, the second in whole degrees if it is long."""
     span = _span(segment)
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         second = span / 2
         if second > 1:
             second = second.quantize(Decimal(1), ROUND_FLOOR)

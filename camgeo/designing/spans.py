@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
-from typing import Any, Final
+from typing import Any
 
 from camgeo.designing.snapping import is_number
 from camgeo.errors import GeometryError
-from camgeo.motion.spans import FULL_TURN, SHORTEST_SPAN
-
-EXACT: Final = 400
-"""Digits with which spans are added and subtracted, as in `camgeo.motion.plan`."""
+from camgeo.motion.spans import EXACT, FULL_TURN, SHORTEST_SPAN
 
 Segment = Mapping[str, Any]
 """A segment of a scene, as it is stated."""
@@ -40,15 +37,13 @@ def spans_of(motion: Any) -> list[Decimal] | None:
 
 def total(spans: Sequence[Decimal]) -> Decimal:
     """Their exact sum."""
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         return sum(spans, Decimal(0))
 
 
 def joints(spans: Sequence[Decimal]) -> Iterator[Decimal]:
     """The cam angles at which segments begin, and that of the end."""
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         at = [Decimal(0)]
         for span in spans:
             at.append(at[-1] + span)
@@ -91,8 +86,7 @@ class Neighbours:
         before = span_of(self.first), span_of(self.second)
         assert before[0] is not None  # only valid scenes have handles
         assert before[1] is not None
-        with localcontext() as context:
-            context.prec = EXACT
+        with localcontext(EXACT):
             other = before[1] - (span - before[0])
         for segment, new, name in (
             (self.first, span, "this segment"),

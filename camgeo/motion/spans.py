@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from functools import partial
 from numbers import Real
 from typing import Annotated, Any, Final
@@ -17,7 +17,10 @@ SHORTEST_SPAN: Final = Decimal("1e-6")
 """Shortest span of a segment that moves; below it, velocities exceed what a double can resolve."""
 
 DECIMALS: Final = 300
-"""Most decimals of a span; with 100 digits more, sums of written decimals stay exact."""
+"""Most decimals of a span."""
+
+EXACT: Final = Context(prec=DECIMALS + 100)
+"""In which spans are added and subtracted exactly."""
 
 
 def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
@@ -57,8 +60,7 @@ def joints_of(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
         With key "motion", if they do not end at 360 degrees exactly.
     """
     joints = [Decimal(0)]
-    with localcontext() as context:
-        context.prec = DECIMALS + 100
+    with localcontext(EXACT):
         for span in spans:
             joints.append(joints[-1] + span)
     if joints[-1] != FULL_TURN:

@@ -23,6 +23,7 @@ from camgeo.check.cures.moves import (
 from camgeo.check.cures.search import nearest_cure, steps
 from camgeo.errors import GeometryError
 from camgeo.motion.plan import MotionPlan
+from camgeo.motion.spans import EXACT
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.numeric.roots import indexed_roots
 from camgeo.outline.cusps import CUSP
@@ -34,9 +35,6 @@ STEP = Decimal("0.000001")
 
 MOST = 1e-6
 """Accuracy, as a fraction of a span, of the largest growth for which the dwells have room."""
-
-EXACT = 400
-"""Digits with which spans are added and subtracted, as in `camgeo.motion.plan`."""
 
 
 def longer_segment(discs: Discs, pairs: Pairs) -> Cure:
@@ -79,8 +77,7 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
     segments = list(plan.segments)
     beside = {number: dwells_around(plan, number) for number in spans}
     users = Counter(place for places in beside.values() for place in places)
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         rests = {place: segments[place].span for place in users}
         for number, span in spans.items():
             missing = span - segments[number].span
@@ -196,8 +193,7 @@ def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None
     """The spans times the smallest factor that leaves no crossing; None if dwells are short."""
 
     def plan(growth: float) -> MotionPlan | None:
-        with localcontext() as context:
-            context.prec = EXACT
+        with localcontext(EXACT):
             factor = 1 + Decimal(growth)
             every = {number: span * factor for number, span in spans.items()}
         return longer_plan(plan_of(discs), every)
@@ -222,8 +218,7 @@ def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None
 
 def _rounded_up(span: float) -> Decimal:
     """The next larger multiple of the step."""
-    with localcontext() as context:
-        context.prec = EXACT
+    with localcontext(EXACT):
         return Decimal(span).quantize(STEP, rounding=ROUND_FLOOR) + STEP
 
 
