@@ -25,7 +25,7 @@ from camgeo.designing.switching import switched
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.motion.spans import FULL_TURN
 from camgeo.reading import SCENE
-from camgeo.scene.document import document, document_of_tree
+from camgeo.scene.document import data_of, document, document_of_tree
 from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene
 from camgeo.scene.toml import written_into
@@ -82,9 +82,7 @@ def changed(
     if len(asked) != 1:
         raise refusal(f"a change is one of {', '.join(CHANGES)}")
     try:
-        found = document(text.encode()) if design is None else design.scene.stated.scene
-    except UnicodeEncodeError:
-        raise refusal("the text of the scene cannot be encoded in UTF-8") from None
+        found = document(data_of(text)) if design is None else design.scene.stated.scene
     except SceneError as error:
         raise SceneError(error.faults, file) from error
     given = Given(text, found.exact, file, folder, design)

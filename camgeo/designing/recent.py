@@ -8,10 +8,10 @@ from typing import Any
 
 from camgeo.design import Design
 from camgeo.designing.job import Job
-from camgeo.scene.document import Document, Source, document, document_of_tree
+from camgeo.scene.document import Document, Source, data_of, document, document_of_tree
 from camgeo.scene.load import parse_scene
 from camgeo.scene.scene import Scene
-from camgeo.scene.tree import edited, refused
+from camgeo.scene.tree import edited
 
 
 class Recent:
@@ -72,10 +72,7 @@ class Recent:
 
     def document(self, job: Job) -> Document:
         """The values of a job's text, right or wrong; SceneError if it is not TOML."""
-        try:
-            return document(job.text.encode())
-        except UnicodeEncodeError as error:
-            raise refused("is not text that UTF-8 can encode") from error
+        return document(data_of(job.text))
 
     def edited(self, job: Job, edits: Mapping[str, Any]) -> Scene:
         """The scene of a job, which may have faults, with other values; SceneError if it has some

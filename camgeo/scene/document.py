@@ -92,6 +92,14 @@ class Source(Brief):
         return replace(self, contents=MappingProxyType(dict(contents)))
 
 
+def data_of(text: str) -> bytes:
+    """The bytes of a scene's text; raises SceneError if it is none."""
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        raise refused("is not text that UTF-8 can encode") from error
+
+
 def document(data: bytes) -> Document:
     """Parse the bytes of a TOML file; raises SceneError if they are not valid TOML."""
     text = _text(data)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from camgeo.errors import Fault, SceneError, unreadable
 from camgeo.reading import SCENE
+from camgeo.scene.document import data_of
 from camgeo.scene.scene import Scene
 
 
@@ -49,8 +50,7 @@ def parse_scene(text: str, file: str = "", folder: str | Path | None = None) -> 
     as `load_scene` does.
     """
     try:
-        data = text.encode()
-    except UnicodeEncodeError as error:
-        fault = Fault("", "", "the scene is not text that UTF-8 can encode")
-        raise SceneError([fault], file) from error
+        data = data_of(text)
+    except SceneError as error:
+        raise SceneError(error.faults, file) from error
     return Scene.from_text(data, file, folder)
