@@ -13,7 +13,8 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection
-from typing import Final
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any, Final
 
 from camgeo.errors import CamgeoError
 from camgeo.sweep.engine import Chunks, Pace
@@ -69,7 +70,8 @@ class Pool:
         """
         pace, suspects = Pace(), deque[Chunk]()
         deaths: dict[Point, int] = {}
-        executor = _started(self._workers)
+        context = _Context()
+        executor = _started(self._workers, context)
         running: dict[Future[tuple[tuple[Row, ...], float]], Chunk] = {}
         try:
             while True:
@@ -98,8 +100,8 @@ class Pool:
                 if lost:
                     lost += running.values()
                     running.clear()
-                    executor.shutdown(cancel_futures=True)
-                    executor = _started(self._workers)
+                    _end(executor, context)
+                    executor = _started(self._workers, context)
                     _require_to_run(executor)
                     if not alone:
                         suspects.extendleft(reversed(lost))
@@ -113,7 +115,38 @@ class Pool:
                         else:
                             yield (_dead(work, point, deaths[point]),)
         finally:
-            executor.shutdown(cancel_futures=True)
+            if running:
+                _end(executor, context)
+            else:
+                executor.shutdown()
+
+
+class _Context(SpawnContext):
+    """Starts processes, and lists them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.listed: list[SpawnProcess] = []
+
+    def Process(self, *given: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]  # a class there
+        """See `multiprocessing.context.BaseContext`."""
+        self.listed.append(SpawnProcess(*given, **named))
+        return self.listed[-1]
+
+
+def _end(executor: ProcessPoolExecutor, context: _Context) -> None:
+    """End the processes of an executor at once.
+
+    One that is broken ends them itself, except one that was being started at that moment: that one
+    stays, and the executor may wait for it for ever.
+    """
+    started = [each for each in context.listed if each.pid is not None]
+    for process in started:
+        process.kill()
+    executor.shutdown(cancel_futures=True)
+    for process in started:
+        process.join()
+    context.listed.clear()
 
 
 def _submitted(
@@ -122,7 +155,10 @@ def _submitted(
     """The chunk handed out; a process that is started for it has one BLAS thread."""
     try:
         with _one_thread():
-            return executor.submit(_computed, work, chunk)
+            try:
+                return executor.submit(_computed, work, chunk)
+            except OSError:  # a process died as another one was started; now the pool is broken
+                return executor.submit(_computed, work, chunk)
     except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
         failed: Future[tuple[tuple[Row, ...], float]] = Future()
         failed.set_exception(error)
@@ -166,8 +202,7 @@ def _dead(work: Work, point: Point, times: int) -> Row:
     return Row(point, (None,) * count, ("",) * count, DIED.format(times=times))
 
 
-def _started(workers: int) -> ProcessPoolExecutor:
-    context = multiprocessing.get_context("spawn")
+def _started(workers: int, context: _Context) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin)
 
 

@@ -12,6 +12,7 @@ import sys
 import time
 from contextlib import closing
 from dataclasses import dataclass
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -54,8 +55,29 @@ class Deadly(Work):
         return super().row(point)
 
 
-def test_the_rows_of_the_loop_whatever_dies(tmp_path: Path) -> None:
+def starting_as_another_dies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first process of a pool dies before the second one has started, then as it has."""
+    started: list[SpawnProcess] = []
+    start = SpawnProcess.start
+
+    def slowly(process: SpawnProcess) -> None:
+        started.append(process)
+        if len(started) != 2:
+            start(process)
+        if len(started) in (2, 4):
+            started[-2].kill()
+            time.sleep(0.2)  # the pool takes notice
+        if len(started) == 2:
+            start(process)
+
+    monkeypatch.setattr(SpawnProcess, "start", slowly)
+
+
+def test_the_rows_of_the_loop_whatever_dies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A design that ends its process twice is a row that says so; all others have their rows."""
+    starting_as_another_dies(monkeypatch)
     found = family("follower.base_radius=45:56:12")
     plain = work_on(found, "transmission-angle", "peak:kappa", "laws")
     work = Deadly(plain.text, plain.contents, plain.keys, plain.asked, plain.versions,
