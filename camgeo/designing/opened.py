@@ -51,8 +51,7 @@ def place(folder: Path, name: str) -> Path:
         If it is no scene's name, leaves the folder, or passes a link.
     """
     parts = Path(name).parts
-    plain = name.isprintable() and "\\" not in name and ":" not in name
-    if not plain or not parts or Path(name).is_absolute() or ".." in parts:
+    if not _is_plain(name) or not parts or Path(name).is_absolute() or ".." in parts:
         raise FileError(f"{name!r}: a scene must be named by a path in the folder {folder}")
     if Path(name).suffix != SUFFIX or len(Path(name).name) == len(SUFFIX):
         raise FileError(f"{name!r}: the name of a scene ends in {SUFFIX}")
@@ -64,13 +63,18 @@ def place(folder: Path, name: str) -> Path:
     return path
 
 
+def _is_plain(name: str) -> bool:
+    """Whether a name means the same on every system, and can be shown."""
+    return name.isprintable() and "\\" not in name and ":" not in name
+
+
 def scenes(folder: Path) -> tuple[str, ...]:
     """The names of the scene files in `folder`, in order; links and hidden files are none."""
     try:
         names = sorted(
             each.name
             for each in folder.iterdir()
-            if each.suffix == SUFFIX and each.name[0] != "." and each.name.isprintable()
+            if each.suffix == SUFFIX and each.name[0] != "." and _is_plain(each.name)
             and not each.is_symlink() and each.is_file()
         )  # fmt: skip
     except OSError:

@@ -145,6 +145,7 @@ def _turning(product: Product, parts: tuple[Part, ...]) -> tuple[tuple[Mark, ...
             drawn = []
         note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
         marks += [mark for mark in drawn if not isinstance(mark, Text)]
+        reach = max(reach, *map(_farthest, marks))
     if cam.follower.has_pitch_curve:
         marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
     marks.append(Circle((0.0, 0.0), base, BASE, layer=2.0))

@@ -58,6 +58,15 @@ def test_links_are_not_followed(tmp_path: Path, cam: Path) -> None:
 
 
 @POSIX
+def test_what_is_listed_can_be_opened(tmp_path: Path) -> None:
+    for name in ("a.toml", "c:a.toml", "a\\b.toml", "a\nb.toml", "<i>.toml"):
+        (tmp_path / name).write_text("")
+    assert scenes(tmp_path) == ("<i>.toml", "a.toml")
+    for name in scenes(tmp_path):
+        assert read(place(tmp_path, name))[0] == ""
+
+
+@POSIX
 def test_what_is_no_plain_text_is_refused(tmp_path: Path, cam: Path) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff")

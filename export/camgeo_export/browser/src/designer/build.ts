@@ -20,15 +20,22 @@ export class Build {
 
   private build(): void {
     const boxes = [...this.formats.querySelectorAll<HTMLInputElement>("input")];
-    const formats = boxes.filter((box) => box.checked).map((box) => box.value);
+    const ticked = boxes.filter((box) => box.checked).map((box) => box.value);
+    // As the scene lists them: the certificate has files in this order.
+    const formats = [...this.asked().filter((each) => ticked.includes(each)), ...ticked.filter((each) => !this.asked().includes(each))];
     this.session.send({ kind: "build", ...(boxes.length ? { formats } : {}) });
+  }
+
+  // What the scene asks for, in its order.
+  private asked(): string[] {
+    const stated = this.session.curves?.form?.flatMap((section) => section.fields).find((field) => field.key === FORMATS)?.value;
+    return Array.isArray(stated) ? stated.map(String) : [];
   }
 
   // A box for each format; those that the scene asks for are ticked.
   private offer(): void {
     const formats = this.session.state?.formats ?? [];
-    const stated = this.session.curves?.form?.flatMap((section) => section.fields).find((field) => field.key === FORMATS)?.value;
-    const asked = Array.isArray(stated) ? stated : [];
+    const asked = this.asked();
     const text = JSON.stringify([formats, asked]);
     shown(this.formats, formats.length > 0);
     if (this.formats.dataset["shown"] === text) return;

@@ -94,8 +94,7 @@ function start(root: HTMLElement): void {
       part("compare", "compare.title", comparison.element),
     ),
     column(part("motion", "motion.title", motion.element), part("segments", "plan.title", motion.plan.element)),
-    column(part("sizes", "form.title", form.element)),
-    column(part("text", "text.title", text.element)),
+    el("div", { class: "side" }, column(part("sizes", "form.title", form.element)), column(part("text", "text.title", text.element))),
     column(
       part("effects", "effects.title", effects.element),
       part("size", "size.title", new SizeView(session).element),
