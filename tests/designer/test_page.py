@@ -29,6 +29,7 @@ pytestmark = pytest.mark.skipif(bool(absent(*CHROMIUM)), reason=absent(*CHROMIUM
 
 ROOT: Final = Path(__file__).parents[2]
 SETZHUB: Final = ROOT / "fixtures" / "scenes" / "setzhub.toml"
+VORSCHUB: Final = SETZHUB.with_name("vorschub.toml")
 AXE: Final = (
     ROOT / "export" / "camgeo_export" / "browser" / "node_modules" / "axe-core" / "axe.min.js"
 )
@@ -40,6 +41,18 @@ VIOLATIONS: Final = """async () => {
   const found = await axe.run(document);
   return found.violations.map((each) => `${each.id}: ${each.nodes[0].html}`);
 }"""
+
+HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
+  const handles = [...document.querySelectorAll("[data-space=mechanism]")];
+  const hit = handles.map((each) => {
+    const { x, y, width, height } = each.getBoundingClientRect();
+    const places = [[0.5, 0.5], [0.2, 0.2], [0.8, 0.2], [0.2, 0.8], [0.8, 0.8]];
+    return places.map(([a, b]) => [x + a * width, y + b * height])
+      .every(([u, v]) => document.elementFromPoint(u, v) === each);
+  });
+  done([handles.length, handles.filter((_, k) => !hit[k]).map((each) => each.dataset.name)]);
+}, 100))"""
+"""How many handles the mechanism has, and which of them are covered, once they are laid out."""
 
 SLOW: Final = "GL Driver Message (OpenGL, Performance"
 """What the browser's own drawing without a graphics card says of itself."""
@@ -223,3 +236,15 @@ def test_what_draws_solids_is_loaded_when_one_is_shown(page: Page) -> None:
     page.click("#show-solid")
     page.wait_for_selector("#solid canvas[data-view]")
     assert page.locator("script[src='solid.js']").count() == 1
+
+
+def test_handles_do_not_cover_each_other(page: Page) -> None:
+    """Rim and centre of a roller that is small on the screen, and a crank that meets the centre."""
+    page.set_viewport_size({"width": WIDTHS[0], "height": 900})
+    for path, count in ((SETZHUB, 6), (VORSCHUB, 6)):
+        old = settled(page, -1)
+        text = path.read_text("utf-8") + "\n"
+        page.evaluate("(text) => camgeo.session.write(text, 'test')", text)
+        settled(page, old)
+        page.locator("#mechanism .picture").scroll_into_view_if_needed()
+        assert page.evaluate(HIDDEN) == [count, []]

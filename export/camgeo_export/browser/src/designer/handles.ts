@@ -13,6 +13,7 @@ export interface View {
   part(at: Point): Point; // from values to fractions of the picture, from its upper left
   values(client: Point): Point | null; // from a place on the screen
   pixel(): Point; // values per pixel on the screen
+  shift?: Point; // pixels to the right and down, from where it belongs to where there is room for it
 }
 
 const FAR = 3; // pixels that a pointer moves before it drags
@@ -134,8 +135,9 @@ export class Handles {
     const view = this.dragged?.name === handle.name ? this.dragged.view : this.views.get(handle.name);
     if (!view) return;
     const [x, y] = view.part(at);
-    element.style.left = `${(100 * x).toFixed(3)}%`;
-    element.style.top = `${(100 * y).toFixed(3)}%`;
+    const [right, down] = view.shift ?? [0, 0];
+    element.style.left = `calc(${(100 * x).toFixed(3)}% + ${right.toFixed(1)}px)`;
+    element.style.top = `calc(${(100 * y).toFixed(3)}% + ${down.toFixed(1)}px)`;
     element.classList.toggle("outside", x < -0.02 || x > 1.02 || y < -0.02 || y > 1.02);
   }
 
@@ -203,14 +205,7 @@ export class Handles {
     this.keyed = own;
     const steps = event.shiftKey ? 10 : 1;
     const [wide, high] = view.pixel().map((each) => steps * round(Math.abs(each))) as Point;
-    const centre = handle.centre;
-    if (handle.moves === "radial" && centre) {
-      const away: Point = [own.at[0] - centre[0], own.at[1] - centre[1]];
-      const by = 1 + ((way[0] + way[1]) * Math.min(wide, high)) / (Math.hypot(...away) || 1);
-      own.at = [centre[0] + by * away[0], centre[1] + by * away[1]];
-    } else {
-      own.at = [stepped(own.at[0], handle.moves === "y" ? 0 : way[0] * wide), stepped(own.at[1], handle.moves === "x" ? 0 : way[1] * high)];
-    }
+    own.at = [stepped(own.at[0], handle.moves === "y" ? 0 : way[0] * wide), stepped(own.at[1], handle.moves === "x" ? 0 : way[1] * high)];
     this.ask(handle, own.at, view, own.gesture, event.timeStamp);
   }
 }

@@ -4,10 +4,11 @@ import type { Animation, Mark } from "../data";
 import { liftAt, Mechanism } from "../mechanism";
 import { Player } from "../player";
 import { element, fixed } from "../svg";
+import { apart } from "./apart";
 import { GREY } from "./compare";
 import { attribute, el, say, shown } from "./dom";
 import { Handles, type View } from "./handles";
-import type { Handle, Place } from "./model";
+import type { Handle, Place, Point } from "./model";
 import type { Session } from "./session";
 import { PLAYER, t } from "./strings";
 
@@ -15,6 +16,7 @@ const SPACE = "mechanism";
 const SPEEDS = [30, 15, 8, 4, 2]; // seconds of a turn
 const SPEED = 8;
 const MOST = 40; // places that are drawn, and said in words
+const TARGET = 24; // pixels across a handle, as in the style sheet
 const SIGN = "M0-7L7 5H-7Z"; // around a place
 
 // The disc of a pinned variant, in grey over the present one.
@@ -37,6 +39,8 @@ export class MechanismView {
   private readonly old = el("p", { class: "stale", hidden: true }, t("mechanism.old"));
   private readonly places = element("g");
   private readonly listed = el("ul", { class: "list places" });
+  private shifts = new Map<string, Point>(); // of handles that are drawn beside where they belong
+  private width = 0; // pixels of the picture
   private readonly details = el("details", { hidden: true }, el("summary", {}, t("mechanism.places")), this.listed);
 
   constructor(private readonly session: Session) {
@@ -68,7 +72,10 @@ export class MechanismView {
     session.on(["curves", "faults"], () => this.update());
     session.on(["findings", "curves"], () => this.mark());
     session.angle.listen((degrees) => this.turn(degrees));
-    new ResizeObserver(() => this.place()).observe(this.picture);
+    new ResizeObserver(([entry]) => {
+      this.width = entry?.contentRect.width ?? 0;
+      this.place();
+    }).observe(this.picture);
   }
 
   private update(): void {
@@ -93,21 +100,30 @@ export class MechanismView {
 
   private place(): void {
     const handles = (this.session.curves?.handles ?? []).filter((each) => each.space === SPACE);
+    const { width } = this.mechanism.svg.viewBox.baseVal;
+    const pixels = width ? this.width / width : 0;
+    // Centres and joints stay where they are, and a rim's handle goes on outward.
+    const ordered = [...handles].sort((one, other) => Number(one.moves === "radial") - Number(other.moves === "radial"));
+    const places = ordered.map(({ at }) => this.mechanism.toPicture(at).map((each) => each * pixels) as Point);
+    const free = pixels ? apart(places, TARGET) : places;
+    this.shifts = new Map(ordered.map(({ name }, k) => [name, [free[k]![0] - places[k]![0], free[k]![1] - places[k]![1]]]));
     this.handles.update(handles, (handle) => this.view(handle));
   }
 
-  private view(_: Handle): View | null {
+  private view({ name }: Handle): View | null {
     const { svg } = this.mechanism;
     const { width, height } = svg.viewBox.baseVal;
     if (!width || !height) return null;
+    const shift = this.shifts.get(name) ?? ([0, 0] as Point);
     return {
+      shift,
       part: (at) => {
         const [x, y] = this.mechanism.toPicture(at);
         return [x / width, y / height];
       },
       values: ([x, y]) => this.mechanism.at(x, y),
       pixel: () => {
-        const pixel = width / (this.mechanism.scale * svg.getBoundingClientRect().width || 1);
+        const pixel = width / (this.mechanism.scale * this.width || 1);
         return [pixel, pixel];
       },
     };

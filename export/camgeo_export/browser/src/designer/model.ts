@@ -69,8 +69,7 @@ export interface Handle {
   space: "plan" | "mechanism";
   panel?: number | null;
   at: Point;
-  moves: "x" | "y" | "xy" | "radial" | "turn" | "along";
-  centre?: Point | null;
+  moves: "x" | "y" | "xy" | "radial";
   label: string;
   values: HandleValue[];
 }
