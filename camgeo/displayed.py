@@ -1,7 +1,7 @@
 """What objects show of themselves: at a prompt one line, in a notebook what a renderer makes.
 
-The engine draws nothing. A notebook asks an object for its picture or its HTML by the methods that
-IPython has settled on; these look for the renderer among entry points, only then.
+The engine draws nothing. A notebook asks an object for its picture or HTML through the methods that
+IPython has defined; only then is the renderer looked up among the entry points.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any, Final
 from camgeo.wording import counted
 
 GROUP: Final = "camgeo.notebook"
-"""Entry points of what a notebook needs: `display`, a callable that makes of an object its
-renderings by media type; `plot` and `viewer`, see `plot` and `view` of `camgeo.design.Design`."""
+"""Entry points of what a notebook needs: `display`, a callable that returns the renderings of an
+object by media type; `plot` and `viewer`, see `plot` and `view` of `camgeo.design.Design`."""
 
 LONGEST: Final = 300
 """Characters of a line that describes an object: three lines of a terminal."""
@@ -25,7 +25,7 @@ WORDS: Final = 60
 
 
 def notebook(name: str) -> Callable[..., Any]:
-    """What the installed distributions have for notebooks under that name."""
+    """The entry point for notebooks of that name."""
     from importlib.metadata import entry_points  # slow, and few objects are displayed
 
     (entry,) = entry_points(group=GROUP, name=name)
@@ -34,7 +34,7 @@ def notebook(name: str) -> Callable[..., Any]:
 
 
 def clipped(line: str) -> str:
-    """A line that describes an object, no longer than that."""
+    """A line that describes an object, cut to `LONGEST` characters."""
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 2]}…)"
 
 
@@ -60,7 +60,7 @@ def brief(value: object) -> str:
 
 
 class Brief:
-    """Base of a dataclass that describes itself in a line, however much it holds.
+    """Base of a dataclass that describes itself in one line, however much it holds.
 
     A class that has a description of its own keeps it.
     """
@@ -73,15 +73,15 @@ class Brief:
         cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # an inherited one is pinned
 
     def __repr__(self) -> str:
-        told = (each.name for each in fields(self) if each.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
-        values = ", ".join(f"{name}={brief(getattr(self, name))}" for name in told)
+        names = (each.name for each in fields(self) if each.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        values = ", ".join(f"{name}={brief(getattr(self, name))}" for name in names)
         return clipped(f"{type(self).__name__}({values})")
 
 
 class Displayed(Brief):
     """Base of what a notebook shows in more than words.
 
-    What cannot be shown for an error of camgeo is shown with that error; nothing is raised.
+    If an error of camgeo prevents that, the error is shown; nothing is raised.
     """
 
     __slots__ = ()
@@ -89,7 +89,7 @@ class Displayed(Brief):
     def _repr_mimebundle_(
         self, include: object = None, exclude: object = None
     ) -> Mapping[str, str | bytes]:
-        """All renderings at once, by media type, so that a picture is drawn once for all."""
+        """All renderings at once, by media type, so that a picture is drawn only once."""
         found: Mapping[str, str | bytes] = notebook("display")(self)
         return found
 

@@ -1,4 +1,4 @@
-"""`camgeo design`: a scene designed live in the browser, by a server on this machine."""
+"""`camgeo design`: design a scene live in the browser, with a server on this machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EXTRA: Final = "pip install 'camgeo[design]'"
 HOST: Final = "127.0.0.1"
 
 SUMMARY: Final = (
-    "design a cam live in the browser: drag, see curve, mechanism, diagrams and findings follow,"
+    "design a cam live in the browser: drag, watch curve, mechanism, diagrams and findings follow,"
     " save, build"
 )
 
@@ -32,15 +32,15 @@ def options(parser: argparse.ArgumentParser) -> None:
         "scene",
         metavar="SCENE",
         nargs="?",
-        help="scene file (TOML); default: the page offers those of the folder, and new ones",
+        help="scene file (TOML); default: the page offers those in the folder, and new ones",
     )
     parser.add_argument(
-        "--port", type=_port, default=0, help="port to listen at; default: one that is free"
+        "--port", type=_port, default=0, help="port to listen on; default: one that is free"
     )
     parser.add_argument(
         "--host",
         default=HOST,
-        help=f"address to listen at; default {HOST}, which only this machine reaches",
+        help=f"address to listen on; default {HOST}, which only this machine can reach",
     )
     parser.add_argument(
         "--no-browser", action="store_true", help="print the address, and open no browser"
@@ -74,11 +74,11 @@ def run(arguments: argparse.Namespace) -> int:
     def tell(address: str, alone: bool) -> None:
         for sentence in notes:
             notify(sentence)
-        say(f"{arguments.scene or desk.folder}: designed at\n  {address}\nCtrl-C ends it.")
+        say(f"{arguments.scene or desk.folder}: the designer is at\n  {address}\nCtrl-C ends it.")
         if not alone:
             notify(
-                f"Other machines reach this server at {arguments.host}: whoever learns the address"
-                f" can change the scenes in {desk.folder}, and nothing is encrypted on the way."
+                f"Other machines can reach this server at {arguments.host}: anyone who learns the"
+                f" address can change the scenes in {desk.folder}, and nothing is encrypted."
             )
 
     browser = not arguments.no_browser

@@ -8,14 +8,14 @@ from camgeo.designing.job import Job, JobError
 
 
 class Arguments:
-    """Those of a job; each raises JobError if it is not what it must be."""
+    """The arguments of a job; each method raises JobError unless the argument is as it must be."""
 
     def __init__(self, job: Job) -> None:
         self._given = job.arguments
         self._kind = job.kind
 
     def flag(self, name: str, *, otherwise: bool) -> bool:
-        """True or false."""
+        """True or false; `otherwise` if it is not given."""
         value = self._given.get(name, otherwise)
         if not isinstance(value, bool):
             raise self._wrong(name, "true or false")

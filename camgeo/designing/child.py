@@ -1,7 +1,7 @@
-"""A process that computes for the designer: it is warm before its first job, and ends by itself.
+"""A process that computes for the designer: warm before its first job, and ending by itself.
 
-It ends when the pipe of its jobs is closed, even while it computes: so it never survives the
-process that started it, however that ended.
+It ends when the pipe that brings its jobs is closed, even while it computes, so it never survives
+the process that started it, however that one ends.
 """
 
 from __future__ import annotations
@@ -26,38 +26,38 @@ Run = Callable[[Job], dict[str, Any]]
 
 
 def serve(memory: int, prepared: Callable[[], Run]) -> None:
-    """Do the jobs that come on the standard input until it ends; results go to the standard output.
+    """Do the jobs that arrive on standard input until it ends; results go to standard output.
 
     Parameters
     ----------
-    memory : that jobs may take [bytes]; held where the operating system can limit it.
-    prepared : makes what does them, and takes the time for that.
+    memory : that jobs may take [bytes], where the operating system can limit it.
+    prepared : returns what does the jobs, after warming it up.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it closes its input
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started it closes its input
     results = _own_output()
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, jobs), daemon=True).start()
     run = prepared()
     gc.collect()
-    gc.freeze()  # what is there now stays: no job looks through it
+    gc.freeze()  # what exists now stays: no collection examines it again
     _limit_memory(memory)
     frames.send(results, b"W")
     while True:
         mark, data = _done(jobs.get(), run, memory)
         frames.send(results, mark, data)
         if mark == b"M":
-            os._exit(1)  # what is left of its memory is in pieces
+            os._exit(1)  # its memory is in an unknown state
 
 
 def _own_output() -> BinaryIO:
-    """The standard output, for results alone: what anything prints goes to the standard error."""
+    """Standard output, reserved for results: whatever is printed goes to standard error."""
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     return results
 
 
 def _read(stream: BinaryIO, jobs: queue.SimpleQueue[bytes]) -> None:
-    """Take jobs as they come; end the process when there will be no more."""
+    """Take jobs as they arrive; end the process when no more can come."""
     try:
         while True:
             jobs.put(frames.receive(stream, LARGEST)[1])
@@ -66,7 +66,7 @@ def _read(stream: BinaryIO, jobs: queue.SimpleQueue[bytes]) -> None:
 
 
 def _limit_memory(memory: int) -> None:
-    """Limit the address space to what is in use and `memory` [bytes] more, where that is known."""
+    """Limit the address space to what is in use plus `memory` [bytes], where that is known."""
     try:
         import resource  # not on Windows
 

@@ -1,8 +1,8 @@
 """Processes that compute for the designer: warm before they are needed, killed when too slow.
 
-Jobs of one lane are done one after the other by one process, those of different lanes at the same
-time. A process that takes too long or too much memory, or ends by itself, fails its job alone: the
-next one gets a spare that has been warm since before.
+One process does the jobs of a lane one after the other; different lanes work at the same time. A
+process that takes too long or too much memory, or ends by itself, fails only its own job: the next
+one is done by a spare process that is already warm.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from camgeo.designing.job import Job
 from camgeo.errors import CamgeoError
 
 MEMORY: Final = 1_500_000_000
-"""Bytes that a job may take beyond what a warm process has."""
+"""Bytes that a job may take beyond those of a warm process."""
 
 START: Final = 60.0
-"""Seconds in which a process must be warm, on the slowest machine."""
+"""Seconds within which a process must be warm, on the slowest machine."""
 
 GRACE: Final = 2.0
-"""Seconds in which an idle process ends when its pipe is closed."""
+"""Seconds within which an idle process ends when its pipe is closed."""
 
 LANES: Final[Mapping[str, str]] = {
     "findings": "findings",
@@ -38,22 +38,22 @@ LANES: Final[Mapping[str, str]] = {
     "build": "long",
     "size": "long",
 }
-"""By which process a kind of job is done; those that are not named here are quick."""
+"""Which process does a kind of job; kinds that are not named here are quick."""
 
 QUICK: Final = "quick"
 
 ALONE: Final = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-"""Unless the user says otherwise: no job is quicker for threads, each of which takes memory."""
+"""Unless the user says otherwise: threads make no job faster, and each takes memory."""
 
 CODE: Final = (
     "import importlib, sys; sys.path[:] = sys.argv[3:];"
     " from camgeo.designing.child import serve;"
     " serve(int(sys.argv[1]), importlib.import_module(sys.argv[2]).prepared)"
 )
-"""What a process runs, with the search path of the one that starts it, and no other."""
+"""What a process runs, with exactly the search path of the process that starts it."""
 
 WORK: Final = "camgeo.designing.work"
-"""The module whose `prepared` makes what does jobs."""
+"""The module whose `prepared` returns what does jobs."""
 
 
 class Refused(CamgeoError, RuntimeError):
@@ -62,11 +62,11 @@ class Refused(CamgeoError, RuntimeError):
 
 @dataclass(frozen=True)
 class Result:
-    """What a job came to.
+    """The result of a job.
 
     Attributes
     ----------
-    text : a JSON object, as the process wrote it, to be passed on without reading it.
+    text : a JSON object as the process wrote it, which can be passed on unread.
     """
 
     text: bytes
@@ -97,7 +97,7 @@ class Child:
 
     @property
     def lives(self) -> bool:
-        """Whether it can take another job."""
+        """Whether it can do another job."""
         return not self._killed and self.process.poll() is None
 
     def ask(self, data: bytes, seconds: float) -> bytes:
@@ -106,7 +106,7 @@ class Child:
         Raises
         ------
         Refused
-            If there is no result; then it may not live any more.
+            If there is no result; the process may have ended then.
         """
         if not self._warm:
             self._within(START, b"")
@@ -114,12 +114,12 @@ class Child:
         return self._within(seconds, data)
 
     def kill(self, why: str) -> None:
-        """End it at once, whatever it does; the job that it does is refused as `why` says."""
+        """End it at once, whatever it is doing; its job is refused with the reason `why`."""
         self._killed = self._killed or why
         self.process.kill()
 
     def close(self) -> None:
-        """End it and leave nothing of it behind: no process, no descriptor."""
+        """End it and leave nothing behind: no process, no descriptor."""
         with suppress(OSError):
             self._jobs.close()
         try:
@@ -180,12 +180,12 @@ class Children:
 
         Parameters
         ----------
-        seconds : that it may take, once it is begun.
+        seconds : that it may take once it has begun.
 
         Raises
         ------
         JobError
-            If its arguments are no JSON data, or if it is too large.
+            If its arguments are not JSON data, or if it is too large.
         Refused
             With a sentence that begins with the kind of the job.
         """
@@ -202,7 +202,7 @@ class Children:
                     self._replace(lane, child)
 
     def cancel(self, kind: str) -> None:
-        """End the job that is done in the lane of that kind, if there is one: it is refused."""
+        """End the job that is being done in the lane of that kind, if any; it is refused."""
         turn = self._turns[LANES.get(kind, QUICK)]
         with self._lock:
             child = self._busy.get(LANES.get(kind, QUICK))
@@ -223,7 +223,7 @@ class Children:
             child.close()
 
     def _child(self, lane: str) -> Child:
-        """The process of a lane: the one that it has, or the spare, after which there is a new one.
+        """The process of a lane: its own, or else the spare, which is then replaced by a new one.
 
         Refused if all have been closed.
         """
@@ -243,7 +243,7 @@ class Children:
             return self._busy[lane]
 
     def _replace(self, lane: str, child: Child) -> None:
-        """Put away a process that does not live."""
+        """Remove a process that has ended."""
         with self._lock:
             if self._busy.get(lane) is child:
                 del self._busy[lane]

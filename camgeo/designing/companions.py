@@ -1,4 +1,4 @@
-"""What goes with a choice: keys that it needs get values to start from, what contradicts it goes.
+"""What goes with a choice: keys that it needs get initial values, keys that contradict it go.
 
 Only choices have companions: another law, another flank to run on, another shape of a linkage.
 Numbers are set as they are.
@@ -23,7 +23,7 @@ from camgeo.units import MM_PER, TURN
 CONTACT: Final = ("follower", "contact")
 
 DIRECTION: Final = ("follower", "direction")
-"""Which a linkage decides."""
+"""A key that a linkage determines."""
 
 OF_CONTACT: Final = (
     ("part", "rim"), ("part", "groove_depth"), ("part", "bore"), ("part", "hub"),
@@ -31,7 +31,7 @@ OF_CONTACT: Final = (
     ("follower", "side_clearance"), ("follower", "return"), ("follower", "yoke"),
     ("limits", "closing_error"),
 )  # fmt: skip
-"""Keys that do not go with every contact."""
+"""Keys that not every contact can have."""
 
 SAMPLES: Final = 360
 """Points of the pitch curve from which a blank is estimated."""
@@ -41,7 +41,7 @@ BESIDE: Final = 1.6
 
 
 def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree:
-    """The tree `after` these edits, with what goes with the choices among them."""
+    """The tree `after` these edits, with the companions of the choices among them."""
     paths = {path_of(key) or (): value for key, value in edits.items()}
     for path, value in paths.items():
         if not isinstance(value, str | bool):
@@ -56,8 +56,8 @@ def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree
 
 
 def _with_law(given: Given, after: Tree, path: Path) -> Tree:
-    """Without the parameters that the law at `path` does not take; with a point to start from for a
-    motion through points.
+    """Without the parameters that the law at `path` does not take; a motion through points gets its
+    first point.
     """
     after = with_a_point(after, int(path[1]))
     own = value_at(after, path[:2])
@@ -70,9 +70,8 @@ KEPT: Final = ("law", "span", "to")
 
 
 def _with_contact(given: Given, after: Tree) -> Tree:
-    """With a blank about a groove or a ring, and a groove half as deep as the part is thick.
-
-    Without what has no place in a cam of that contact.
+    """With a blank around a groove or a ring, and a groove half as deep as the part is thick, and
+    without the keys that a cam of that contact cannot have.
     """
     first: Tree | None = None
     for tree in _blanks(given, after):
@@ -99,7 +98,7 @@ def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
 
 
 def _diameter(given: Given) -> Any:
-    """Diameter of a blank with room for the roller all around."""
+    """Diameter of a blank with room all around for the roller."""
     try:
         cam = given.design.cam
         phi = np.linspace(0.0, TURN, SAMPLES, endpoint=False)

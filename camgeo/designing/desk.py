@@ -14,8 +14,8 @@ from camgeo.designing.opened import Disk, Opened, OverwriteError
 from camgeo.errors import FileError
 
 RESTORED: Final = (
-    "unsaved edits of {name} have been restored; undo takes them back step by step, reload takes"
-    " the file as it is on disk"
+    "unsaved edits of {name} have been restored; undo takes them back step by step, reload goes"
+    " back to the file on disk"
 )
 
 
@@ -60,28 +60,28 @@ class Desk:
 
     @property
     def saved(self) -> bool:
-        """Whether the text is that which was read or saved last."""
+        """Whether the text is the one that was read or saved last."""
         if self.opened is None:
             return not self.text
         return files.digest(self.text.encode()) == self.opened.digest
 
     @property
     def disk(self) -> Disk:
-        """How the file on disk is to what was read or saved last."""
+        """How the file on disk compares with what was read or saved last."""
         return "same" if self.opened is None else files.disk(self.opened)
 
     def told(self) -> list[str]:
-        """What the user has to be told since this was asked last, sentence by sentence."""
+        """Sentences for the user since the last call."""
         told, self._told = self._told, []
         return told
 
     def open(self, name: str) -> None:
-        """Take up the scene file `name`, with unsaved edits of it; those of the present one stay.
+        """Switch to the scene file `name`, with its unsaved edits; those of the last one are kept.
 
         Raises
         ------
         FileError
-            If it cannot be read or may not, or if another process edits it.
+            If it cannot or must not be read, or if another process is editing it.
         """
         path = files.place(self.folder, name)
         if self.opened is not None and self.opened.path == path:
@@ -99,7 +99,7 @@ class Desk:
         self.history, self.opened = self._restored(text, found, journal.kept)
 
     def begin(self) -> None:
-        """Take up the scene of this folder that is in no file yet, with unsaved edits of it."""
+        """Switch to the scene of this folder that is in no file yet, with its unsaved edits."""
         if self._journal is not None and self.opened is None:
             return
         journal = Journal.opened(f"{self.folder}{os.sep}", self._states)
@@ -115,12 +115,12 @@ class Desk:
             self._note(self.history.changed(text, label, gesture), event)
 
     def undo(self) -> None:
-        """Take the latest step back, if there is one."""
+        """Undo the latest step, if there is one."""
         if self.history.past:
             self._note(self.history.undone(), {"do": "undo"})
 
     def redo(self) -> None:
-        """Make the step again that was taken back last, if there is one."""
+        """Redo the step that was undone last, if there is one."""
         if self.history.future:
             self._note(self.history.redone(), {"do": "redo"})
 
@@ -133,12 +133,12 @@ class Desk:
         self._note(self.history, self._saved_event(self.opened))
 
     def save(self, name: str | None = None, *, force: bool = False) -> None:
-        """Save the scene, under another name if one is given, with which it goes on.
+        """Save the scene; if a `name` is given, under that name, which it then keeps.
 
         Raises
         ------
         OverwriteError
-            If what is there was not read, and `force` is not set.
+            If that would overwrite something that was not read, and `force` is not set.
         FileError, OutputError
             If it cannot be saved there.
         """
@@ -180,7 +180,7 @@ class Desk:
     def _restored(
         self, text: str, found: Opened | None, kept: Kept | None
     ) -> tuple[History, Opened | None]:
-        """The history to go on with, and the file as it was known when that was written."""
+        """The history to continue, and the file as it was when that history was written."""
         if self._journal is not None and self._journal.fault:
             self._told.append(self._journal.fault)
         if kept is None:
@@ -202,7 +202,7 @@ class Desk:
         return {"do": "saved", "saved": "" if opened is None else opened.digest}
 
     def _note(self, history: History, event: Mapping[str, Any]) -> None:
-        """Go on with a history, of which `event` is the latest part."""
+        """Continue with a history whose latest part is `event`."""
         self.history = history
         if self._journal is not None:
             fault = self._journal.fault

@@ -8,7 +8,7 @@ from camgeo.errors import CamgeoError, Fault, SceneError
 
 
 def told(error: CamgeoError) -> list[dict[str, Any]]:
-    """The faults of an error: those of a scene, or one that is the error itself."""
+    """The faults of a scene; any other error as a single fault."""
     found = error.faults if isinstance(error, SceneError) else (Fault("", "", str(error)),)
     return [
         {
@@ -23,6 +23,6 @@ def told(error: CamgeoError) -> list[dict[str, Any]]:
 
 
 def sentence(error: CamgeoError) -> str:
-    """The error in a line, without the file that it is in."""
+    """The error in one line, without the name of the file."""
     found = error.faults if isinstance(error, SceneError) else (error,)
     return " ".join("; ".join(map(str, found)).split())

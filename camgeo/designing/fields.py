@@ -1,6 +1,6 @@
 """Fields of a form: keys of a scene with what the schema says of them, and their values.
 
-All that is said of a key comes from the schema of the scene format; a form adds only ranges for its
+Everything said about a key comes from the schema of the scene format; a form adds only ranges for
 sliders.
 """
 
@@ -33,25 +33,25 @@ POSITIONS: Final = {
 """Keys of a segment in the unit of its positions, with what follows that unit."""
 
 UNITS: Final = {"degrees": "°", "kg/m^3": "kg/m³", "kg m^2": "kg m²"}
-"""Units that are shown otherwise than the schema names them."""
+"""Units that are written differently from the schema."""
 
 FEEDS: Final = ("feed", "plunge_feed")
-"""Keys of lengths that are travelled in a minute."""
+"""Keys of lengths per minute."""
 
 WIDE: Final = 1000.0
-"""Range above which a number's limits are no use to a slider."""
+"""Range above which the limits of a number are of no use to a slider."""
 
 FINE: Final = 500.0
-"""Steps of a slider, at least."""
+"""Least number of steps of a slider."""
 
 ROOM: Final = 1.25
-"""A slider reaches beyond its value by this factor, at least."""
+"""Least factor by which a slider reaches beyond its value."""
 
 FEW: Final = 10.0
-"""How far the slider of a whole number, or of one that is 0, reaches at least."""
+"""Least reach of the slider of a whole number, or of a number that is 0."""
 
 LEAST: Final = 1e-6
-"""How far any slider reaches at least."""
+"""Least reach of any slider."""
 
 LONGEST: Final = 400
 """Characters of a text, or items of a list, that a field shows."""
@@ -67,10 +67,10 @@ class Field:
     title, description : what it is called, and what it means.
     type : of what is entered.
     unit : of a number, or of the numbers of a list; empty if it has none.
-    value : as it is stated; the default if it is not, None if there is none.
+    value : as stated, or else the default; None if there is neither.
     stated : whether the scene states it.
-    default : what holds without it, if that is always the same.
-    choices : values to choose from, or to enter besides numbers.
+    default : the value that holds if none is stated, if that is always the same.
+    choices : values to choose from, or that can be entered instead of a number.
     low, high : limits of a number.
     slider : least and greatest value of a sensible range, and its step.
     """
@@ -89,7 +89,7 @@ class Field:
     slider: tuple[float, float, float] | None
 
     def to_data(self) -> dict[str, Any]:
-        """For JSON; what there is not is left out, except the value."""
+        """For JSON; what is empty is left out, except the value."""
         rest = {
             "description": self.description, "unit": self.unit, "default": self.default,
             "choices": list(self.choices), "low": self.low, "high": self.high,
@@ -139,7 +139,7 @@ class Fields:
         return self.unit_of(path, self.node(path))
 
     def unit_of(self, path: Path, node: Node) -> str:
-        """The same, with the key's `node`."""
+        """The unit of the number at a key with that `node`."""
         if path[:1] == ("motion",) and path[-1] in POSITIONS:
             return f"{self.position}{POSITIONS[str(path[-1])]}"
         found = resolved(node)
@@ -192,7 +192,7 @@ class Fields:
 
 
 def is_angular(tree: Tree) -> bool:
-    """Whether the positions of a scene are angles; False where wrong values leave that open."""
+    """Whether the positions of a scene are angles; False if wrong values leave that open."""
     return _angular(ValidValues(document_of_tree(tree)))
 
 
@@ -213,7 +213,7 @@ def is_length(node: Node | bool) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """A value for JSON, cut if it is long: what cannot be shown is None."""
+    """A value for JSON, cut if it is long; None if it cannot be shown."""
     if isinstance(value, Decimal):
         found = float(value)
         return found if math.isfinite(found) else None

@@ -18,13 +18,13 @@ MOST: Final = 50
 """Tables of one list, e.g. tools, that a form shows."""
 
 APART: Final = ("camgeo", "motion")
-"""Keys that are no part of the form: the first has only one value, and the motion is a plan."""
+"""Keys that are not in the form: the first has only one value, and the motion is a plan."""
 
 KINDS: Final[Mapping[str, Mapping[str, FollowerKind | LinkageKind]]] = {
     "follower": FOLLOWERS,
     "linkage": LINKAGES,
 }
-"""Tables whose kind can be changed, with what they may be."""
+"""Tables whose kind can be changed, with their kinds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Section:
     ----------
     key, title, description : as of a `Field`; the key is empty for the scene itself.
     stated : whether the scene has it.
-    kind : which kind it is, if there are several; None otherwise.
+    kind : its kind, if there are several; None otherwise.
     kinds : the kinds that there are, each with a sentence; None if the kind cannot be changed.
     fields : its keys.
     """
@@ -67,7 +67,7 @@ class Section:
 
 
 def form(document: Document) -> tuple[Section, ...]:
-    """The tables of a scene, those that it has and those that it could have."""
+    """The tables of a scene: those that it has and those that it could have."""
     fields = Fields(document)
     root = fields.composed.root
     own = [

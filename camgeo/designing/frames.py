@@ -6,11 +6,11 @@ import struct
 from typing import IO, Final, Literal
 
 HEAD: Final = struct.Struct(">cQ")
-"""Of a frame: its mark, and how many bytes follow."""
+"""Head of a frame: its mark, and how many bytes follow."""
 
 Mark = Literal[b"J", b"W", b"R", b"M"]
 """J: a job, or the JSON of its result. W: the process is warm. R: a sentence that says why there is
-no result. M: the same where memory ran out, after which the process ends."""
+no result. M: the same because memory ran out, after which the process ends."""
 
 LARGEST_RESULT: Final = 200_000_000
 """Bytes of a result as JSON: the files of a large part in all formats."""
@@ -19,7 +19,7 @@ MARKS: Final[dict[bytes, Mark]] = {b"J": b"J", b"W": b"W", b"R": b"R", b"M": b"M
 
 
 class BrokenFrame(Exception):
-    """The other end is gone, or what it sent is no frame of a size that is allowed."""
+    """The other end is gone, or what it sent is not a frame of an allowed size."""
 
 
 def send(stream: IO[bytes], mark: Mark, data: bytes = b"") -> None:
@@ -29,7 +29,7 @@ def send(stream: IO[bytes], mark: Mark, data: bytes = b"") -> None:
 
 
 def receive(stream: IO[bytes], most: int) -> tuple[Mark, bytes]:
-    """The next frame, of at most `most` bytes.
+    """The next frame, with at most `most` bytes of data.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def receive(stream: IO[bytes], most: int) -> tuple[Mark, bytes]:
         if mark not in MARKS or size > most:
             raise BrokenFrame
         return MARKS[mark], _exactly(stream, size)
-    except (OSError, ValueError) as error:  # a stream that was closed meanwhile
+    except (OSError, ValueError) as error:  # a stream closed in the meantime
         raise BrokenFrame from error
 
 

@@ -1,4 +1,4 @@
-"""What a change starts from, and scenes that are made on the way."""
+"""What a change starts from, and the scenes that are tried in making it."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.tree import Tree, without
 
 ROUNDS: Final = 6
-"""How often keys are left out, as others turn out not to belong without them."""
+"""How often keys are taken out: without some, others turn out not to belong."""
 
 
 @dataclass(frozen=True)
 class Given:
-    """A text that is to be changed.
+    """A text to be changed.
 
     Attributes
     ----------
     text : TOML.
     tree : its values.
     file, folder : where it comes from.
-    known : its design, if that is known.
+    known : its design, if there is one already.
     """
 
     text: str
@@ -70,9 +70,9 @@ class Given:
         return tuple(fault for fault in self.faults(tree) if fault.key not in self.wrong)
 
     def without_misfits(self, tree: Tree, may: Callable[[Path], bool]) -> Tree:
-        """The tree without the keys newly at fault that may be left out.
+        """The tree without those of the `new_faults` that may be taken out.
 
-        Some only turn out to be at fault without others.
+        Some only turn out to be at fault when others are gone.
         """
         for _ in range(ROUNDS):
             paths = {path_of(fault.key) or () for fault in self.new_faults(tree)}

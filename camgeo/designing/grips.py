@@ -1,8 +1,8 @@
-"""Grips of a mechanism: points that can be taken hold of and put elsewhere, and what that changes.
+"""Grips of a mechanism: points that can be gripped and moved, and what that changes.
 
-Every kind of follower and linkage names its own, at cam angle 0 in the fixed frame. A grip is the
-place that certain keys of the scene lead to, and knows the way back: the values of these keys with
-which it would lie elsewhere.
+Every kind of follower and linkage has its own, at cam angle 0 in the fixed frame. Certain keys of
+the scene determine where a grip is. It knows the inverse: the values of these keys with which it
+would be elsewhere.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
 
 Moves = Literal["x", "y", "xy", "radial"]
-"""How a handle moves: along an axis, freely, or on a line or circle of its own, where it goes to
-the place nearest to where it is dropped."""
+"""How a handle moves: along an axis, freely, or on a line or circle of its own, to the point there
+that is nearest to the drop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +58,16 @@ Sizes = Mapping[str, Size]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grip:
-    """A point of the mechanism that can be put elsewhere.
+    """A point of the mechanism that can be moved.
 
     Attributes
     ----------
     name : its own among all of the mechanism.
     kind : what it is, e.g. "pivot" or "roller".
-    at : where it lies [mm].
+    at : where it is [mm].
     moves : how it can be moved.
-    sizes : the values with which it lies at a place [mm], or as near to it as it can move.
-        GeometryError for a place at which it cannot lie.
+    sizes : the values with which it is at a place [mm], or as near to that as it can move.
+        GeometryError for a place where it cannot be.
     """
 
     name: str
@@ -208,7 +208,7 @@ def _pivot(pivot: complex) -> Grip:
 
 
 def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
-    """The base circle, held on the side that looks away from the follower."""
+    """The base circle, gripped on the side away from the follower."""
     at = follower.base_radius * way / abs(way)
     return Grip(
         "base circle", "base-circle", at, "radial",
@@ -217,7 +217,7 @@ def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
 
 
 def _base_radius(follower: Follower, radius: float, yoke: Yoke | None) -> Sizes:
-    """The base radius, and the breadth of a yoke, both of whose sides move as far."""
+    """The base radius, and the breadth of a yoke, whose two sides both move by the same amount."""
     sizes = {"follower.base_radius": Size(radius)}
     if yoke is not None and yoke.breadth is not None:
         breadth = yoke.breadth + 2.0 * (radius - follower.base_radius)
@@ -226,9 +226,9 @@ def _base_radius(follower: Follower, radius: float, yoke: Yoke | None) -> Sizes:
 
 
 def _roller(name: str, table: str, centre: complex, follower: Follower) -> Iterator[Grip]:
-    """The rim of a roller, on the side that looks away from the cam; none of a knife edge.
+    """The rim of a roller, on the side away from the cam; none for a knife edge.
 
-    Beside its centre, so that the targets of both are as far apart as they can be.
+    It is at the height of the centre, so that the two targets are as far apart as possible.
     """
     if follower.roller_radius:
         rim = centre + math.copysign(follower.roller_radius, centre.real)

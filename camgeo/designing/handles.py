@@ -1,7 +1,6 @@
-"""Handles: what a page shows to be dragged, and what a drag changes in the scene.
+"""Handles: what can be dragged on a page, and what a drag changes in the scene.
 
-A handle knows the way back: from the place where it is dropped to the values with which it lies
-there.
+A handle knows the inverse: the values with which it is at the place where it is dropped.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ class Value:
     ----------
     key : of the scene.
     label, unit : what it is called, and its unit.
-    value : as the scene states it; what it is if the scene does not.
+    value : as the scene states it, or what it is if the scene does not state it.
     """
 
     key: str
@@ -69,8 +68,8 @@ class Handle:
     moves : how it can be moved.
     label : what people call it.
     values : what it changes.
-    edits : the values of the scene with which it lies at a place, or as near as it can, rounded to
-        steps in both directions. GeometryError for a place where it cannot be.
+    edits : the values of the scene with which it is at a place, or as near as it can be, rounded
+        to steps in both directions. GeometryError for a place where it cannot be.
     """
 
     name: str
@@ -85,11 +84,11 @@ class Handle:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Of the scene, which it changes: those of lists as a whole."""
+        """Keys of the scene that it changes; for an item of a list, the key of the list."""
         return tuple(dict.fromkeys(LAST_POSITION.sub("", each.key) for each in self.values))
 
     def to_data(self) -> dict[str, Any]:
-        """For JSON, without the way back."""
+        """For JSON, without `edits`."""
         return {
             "name": self.name,
             "kind": self.kind,
@@ -116,15 +115,15 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
     Parameters
     ----------
     to : two coordinates, as those of `Handle.at`.
-    step : to which values are rounded, in the units of `to`; one number, or one for each direction;
-        None for the finest.
+    step : to whose multiples values are rounded, in the units of `to`: a number, or one for each
+        direction; None for the finest.
 
     Raises
     ------
     UnknownNameError
         If the design has no such handle.
     SceneError
-        If `to` or `step` are none, or the handle cannot be there.
+        If `to` or `step` is not of that form, or the handle cannot be there.
     """
     found = {each.name: each for each in handles(design)}
     if name not in found:
@@ -213,7 +212,7 @@ def _part(key: str, number: int) -> str:
 
 
 def _before(scene: Scene, key: str, now: Size) -> Any:
-    """The value that the scene states at `key`, or else the one that it has."""
+    """The value that the scene states at `key`, or else the one that it has by default."""
     stated = value_at(scene.stated.scene.exact, path_of(key) or ())
     return _numbers(scene, now) if stated is None else stated
 

@@ -1,6 +1,7 @@
-"""The texts that a scene has had, to be undone and redone: the present one and steps between them.
+"""The texts that a scene has had, for undo and redo: the present one and the steps between them.
 
-A step keeps what it replaces, not the whole text, so a long scene has as many steps as a short one.
+A step keeps what it replaces, not the whole text, so a long scene can have as many steps as a short
+one.
 """
 
 from __future__ import annotations
@@ -9,13 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Final, Self
 
 MOST_STEPS: Final = 1000
-"""That can be undone."""
+"""Most steps that can be undone."""
 
 MOST_CHARACTERS: Final = 16_000_000
-"""Of what these steps replace and put in its place, in all."""
+"""Most characters, in all, that these steps replace and put in their place."""
 
 Splice = tuple[int, str, str]
-"""Where two texts differ: from which character on, what the first has there, and the second."""
+"""Where two texts differ: the first character, what the first text has there, and the second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,7 @@ class Step:
 
     Attributes
     ----------
-    label : that names it, e.g. ``roller radius 8 mm``.
+    label : its name, e.g. ``roller radius 8 mm``.
     at : character from which on the texts differ.
     before, after : what they have there.
     gesture : changes of the same gesture, a drag say, are one step; empty for a step by itself.
@@ -66,10 +67,10 @@ class History:
         return self.future[-1].label if self.future else None
 
     def changed(self, text: str, label: str, gesture: str = "") -> Self:
-        """With a new text; nothing is left to be redone.
+        """With a new text and nothing left to redo.
 
-        A change of the gesture of the latest step becomes part of that step. If the text is as
-        before the gesture, the step is gone.
+        A change with the gesture of the latest step becomes part of that step. If the text is
+        then what it was before the gesture, the step disappears.
         """
         past = self.past
         before = self.text
@@ -106,7 +107,7 @@ def splice(before: str, after: str) -> Splice:
 
 
 def _alike(one: str, other: str) -> int:
-    """How many characters two texts begin with alike, by halving: slices are compared at once."""
+    """How many characters two texts have in common at the start; by bisection, comparing slices."""
     low, high = 0, min(len(one), len(other))
     while low < high:
         middle = (low + high + 1) // 2

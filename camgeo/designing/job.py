@@ -1,4 +1,4 @@
-"""A job of the designer, and its texts on the way between processes."""
+"""A job of the designer, and how it is sent between processes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any, Final, Self
 from camgeo.errors import CamgeoError
 
 LARGEST: Final = 16_000_000
-"""Bytes of a job as text: more than the largest scene and any change of it."""
+"""Most bytes of a job as JSON: more than the largest scene and any change of it."""
 
 
 class JobError(CamgeoError, ValueError):
-    """A job is none that can be done: an unknown kind, or arguments that it does not have."""
+    """A job that cannot be done: an unknown kind, or wrong arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +26,8 @@ class Job:
     kind : one of `camgeo.designing.work.WORK`.
     text : of the scene, TOML.
     file : path that messages name; empty for a scene that is in no file yet.
-    folder : in which the files lie that the scene names; empty if there is none.
-    arguments : of the kind, JSON data.
+    folder : that contains the files named by the scene; empty if there is none.
+    arguments : of that kind of job, JSON data.
     """
 
     kind: str
@@ -49,7 +49,7 @@ class Job:
         Raises
         ------
         JobError
-            If its arguments are no JSON data, or if it is larger than `LARGEST`.
+            If its arguments are not JSON data, or if it is larger than `LARGEST`.
         """
         try:
             text = json.dumps(asdict(self), allow_nan=False).encode()
@@ -61,7 +61,7 @@ class Job:
 
     @classmethod
     def from_json(cls, text: bytes) -> Self:
-        """The job of that text; JobError if it is none."""
+        """The job in a JSON text; JobError if there is none."""
         try:
             found = json.loads(text)
         except (ValueError, RecursionError) as error:

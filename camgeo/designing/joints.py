@@ -21,15 +21,15 @@ Edits = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pull:
-    """A point of the motion plan that can be put elsewhere.
+    """A point of the motion plan that can be moved.
 
     Attributes
     ----------
-    name, kind : its own among those of the plan, and "joint" or "point".
+    name, kind : its name, unique in the plan, and "joint" or "point".
     at : cam angle [degrees] and position [unit of the plan].
     moves : how it can be moved.
-    keys : of the scene that it changes, with what they are called.
-    edits : their values with it at a place, by the place and the steps of both coordinates.
+    keys : keys of the scene that it changes, with their names.
+    edits : their values for a new place, from that place and the steps of both coordinates.
     """
 
     name: str
@@ -41,9 +41,9 @@ class Pull:
 
 
 def pulls(motion: list[dict[str, Any]], positions: Sequence[float]) -> Iterator[Pull]:
-    """Those of a valid motion: its segments as the scene states them, and where each starts.
+    """The movable points of a valid motion, from its segments as stated and where each starts.
 
-    The first joint stays: the motion starts at 0.
+    The first joint cannot move: the motion starts at 0.
     """
     spans = spans_of(motion)
     assert spans is not None  # it is valid
@@ -74,8 +74,8 @@ def _joint(
 ) -> Pull | None:
     """The joint at which the segment `index` begins; None if it cannot move.
 
-    `level` is the last segment before it that does not rest, with the position that is stated for
-    its end; `position` is what that is.
+    `level` is the last segment before it that is not a dwell, with the position stated for its end;
+    `position` is the value of that.
     """
     both = Neighbours(motion[index - 1], motion[index])
     mover, to = level if level is not None else (-1, 0)

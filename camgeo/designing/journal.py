@@ -1,9 +1,10 @@
-"""Unsaved edits on disk: what a designer changes survives the end of its process, however it ends.
+"""Unsaved edits on disk: changes survive the end of the designer's process, however it ends.
 
-A journal has a line for each change of a history, which is written before the change is answered,
-and from which the history is made again. It lies in the user's folder of states, readable by no
-one else, under a name made of the scene file's path. It is locked as long as its file is open, so
-two designers never edit one file; the system releases the lock of a process that has died.
+A journal has one line for each change of a history. The line is written before the change is
+answered, and the history can be rebuilt from the lines. Journals are in the user's state folder,
+readable by no one else, under a name derived from the path of the scene file. A journal is locked
+while its scene is open, so two designers never edit one file; the system releases the lock of a
+process that has died.
 """
 
 from __future__ import annotations
@@ -28,30 +29,30 @@ if sys.platform != "win32":
     import fcntl
 
 FORM: Final = 1
-"""Of journals; those of another form are not read."""
+"""Version of the format of journals; others are not read."""
 
 MOST_BYTES: Final = 128_000_000
-"""Of a journal: more than the longest history needs."""
+"""Largest journal: more than the longest history needs."""
 
 SPARE: Final = 1_000_000
-"""Bytes that a journal may grow by, and as much as it had, before it is written anew."""
+"""Bytes that a journal may grow beyond twice its first size before it is written anew."""
 
 PRIVATE: Final = 0o600
 PRIVATE_FOLDER: Final = 0o700
 
 NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
-"""Of files that are opened: they are no links."""
+"""Flag with which links are not followed on opening."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What a journal has kept.
+    """What a journal has preserved.
 
     Attributes
     ----------
-    history : with the text as it was last; None if nothing can be read.
+    history : with the last text; None if nothing can be read.
     saved : SHA-256 of the scene file when it was last read or saved; empty if there was no file.
-    damage : why it is not all that was written; empty if it is.
+    damage : why part of what was written is missing; empty if nothing is.
     """
 
     history: History | None
@@ -64,8 +65,8 @@ class Journal:
 
     Attributes
     ----------
-    kept : what it had kept of earlier edits; None if there was nothing.
-    fault : why it keeps nothing; empty if it does.
+    kept : earlier edits that it had preserved; None if there were none.
+    fault : why edits are not kept; empty if they are.
     """
 
     def __init__(self, file: str, place: Path | None, lock: int | None, fault: str = "") -> None:
@@ -81,7 +82,7 @@ class Journal:
     def opened(cls, file: str, folder: Path | None = None) -> Self:
         """The journal of the scene file at the absolute path `file`, in `folder`.
 
-        A journal that cannot be written keeps nothing and says why (`fault`): designing goes on.
+        If the journal cannot be written, `fault` says why, and designing goes on without it.
 
         Raises
         ------
@@ -102,7 +103,7 @@ class Journal:
         return found
 
     def add(self, history: History, event: Mapping[str, Any], saved: str) -> None:
-        """Write down the `event` that made this `history`; the file on disk is that of `saved`."""
+        """Record the `event` that led to this `history`; `saved` is the digest of the file."""
         if self._place is None:
             return
         line = _line(event)
@@ -119,7 +120,7 @@ class Journal:
         """Wait until everything written is on disk, not only with the system."""
         stream = self._stream
         if stream is not None:
-            with suppress(OSError):  # closed meanwhile, which waits as well
+            with suppress(OSError):  # closed in the meantime, which waits too
                 os.fsync(stream)
 
     def close(self, *, keep: bool) -> None:
@@ -138,7 +139,7 @@ class Journal:
         self._place = self._stream = self._lock = None
 
     def _read(self) -> None:
-        """Take what an earlier process has kept; a damaged journal is set aside."""
+        """Read what an earlier process has left; a damaged journal is set aside."""
         if self._place is None:
             return
         try:
@@ -158,7 +159,7 @@ class Journal:
                 self._forsake(unkept(error))
 
     def _write_anew(self, history: History, saved: str) -> None:
-        """Replace the journal by a shorter one of the same history, and go on with that."""
+        """Replace the journal with a shorter one of the same history."""
         if self._place is None:
             return
         data = b"".join(_lines(self._file, history, saved))
@@ -179,7 +180,7 @@ class Journal:
         self._size = self._least = len(data)
 
     def _forsake(self, fault: str) -> None:
-        """Keep nothing from now on."""
+        """Stop keeping edits."""
         self.fault = fault
         if self._stream is not None:
             os.close(self._stream)
@@ -187,7 +188,7 @@ class Journal:
 
 
 def state_folder() -> Path:
-    """The folder of journals, where the system keeps the states of the user's programs.
+    """The folder of journals, where the system keeps the state of the user's programs.
 
     RuntimeError if the user has no home.
     """
@@ -202,7 +203,7 @@ def state_folder() -> Path:
 
 
 def kept(data: bytes, file: str) -> Kept:
-    """What the bytes of a journal say of the scene file at `file`, as far as they are whole."""
+    """What the bytes of a journal say about the scene file at `file`, up to any damage."""
     found = Kept(None, "", "it is empty")
     for number, line in enumerate(data.splitlines(keepends=True), 1):
         try:
@@ -245,13 +246,13 @@ def _next(history: History, saved: str, event: Any) -> Kept:
 
 
 def change(before: str, after: str, label: str, gesture: str = "") -> dict[str, Any]:
-    """The event that `History.changed` is, from text to text."""
+    """The event of `History.changed` between two texts."""
     at, gone, there = splice(before, after)
     return {"do": "change", "splice": [at, len(gone), there], "label": label, "gesture": gesture}
 
 
 def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
-    """A journal from which this history is made."""
+    """The lines of a journal from which this history can be rebuilt."""
     steps = (*history.past, *reversed(history.future))
     start = history
     while start.past:
@@ -264,7 +265,7 @@ def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
 
 
 def _line(event: Mapping[str, Any]) -> bytes:
-    """An event as a line: a sum of its bytes, and JSON."""
+    """An event as a line: a checksum and JSON."""
     data = json.dumps(event, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     return b"%08x %s\n" % (zlib.crc32(data), data)
 
@@ -272,7 +273,7 @@ def _line(event: Mapping[str, Any]) -> bytes:
 def _event(line: bytes) -> Any:
     total, space, rest = line[:8], line[8:9], line[9:-1]
     if line[-1:] != b"\n" or space != b" " or total != b"%08x" % zlib.crc32(rest):
-        raise ValueError("its sum is wrong")
+        raise ValueError("its checksum is wrong")
     return json.loads(rest)
 
 
@@ -332,6 +333,6 @@ def _locked(place: Path) -> int | None:
 
 
 def unkept(error: Exception) -> str:
-    """That edits are not kept, and why."""
+    """A sentence saying that edits are not kept, and why."""
     reason = unreadable(error) if isinstance(error, OSError | ValueError) else str(error)
     return f"unsaved edits are not kept on disk: {reason}"

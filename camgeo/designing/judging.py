@@ -1,4 +1,4 @@
-"""What the designer is told of a scene: findings with next steps, cures, and where they are."""
+"""What is found in a scene: findings with next steps and where they are, and cures."""
 
 from __future__ import annotations
 
@@ -48,14 +48,13 @@ KINDS: Final[Mapping[str, str]] = {
 """Kinds of places by the names of findings or their beginning; all others are of kind "limit"."""
 
 RANGE: Final = 33
-"""Points of a range of the cam angle: more than its picture needs."""
+"""Points in a range of the cam angle: more than its picture needs."""
 
 
 def findings(job: Job, recent: Recent) -> dict[str, Any]:
     """The findings, what to do about them, where they are, and the diagrams of effects.
 
-    Argument `machining`: whether milling programs are planned and simulated too, true if it is not
-    given.
+    Argument `machining`: whether milling programs are planned and simulated too; true by default.
     """
     machining = Arguments(job).flag("machining", otherwise=True)
     design = recent.design(job)
@@ -101,8 +100,8 @@ def _cure(index: int, cure: Cure) -> dict[str, Any]:
 
 
 def _places(found: Check) -> Iterator[dict[str, Any]]:
-    """Where findings are that are not good, on the discs at cam angle 0 [mm]: a point, or for a
-    range of the cam angle the middle of the flank there and `points` along it.
+    """Where the findings that are not "ok" are on the discs at cam angle 0 [mm]: a point, or for a
+    range of the cam angle the middle of that piece of the flank, and `points` along it.
     """
     if not found.curves:
         return
@@ -136,7 +135,7 @@ def _places(found: Check) -> Iterator[dict[str, Any]]:
 
 
 def _angles(finding: Finding) -> np.ndarray[Any, np.dtype[np.float64]] | None:
-    """Cam angles [rad] of its place; None if it is of the whole turn."""
+    """Cam angles [rad] of its place; None if it concerns the whole turn."""
     if finding.cam_range is not None:
         start, end = finding.cam_range
         return np.linspace(start, end if end > start else end + TURN, RANGE)

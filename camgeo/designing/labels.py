@@ -1,4 +1,4 @@
-"""What keys of a scene are called, in which unit they are, and short names of changes, for undo."""
+"""Names of keys of a scene, and short names of changes, for undo."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from camgeo.scene.document import written
 from camgeo.scene.keys import Path, path_of
 
 NAMED: Final = 2
-"""Values that a label names; more are counted."""
+"""Most values that a label names; the rest is counted."""
 
 DIGITS: Final = 6
 """Significant digits of a number in a label."""

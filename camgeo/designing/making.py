@@ -25,8 +25,8 @@ from camgeo.writing.write import CERTIFICATE, make_files
 def build(job: Job, recent: Recent) -> dict[str, Any]:
     """The files of the scene, the bytes that `camgeo build` writes; none of them is written.
 
-    Argument `formats`: names of writers; those of the scene if it is not given. Without an outline
-    there are no files, and `findings` say why.
+    Argument `formats`: names of writers; by default those of the scene. Without an outline there
+    are no files, and `findings` say why.
     """
     formats = Arguments(job).texts("formats")
     design = recent.design(job)
@@ -71,8 +71,8 @@ def solid(job: Job, recent: Recent) -> dict[str, Any]:
 def size(job: Job, recent: Recent) -> dict[str, Any]:
     """The smallest cam, and the `edits` of the scene that make it; none if there is no such scene.
 
-    Arguments, each of them optional: `transmission_angle` [degrees], `radius_ratio`,
-    `radius_of_curvature` [unit of the scene], `arm`, the shortest and the longest.
+    Optional arguments: `transmission_angle` [degrees], `radius_ratio`, `radius_of_curvature` and
+    `arm`, the shortest and the longest [unit of the scene].
     """
     given = Arguments(job)
     design = recent.design(job)

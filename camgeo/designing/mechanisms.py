@@ -1,8 +1,8 @@
-"""Other followers and linkages: what is shared stays, and the rest is such that it can work.
+"""Other followers and linkages: what both kinds share stays, and the rest is chosen to work.
 
-What a kind needs and the scene lacks is taken from the scene that `camgeo new` writes for it, made
-as large as this one. Positions in another unit become those of about the same way. Keys elsewhere
-that do not belong to the new mechanism go.
+What a kind needs and the scene lacks is taken from the scene that `camgeo new` writes for it,
+scaled to this one. If the unit of positions changes, they are converted to about the same travel.
+Keys elsewhere that do not belong to the new mechanism go.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ IN_POSITIONS: Final = ("to", "velocity", "acceleration", "jerk")
 """Keys of a segment, and of a point, that are in the unit of its positions."""
 
 ELSEWHERE: Final = ("limits", "effects", "linkage", "units", "follower", "part")
-"""Tables of which keys go that do not belong to another mechanism."""
+"""Tables whose keys go if they do not belong to the new mechanism."""
 
 OF_PART: Final = ("rim", "groove_depth", "pair")
-"""Those of them in [part], which belong to contacts and conjugate pairs."""
+"""Those keys of [part], which belong to contacts and conjugate pairs."""
 
 
 def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
     """The tree with another kind of follower or linkage, and a label.
 
     `asked` has the `key`, "follower" or "linkage", and the `kind`; None for no linkage. SceneError
-    if it does not, UnknownNameError if there is no such kind.
+    if it lacks the key, UnknownNameError if there is no such kind.
     """
     key = asked.get("key") if isinstance(asked, Mapping) else None
     kind = asked.get("kind") if isinstance(asked, Mapping) else None
@@ -57,7 +57,7 @@ def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
 
 
 def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
-    """The first tree that is valid without what does not belong to it; else the first of all."""
+    """The first tree that is valid once what does not belong to it is gone; else the first."""
     required = {
         name: {*kind.schema.get("required", ()), "kind"}
         for kinds in (FOLLOWERS, LINKAGES)
@@ -100,7 +100,7 @@ def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
 
 
 def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
-    """The scene with a follower of that kind: with what it has, else with all sizes as new."""
+    """The scene with a follower of that kind: first with its own sizes, then with all sizes new."""
     old = _table(tree, "follower")
     size = _size_of(tree)
     own = _template(kind)["follower"]
@@ -128,8 +128,8 @@ def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
 
 
 def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
-    """The arm of a roller for a pivot that stays: with it roller, pivot and axis make a triangle
-    for every base radius up to its double.
+    """The arm of a roller for a pivot that stays: so long that roller, pivot and axis make a
+    triangle for every base radius up to twice the arm.
     """
     pivot = kept.get("pivot")
     if "arm" not in required or "arm" in kept or not _is_point(pivot):
@@ -147,7 +147,7 @@ def _without_linkage(tree: Tree) -> Iterator[Tree]:
 def _other_linkage(tree: Tree, kind: str) -> Iterator[Tree]:
     """The scene with a linkage of that kind, and a follower that it can drive.
 
-    With the motion as it is, if its unit stays, else as far as the template moves.
+    The motion stays as it is if its unit does; otherwise it goes as far as that of the template.
     """
     members = LINKAGES[kind].members
     follower = _kind(tree.get("follower"))
@@ -175,15 +175,15 @@ KINDS: Final[Mapping[str, tuple[Mapping[str, Any], Callable[[Tree, str], Iterato
     "follower": (FOLLOWERS, _other_follower),
     "linkage": (LINKAGES, _other_linkage),
 }
-"""Tables that have kinds, with what makes a scene of another one: the best first."""
+"""Tables that have kinds, with what makes scenes of another kind, the best one first."""
 
 
 # -- motions ---------------------------------------------------------------------------------------
 
 
 def _in_other_unit(before: Tree, after: Tree) -> Tree:
-    """The scene `after` with positions in its unit, which in that `before` may be another one: of
-    a rocker that swings by about the same way.
+    """The scene `after` with positions in its own unit, if the scene `before` has another one: a
+    rocker swings by about the same travel.
     """
     angular = is_angular(after)
     if angular == is_angular(before):

@@ -20,11 +20,11 @@ from camgeo.motion.laws.law import Law
 from camgeo.scene.new import KINDS, template
 
 FACTS: Final = {"velocity": "C_v", "acceleration": "C_a", "deceleration": "C_a*", "jerk": "C_j"}
-"""Characteristic values that are told of a law, and their symbols."""
+"""Characteristic values that are shown of a law, and their symbols."""
 
 
 def laws(job: Job, recent: Recent) -> dict[str, Any]:
-    """The laws with which the scene is valid if the segment has them, and the `edits` for each.
+    """The laws that the segment can have in a valid scene, with the `edits` for each.
 
     Argument `segment`: its position, from 0. The scene itself may have faults; SceneError if its
     text is not TOML.
@@ -47,8 +47,8 @@ def laws(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def _edits(name: str, stated: Any, key: str) -> Iterator[dict[str, Any]]:
-    """Values with which the segment may have that law: with its parameters, and without those that
-    only other laws have.
+    """Edits that give the segment that law: first with its parameters as they are, then without
+    those that only other laws have.
     """
     yield {f"{key}.law": name}
     own = {option.name for option in FAMILIES[name].options}

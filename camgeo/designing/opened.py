@@ -19,11 +19,11 @@ MOST_LISTED: Final = 500
 """Scenes of a folder that are offered."""
 
 Disk = Literal["same", "changed", "gone"]
-"""How a file on disk is to what was read from it or saved last."""
+"""How a file on disk compares with what was read from it or saved last."""
 
 
 class OverwriteError(FileError):
-    """Saving would overwrite what the designer has not read; it does so only if it is told to."""
+    """Saving would overwrite what the designer has not read, and was not forced."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def place(folder: Path, name: str) -> Path:
     Raises
     ------
     FileError
-        If it is no scene's name, leaves the folder, or passes a link.
+        If it is not the name of a scene, leaves the folder, or goes through a link.
     """
     parts = Path(name).parts
     if not _is_plain(name) or not parts or Path(name).is_absolute() or ".." in parts:
@@ -69,7 +69,7 @@ def _is_plain(name: str) -> bool:
 
 
 def scenes(folder: Path) -> tuple[str, ...]:
-    """The names of the scene files in `folder`, in order; links and hidden files are none."""
+    """The names of the scene files in `folder`, in order, without links and hidden files."""
     try:
         names = sorted(
             each.name
@@ -85,7 +85,7 @@ def scenes(folder: Path) -> tuple[str, ...]:
 def read(path: Path) -> tuple[str, Opened]:
     """The text of the scene file at `path`, and its state.
 
-    FileError if it cannot be read, is too large or no text in UTF-8.
+    FileError if it cannot be read, is too large, or is not text in UTF-8.
     """
     try:
         before = path.lstat()
@@ -105,8 +105,8 @@ def read(path: Path) -> tuple[str, Opened]:
 def disk(opened: Opened, *, closely: bool = False) -> Disk:
     """How the file is now; a file that was written anew with the same bytes is the same.
 
-    It is read if its state is another one, or `closely` in any case: what is written within the
-    same tick of the clock has the same time.
+    It is read if its stamp differs, or in any case if `closely`: files written within the same tick
+    of the clock have the same time.
     """
     try:
         found = opened.path.lstat()
@@ -123,17 +123,17 @@ def disk(opened: Opened, *, closely: bool = False) -> Disk:
 
 
 def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opened:
-    """The file at `path` with this text, put in place at once and whole.
+    """The file at `path` with this text, put in place in one step.
 
-    `before` is what is known of it. Unless it is there as known, or not at all, or has this text
-    already, it is overwritten with `force` only.
+    `before` is what is known of it. A file that has changed since, or of which nothing is known, is
+    overwritten only with `force`, unless it has this text already.
 
     Raises
     ------
     OverwriteError
         If it would be overwritten without `force`.
     FileError, OutputError
-        If the text is too large or none, or the file cannot be written.
+        If the text is too large or cannot be encoded, or the file cannot be written.
     """
     data = encoded(text, path.name)
     if not force:
@@ -143,7 +143,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
     write_set(path.parent, {path.name: data}, force=True)
     try:
         if mode is not None:
-            path.chmod(mode)  # a file in place of another is as private as that
+            path.chmod(mode)  # as private as the file that it replaces
         found = path.lstat()
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
@@ -151,7 +151,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
 
 
 def encoded(text: str, name: str) -> bytes:
-    """The bytes of a scene's text; FileError if they are too many, or it is no text."""
+    """The bytes of a scene's text; FileError if they are too many, or cannot be encoded."""
     try:
         data = text.encode()
     except UnicodeEncodeError as error:

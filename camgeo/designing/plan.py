@@ -20,9 +20,8 @@ MOST: Final = 400
 DATA: Final = ("points", "table")
 """Laws by data, which are kinds of segments of their own."""
 
-
 OPTIMISE: Final = "optimise"
-"""Key of what "auto" keeps small."""
+"""Key of what law "auto" minimizes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,7 @@ class Row:
     ----------
     index : its position, from 0.
     kind : "dwell", "move", "points" or "table".
-    begin, end : cam angles [degrees]; None behind a segment whose span is not valid.
+    begin, end : cam angles [degrees]; None after a segment whose span is not valid.
     start, to : positions [unit of the plan] at its start and end; None if a file decides.
     law : None of a dwell.
     fields : its keys.
@@ -63,7 +62,7 @@ class Row:
 
 
 def _fitting(fields: Iterable[Field], law: Any) -> Iterator[Field]:
-    """Those that the law takes, and those that are stated all the same."""
+    """The fields that the law takes, and those that are stated although it does not."""
     known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
     taken = parameters_of(law) if known else frozenset(SHAPES)
     for each in fields:

@@ -1,6 +1,6 @@
 """Changes of a motion's segments: inserted, removed, split, moved, made a dwell or a move.
 
-Whatever happens, the spans add up to what they did before, exactly.
+The sum of the spans always stays exactly what it was.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LAW: Final = "polynomial-345"
 """Of a new move."""
 
 FALLBACK: Final = "auto"
-"""Law of moves that have to meet without a rest."""
+"""Law of moves that meet without a rest between them."""
 
 RISE: Final = Decimal(10)
 """Position of a new move in a motion that has none [mm or degrees]."""
@@ -35,7 +35,7 @@ def changed_segments(given: Given, asked: Any) -> tuple[Tree, str]:
     """The tree with one change of a segment, and its label.
 
     `asked` has the `action`, one of `ACTIONS`, and `at`, the position of the segment, from 0.
-    SceneError if it is none, or cannot be done.
+    SceneError if it lacks one of these, or the action cannot be done.
     """
     action = asked.get("action") if isinstance(asked, Mapping) else None
     at = asked.get("at") if isinstance(asked, Mapping) else None
@@ -54,14 +54,14 @@ def changed_segments(given: Given, asked: Any) -> tuple[Tree, str]:
 
 
 def _valid(given: Given, trees: list[Tree]) -> Tree:
-    """The first tree that is valid; the first of all if none is, or one could not be before."""
+    """The first tree that is valid; the first of all if none is, or if there is only one."""
     if len(trees) == 1:
         return trees[0]
     return next((tree for tree in trees if not given.faults(tree)), trees[0])
 
 
 def _insert(motion: Motion, at: int) -> Iterator[Motion]:
-    """A dwell behind a segment, which gives half of its span, or else the next one does."""
+    """A dwell after a segment; that one gives half of its span, or else the next one does."""
     donors = [each for each in (at, at + 1) if each < len(motion) and _can_give(motion[each])]
     if not donors or len(motion) >= MOST:
         raise refusal("has no span to give to a new segment", spelled(("motion", at)))
@@ -89,7 +89,7 @@ def _remove(motion: Motion, at: int) -> Iterator[Motion]:
 
 
 def _split(motion: Motion, at: int) -> Iterator[Motion]:
-    """Two halves; a move passes the middle of its way between them."""
+    """Two halves; a move is halfway between them."""
     segment = motion[at]
     if "points" in segment or is_fixed(segment) or not _can_give(segment) or len(motion) >= MOST:
         raise refusal("cannot be split", spelled(("motion", at)))
@@ -145,9 +145,9 @@ def _returning(motion: Motion) -> Iterator[Motion]:
 
 
 def _to_move(motion: Motion, at: int) -> Iterator[Motion]:
-    """A move of the same span: of a dwell half the way to the position that follows.
+    """A move of the same span; a dwell becomes a move halfway to the next position.
 
-    Behind the last move, which returns to 0, it becomes a rise and a return.
+    After the last move, which returns to 0, it becomes a rise and a return.
     """
     segment = motion[at]
     before = motion[:at]
@@ -181,7 +181,7 @@ ACTIONS: Final[Mapping[str, tuple[Callable[[Motion, int], Iterator[Motion]], str
     "to-dwell": (_to_dwell, "segment {n} made a dwell"),
     "to-move": (_to_move, "segment {n} made a move"),
 }
-"""What can be done with a segment, each with its label: motions of which the first valid one is
+"""What can be done with a segment, with a label each: of the motions made, the first valid one is
 taken."""
 
 
@@ -225,7 +225,7 @@ def _level(motion: Motion, at: int) -> Any:
 
 
 def _number(value: Any) -> Any:
-    """A position; 0 in place of what is none."""
+    """A position; 0 in place of anything else."""
     return value if is_number(value) else 0
 
 

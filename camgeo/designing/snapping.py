@@ -1,4 +1,4 @@
-"""Values that are dragged: rounded to decimal steps, and left alone where they hardly move."""
+"""Dragged values: rounded to decimal steps, and left alone where they hardly change."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from decimal import ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Any, Final, TypeGuard
 
 FINEST: Final = 1e-6
-"""Step without a stated one [unit of the scene, degrees]."""
+"""Step if none is stated [unit of the scene, degrees]."""
 
 STEPS: Final = (1e-9, 1e6)
 """Least and greatest step."""
@@ -16,7 +16,7 @@ FEW: Final = 3
 """Significant digits of a value that is made for a scene."""
 
 DIGITS: Final = 60
-"""With which a value is rounded: those of the largest number in the least steps, and more."""
+"""Digits with which a value is rounded: more than the largest number has in the least steps."""
 
 LARGEST: Final = 10**12
 """Magnitude of the numbers of a scene."""
@@ -52,7 +52,7 @@ def snapped(value: float, step: float, before: Any = None) -> Any:
 
 
 def styled(value: Decimal, before: Any) -> Any:
-    """An exact number as it is written in place of `before`."""
+    """An exact number, as it is written to replace `before`."""
     if not value:
         value = Decimal(0)  # and not -0
     if value == value.to_integral_value() and not isinstance(before, Decimal):

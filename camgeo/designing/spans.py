@@ -21,7 +21,7 @@ def span_key(segment: Segment) -> str:
 
 
 def span_of(segment: Any) -> Decimal | None:
-    """Its span [degrees], exactly as written; None if it has none that can be."""
+    """Its span [degrees], exactly as written; None if it has no possible one."""
     found = segment.get(span_key(segment)) if isinstance(segment, dict) else None
     return Decimal(found) if is_number(found) and 0 <= found <= FULL_TURN else None
 
@@ -51,7 +51,7 @@ def joints(spans: Sequence[Decimal]) -> Iterator[Decimal]:
 
 
 def least_span(segment: Segment) -> Decimal:
-    """The shortest span that the segment may have, as far as its own values tell."""
+    """The shortest span that the segment may have, judged by its own values."""
     if "dwell" in segment:
         return Decimal(0)
     points = segment.get("points")
@@ -66,7 +66,7 @@ def is_fixed(segment: Segment) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Neighbours:
-    """Two segments side by side, which share what the turn has for both.
+    """Two neighbouring segments, whose spans have a fixed sum.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Effects that are switched on and off, with data that suit the machine to start from."""
+"""Switching effects on and off, with initial data that suit the machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from camgeo.scene.valid_values import ValidValues
 from camgeo.units import MM_PER
 
 SPEED: Final = 60
-"""Of a cam without one [rev/min]."""
+"""Of a cam that has none [rev/min]."""
 
 Table = dict[str, Any]
 
@@ -55,21 +55,22 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
         {"stiffness": 1000, "damping": Decimal("0.04")},
     ),
 }
-"""Tables to start from, of which the first is taken that suits the machine: lengths as texts, in
-base radii; None for a speed somewhat above that of the cam. An empty table for other effects."""
+"""Initial tables, of which the first one that suits the machine is taken: lengths as texts, in base
+radii; None for a speed somewhat above that of the cam. Effects without an entry start empty."""
 
 FASTER: Final = Decimal("1.05")
 """No-load speed of a motor, in speeds of the cam."""
 
 THICK: Final = Decimal("0.2")
-"""Thickness of a part that has none, in base radii."""
+"""Thickness of a part without one, in base radii."""
 
 
 def switched(given: Given, asked: Any) -> tuple[Tree, str]:
     """The tree with an effect switched on or off, and a label.
 
-    `asked` has its `name`, and whether it is `on`. What an effect needs is switched on with it, and
-    what needs it off. SceneError if `asked` does not, UnknownNameError if there is no such effect.
+    `asked` has its `name`, and whether it is to be `on`. What an effect needs is switched on with
+    it, and what needs it is switched off with it. SceneError if `asked` lacks one of these or the
+    machine cannot have the effect; UnknownNameError if there is no such effect.
     """
     name = asked.get("name") if isinstance(asked, Mapping) else None
     if not isinstance(name, str) or not isinstance(asked.get("on"), bool):
@@ -100,7 +101,7 @@ def _on(given: Given, name: str) -> Tree:
 
 
 def _with(given: Given, tree: Tree, name: str) -> Tree:
-    """With that effect too; SceneError if the machine cannot have it."""
+    """The tree with that effect; SceneError if the machine cannot have it."""
     made = suiting(given, tree, name)
     if made is None:
         bare = {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: {}}}
@@ -126,7 +127,7 @@ def _is_of(key: str, name: str) -> bool:
 
 
 def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
-    """What a scene lacks for an effect, in the order in which it is to be stated."""
+    """The keys that a scene lacks for an effect, in the order in which to state them."""
     seen: set[str] = set()
     waiting = [effect]
     lacking: list[str] = []

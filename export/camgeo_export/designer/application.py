@@ -19,12 +19,12 @@ from camgeo_export.designer.pages import Page
 from camgeo_export.designer.session import Session
 
 MOST_PAGES: Final = 16
-"""Pages that are connected at the same time."""
+"""Most pages that are connected at the same time."""
 
 FULL: Final = 1013
 NO_TEXT: Final = 1003
 BROKEN: Final = 1011
-"""Codes that close a socket: too many pages, a message that is no text, an error in camgeo."""
+"""Codes that close a socket: too many pages, a message that is not text, an error in camgeo."""
 
 LOG: Final = logging.getLogger(__name__)
 
@@ -75,7 +75,7 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
 
 
 def _source(name: str) -> Callable[[Request], Awaitable[Response]]:
-    """What answers with a file of the page."""
+    """An endpoint that answers with a file of the page."""
     folder, kind = PAGE[name]
 
     async def answer(_: Request) -> Response:

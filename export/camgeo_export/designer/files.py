@@ -1,4 +1,4 @@
-"""Files that were built last, to be downloaded."""
+"""The files of the last build, for download."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ALL: Final = "all.zip"
 """The name under which all files are downloaded as one."""
 
 EARLIEST: Final = (1980, 1, 1, 0, 0, 0)
-"""Time of files in an archive: the same files give the same bytes."""
+"""Time of files in an archive: always the same, so that the same files give the same bytes."""
 
 
 class Files:
@@ -25,7 +25,7 @@ class Files:
         self._build = 0
 
     def take(self, built: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-        """Keep the files of a build in place of those before; return what is told of them."""
+        """Replace the files by those of a build; return what pages are told about them."""
         self._data = {str(each["name"]): base64.b64decode(each["bytes"]) for each in built}
         self._build += 1
         return [

@@ -1,10 +1,11 @@
 """Who may talk to the designer: the browser that was given its address, and no other page or host.
 
-The server stands in front of files and of a process that computes, on a machine whose browser shows
-pages of strangers. So each request must name this server as its host, or a name that a stranger
-points here would make his page a page of ours (DNS rebinding); a page of another origin is refused;
-and without the cookie, which the token of the printed address is exchanged for, there is nothing
-to be had. Nothing takes a body, so none is read.
+The server gives access to files and to processes that compute, on a machine whose browser also
+shows strangers' pages. Therefore each request must name this server as its host; otherwise a
+stranger's domain name that resolves to this machine would make his page one of ours (DNS
+rebinding). Requests from pages of other origins are refused, and nothing is served without the
+cookie, for which the token of the printed address is exchanged. No request needs a body, so none is
+read.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
 METHODS: Final = ("GET", "HEAD")
 
 STRANGERS: Final = ("cross-site", "same-site")
-"""What a browser says of requests that a page of another origin makes. Ports make no difference to
-cookies, so a page of another server of this machine has ours sent with its requests."""
+"""How a browser marks requests from pages of other origins. Cookies do not depend on the port, so
+requests from a page of another server on this machine carry ours."""
 
 ENTRY: Final = "/"
 """The path at which a token is exchanged for a cookie."""
@@ -51,7 +52,7 @@ BOUNCE: Final = b"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/">
 <title>camgeo</title></head><body><p><a href="/">camgeo design</a></p></body></html>
 """
-"""In place of a redirect if another page led here: browsers do not send a strict cookie on that."""
+"""In place of a redirect if another page led here: browsers send no strict cookie with that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +63,8 @@ class Keys:
     ----------
     token : of the printed address.
     cookie : the value that it is exchanged for.
-    spare : tokens that are taken once; that with which the browser is opened is one, since other
-        users of the machine see the arguments of processes.
+    spare : tokens that work once; the browser is opened with one of them, since other users of the
+        machine can see the arguments of processes.
     """
 
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32))
@@ -71,12 +72,12 @@ class Keys:
     spare: set[str] = field(default_factory=set)
 
     def lend(self) -> str:
-        """A token that is taken once."""
+        """A token that works once."""
         self.spare.add(token := secrets.token_urlsafe(32))
         return token
 
     def takes(self, token: str) -> bool:
-        """Whether a token lets in."""
+        """Whether a token is valid; a spare one is used up."""
         if _same(token, self.token):
             return True
         found = next((each for each in self.spare if _same(token, each)), None)
@@ -84,7 +85,7 @@ class Keys:
         return found is not None
 
     def knows(self, cookie: str) -> bool:
-        """Whether a cookie is that which was given."""
+        """Whether a cookie is the one that was set."""
         return _same(cookie, self.cookie)
 
 
@@ -94,8 +95,8 @@ class Address:
 
     Attributes
     ----------
-    host : name or address that it was told.
-    port : number of the port.
+    host : name or address, as given by the user.
+    port : its number.
     """
 
     host: str
@@ -114,7 +115,7 @@ class Address:
 
     @property
     def shown(self) -> str:
-        """Host and port as in an address that a browser of this machine opens."""
+        """Host and port, as in an address that a browser on this machine can open."""
         return authority(LOOPBACK[0] if self.everywhere else self.host, self.port)
 
     def is_meant(self, stated: str) -> bool:
@@ -126,13 +127,13 @@ class Address:
 
 
 class Guard:
-    """Answers what is not allowed, and hands on the rest; adds the headers to every reply."""
+    """Refuses what is not allowed, and passes on the rest; adds the headers to every reply."""
 
     def __init__(self, app: ASGIApp, address: Address, keys: Keys) -> None:
         self.app = app
         self.address = address
         self.keys = keys
-        self._cookie = f"camgeo-design-{address.port}"  # cookies do not tell ports apart
+        self._cookie = f"camgeo-design-{address.port}"  # cookies do not depend on the port
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -156,14 +157,14 @@ class Guard:
         else:
             await _answer(
                 scope, guarded, 401,
-                "This page belongs to a running camgeo design. Open the address that it has"
-                " printed in the terminal.",
+                "This page belongs to a running camgeo design. Open the address that it printed in"
+                " the terminal.",
             )  # fmt: skip
 
     def _refusal(
         self, scope: Scope, headers: Mapping[str, tuple[str, ...]]
     ) -> tuple[int, str] | None:
-        """Status and sentence for a request that is refused whoever makes it."""
+        """Status and sentence for a request that is refused, whoever makes it."""
         hosts = headers.get("host", ())
         if len(hosts) != 1 or not self.address.is_meant(hosts[0]):
             return 421, "The request is meant for another host than this designer."
@@ -182,7 +183,7 @@ class Guard:
         return None
 
     async def _let_in(self, send: Send, headers: Mapping[str, tuple[str, ...]]) -> None:
-        """Exchange the token for the cookie, and lead to the page without it."""
+        """Exchange the token for the cookie, and redirect to the address without it."""
         given = f"{self._cookie}={self.keys.cookie}; Path=/; HttpOnly; SameSite=Strict"
         found = [(b"set-cookie", given.encode())]
         if headers.get("sec-fetch-site", ("none",))[0] == "none":
@@ -192,13 +193,13 @@ class Guard:
 
 
 def authority(host: str, port: int) -> str:
-    """Host and port as in an address; one of IPv6 is in brackets."""
+    """Host and port, as in an address; an IPv6 host is in brackets."""
     name = f"[{host}]" if ":" in host else host
     return name if port == 80 else f"{name}:{port}"
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a server at `host`."""
+    """Whether only this machine can reach a server at `host`."""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -206,7 +207,7 @@ def is_loopback(host: str) -> bool:
 
 
 def _split(stated: str) -> tuple[str, int | None]:
-    """Name and port of a `Host`; an address of IPv6 without its brackets."""
+    """Name and port of a `Host`; an IPv6 address without its brackets."""
     name, colon, port = stated.rpartition(":")
     if not colon or stated.endswith("]"):
         name, port = stated, "80"
@@ -217,7 +218,7 @@ def _split(stated: str) -> tuple[str, int | None]:
 
 
 def _is_literal(name: str) -> bool:
-    """Whether a host is an address in digits, which no stranger can point elsewhere."""
+    """Whether a host is a numerical address, which does not depend on anyone's name server."""
     try:
         ipaddress.ip_address(name)
     except ValueError:
@@ -234,7 +235,7 @@ def _headers(scope: Scope) -> dict[str, tuple[str, ...]]:
 
 
 def _token(scope: Scope) -> str | None:
-    """The token in the address of the entry."""
+    """The token in the address, if that is the one at which tokens are exchanged."""
     if scope["type"] != "http" or scope["path"] != ENTRY:
         return None
     query = scope["query_string"].decode("latin-1")

@@ -1,4 +1,4 @@
-"""Jobs of a session: for which text each is done, how long it may take, and what is given up."""
+"""Jobs of a session: for which text each is done, how long it may take, and which are given up."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ SECONDS: Final[Mapping[str, float]] = {
     "size": 120.0,
     "build": 600.0,
 }
-"""That each kind of job may take."""
+"""Most seconds that each kind of job may take."""
 
 PICTURES: Final = ("curves", "change")
-"""Kinds of jobs that compute what is seen at once."""
+"""Kinds of jobs whose results are shown at once."""
 
 DECODER: Final = json.JSONDecoder()
 
 THREADS: Final = 16
-"""That wait for processes: more than there can be jobs."""
+"""Most threads that wait for processes: more than there can be jobs."""
 
 
 SPACE: Final = re.compile(r"[ \t\r\n,:]*")
-"""What stands between keys and values."""
+"""What separates keys and values."""
 
 
 def head_of(text: bytes, last: Container[str]) -> dict[str, Any]:
@@ -66,7 +66,7 @@ def _after_space(text: str, at: int) -> int:
 
 
 class Jobs:
-    """Does the jobs of a session, each for the text that is on its desk at that moment.
+    """Does the jobs of a session, each for the text that is on the desk when it begins.
 
     Parameters
     ----------

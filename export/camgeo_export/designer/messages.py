@@ -1,4 +1,4 @@
-"""What a page may say to the server: JSON texts, each checked before anything is done with it."""
+"""What a page may send to the server: JSON texts, each checked before it is acted on."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from camgeo.errors import CamgeoError
 from camgeo.reading import SCENE
 
 LARGEST: Final = 3 * SCENE.size
-"""Bytes of a message: JSON spells some characters of a scene with two or more."""
+"""Most bytes of a message: JSON spells some characters of a scene with two or more."""
 
 DEEPEST: Final = 8
-"""Tables and lists within each other in a message."""
+"""Most levels of tables and lists in a message."""
 
 LONGEST_NAME: Final = 200
-"""Characters of names, keys and identifiers."""
+"""Most characters of names, keys and identifiers."""
 
 MOST_EDITS: Final = 200
-"""Keys that one message changes."""
+"""Most keys that one message changes."""
 
 
 class MessageError(CamgeoError, ValueError):
-    """A message is none that is understood.
+    """A message that is not understood.
 
     Attributes
     ----------
@@ -39,13 +39,13 @@ class MessageError(CamgeoError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """A message of a page.
+    """A message from a page.
 
     Attributes
     ----------
     kind : what is asked for.
-    id : by which the answer is known; None if the page gave none.
-    arguments : of the kind.
+    id : that the answer carries; None if the page gave none.
+    arguments : of that kind of message.
     """
 
     kind: str
@@ -53,7 +53,7 @@ class Said:
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
     def replaces(self, waiting: Said) -> bool:
-        """Whether one that still waits is needless: this is a later place of the same drag."""
+        """Whether this makes a waiting message unnecessary, as a later place of the same drag."""
         gesture = self.arguments.get("gesture")
         alike = self.kind == waiting.kind and self.arguments.keys() == waiting.arguments.keys()
         return bool(gesture) and alike and waiting.arguments.get("gesture") == gesture
@@ -128,7 +128,7 @@ KINDS: Final[Mapping[str, Mapping[str, Check]]] = {
     "pin": {},
     "unpin": {},
 }
-"""The arguments of each kind of message; a kind states in NEEDED which it must have."""
+"""The arguments of each kind of message; NEEDED has those that it must have."""
 
 NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
     "text": ("text",),
@@ -144,7 +144,7 @@ def understood(text: str) -> Said:
     Raises
     ------
     MessageError
-        If it is none, or not as its kind must be.
+        If it is not JSON, or not as its kind must be.
     """
     try:
         found = json.loads(text, parse_constant=_no_number)
@@ -185,7 +185,7 @@ def _check_change(given: Mapping[str, Any], id_: str | int | None) -> None:
 
 
 def _is_flat(value: Any, depth: int) -> bool:
-    """Whether a value has only so many levels, and no infinite number."""
+    """Whether a value has at most `depth` levels, and no infinite number."""
     if isinstance(value, float):
         return math.isfinite(value)
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""The files that the scene on a desk names: whether one has changed since it was looked at."""
+"""The files that the scene on a desk names, and whether they have changed."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Final
 from camgeo.scene.named import Stamp, named, stamp
 
 LONGEST: Final = 200_000
-"""Characters of a text that is searched for names, which holds up other threads."""
+"""Most characters of a text that is searched for names; searching holds up other threads."""
 
 
 class NamedFiles:
-    """The files that a text names, looked at again and again."""
+    """The files that a text names, checked at intervals."""
 
     def __init__(self) -> None:
         self._text = ""
@@ -21,9 +21,9 @@ class NamedFiles:
         self._seen: dict[Path, Stamp] = {}
 
     async def changed(self, text: str, folder: Path) -> bool:
-        """Whether a file that the `text` names has changed since the last look; not at the first.
+        """Whether a file that the `text` names has changed since the last call; not on the first.
 
-        As long as the text is no TOML its last names count.
+        While the text is not TOML, the last known names count.
         """
         if text != self._text and len(text) <= LONGEST:
             self._text = text

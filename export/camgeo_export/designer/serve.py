@@ -26,19 +26,19 @@ from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.session import Session
 
 MOST_CONNECTIONS: Final = 64
-"""Connections at the same time, of which a page needs two or three. For each one more the oldest is
-closed that is no page's socket, so silent ones keep nobody out."""
+"""Most connections at the same time; a page needs two or three. For each one more, the oldest that
+is not a page's socket is closed, so silent ones keep nobody out."""
 
 HEAD: Final = 16_384
-"""Bytes of the head of a request."""
+"""Most bytes of the headers of a request."""
 
 PATIENCE: Final = 10.0
-"""Seconds in which a connection must have made a request, or opened a page."""
+"""Seconds within which a connection must have made a request, or opened a page."""
 
 BACKLOG: Final = 128
 
 END: Final = 2
-"""Seconds in which connections end when the server does."""
+"""Seconds within which connections end when the server does."""
 
 
 class Connection(H11Protocol):
@@ -53,7 +53,7 @@ class Connection(H11Protocol):
             min(found, key=lambda each: each.made).abort()
 
     def abort(self) -> None:
-        """Close it at once, whatever it does."""
+        """Close it at once, whatever it is doing."""
         self.transport.abort()
         self.connections.discard(self)
 
@@ -91,8 +91,8 @@ def serve(
     Parameters
     ----------
     host, port : where to listen; port 0 for any that is free.
-    tell : is told the address, once, and whether this machine alone reaches it.
-    notes : sentences that the first page is told.
+    tell : called once, with the address and whether only this machine can reach it.
+    notes : sentences for the first page.
     browser : whether to open it.
 
     Raises
@@ -116,7 +116,7 @@ def serve(
 
 
 def server_of(app: Guard) -> uvicorn.Server:
-    """The server of an application, with all limits. No request is logged: one has a token."""
+    """The server of an application, with all limits. Requests are not logged: one has a token."""
     config = uvicorn.Config(
         app,
         http=Connection,
@@ -128,7 +128,7 @@ def server_of(app: Guard) -> uvicorn.Server:
         timeout_graceful_shutdown=END,
         lifespan="off",
         log_config=None,
-        log_level="critical",  # what strangers send is nothing to the user's terminal
+        log_level="critical",  # what strangers send does not belong in the terminal
         access_log=False,
         server_header=False,
         proxy_headers=False,
@@ -156,13 +156,13 @@ async def _serve(
 
 
 def _has_screen() -> bool:
-    """Whether there is one for a browser; one that runs in the terminal is of no use."""
+    """Whether there is a screen for a browser; a browser in the terminal is of no use."""
     if sys.platform in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _open(url: str) -> None:
-    """Open the browser; without one the address that was printed is there."""
+    """Open the browser; if there is none, the user still has the printed address."""
     with contextlib.suppress(webbrowser.Error, OSError):
         webbrowser.open(url)

@@ -1,4 +1,4 @@
-"""What a notebook shows of camgeo's objects: HTML, and for front ends without it a picture."""
+"""What a notebook shows of camgeo's objects: HTML, or a picture in front ends without HTML."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ class Shown:
     ----------
     html : safe to be put into a page.
     figure : the picture; None if there is none.
-    told : the picture in words.
-    below : HTML that stands below it.
+    told : a description of the picture.
+    below : HTML below it.
     """
 
     html: str
@@ -100,7 +100,7 @@ def _(value: Design) -> Shown:
 
 
 def _stated(table: Mapping[str, Any]) -> str:
-    """The single values of a table of a scene, as it states them."""
+    """The single values in a table of a scene, as stated."""
     single = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
     return ", ".join(f"{key} = {_spelled(value)}" for key, value in single.items())
 
@@ -112,7 +112,7 @@ def _spelled(value: object) -> str:
 
 
 def _findings(found: Findings) -> str:
-    """What is not as it should be, with the next step of each; what is all right folded."""
+    """The findings that are not "ok", each with its next step; the others are folded."""
     wrong = [("", each, next_step(each, ())) for each in found if each.severity != "ok"]
     right = [("", each, "") for each in found if each.severity == "ok"]
     table = markup.findings(wrong) if wrong else ""
@@ -158,7 +158,7 @@ def _(value: Law) -> Shown:
 
 @shown.register
 def _(value: Answer) -> Shown:
-    """Its text, with its picture if answers of this kind have one."""
+    """Its text, and its picture if answers of this kind have one."""
     words = markup.preformatted(render.text(value))
     if not render.has(value, "figure"):
         return Shown(words)
@@ -176,13 +176,13 @@ def _(value: Check) -> Shown:
 
 
 def _as_text(value: Answer) -> str:
-    """What the command prints, which has numbers that the table lacks."""
+    """What the command prints; it has numbers that the table lacks."""
     return markup.folded("as text", markup.preformatted(render.text(value)))
 
 
 @shown.register
 def _(value: Report) -> Shown:
-    """The findings and the diagrams in words; the page has the rest."""
+    """The findings, and a sentence on each diagram; the page has the rest."""
     checked = shown(value.check)
     told = [f"{each.title}: {each.sentence}" for each in value.charts]
     told += [f"left out: {each}" for each in value.left_out]
@@ -236,7 +236,7 @@ def _of_law(row: LawRow) -> list[str]:
 
 @shown.register
 def _(value: Written) -> Shown:
-    """Each file with what is proved of it."""
+    """Each file with what is proved about it."""
     heads = ("file", "format", "bytes", "proved deviation [mm]", "tolerance [mm]")
     rows = [
         (
@@ -257,7 +257,7 @@ def _(value: Written) -> Shown:
 
 @shown.register
 def _(value: Verification) -> Shown:
-    """Each file with its verdict and with the checks that it fails; all of them are folded."""
+    """Each file with its verdict and the checks that it fails; the list of all checks is folded."""
     rows = []
     for path, verdict in zip(value.paths, value.verdicts, strict=True):
         failed = [f"{each.name} {each.of}".rstrip() for each in verdict.checks if each.ok is False]
@@ -277,7 +277,7 @@ def _(value: Verification) -> Shown:
 
 @shown.register
 def _(value: Sweep) -> Shown:
-    """The rows of a small family; of a larger one what the command prints."""
+    """The rows of a small family; for a larger one, what the command prints."""
     if value.count > FEW:
         return Shown(markup.preformatted(render.text(value)))
     heads = [*value.keys, *map(headed, value.spans), *(["reason"] if value.failed else [])]

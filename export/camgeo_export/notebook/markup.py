@@ -1,7 +1,7 @@
-"""The HTML of a notebook: tables, pictures and words, every text of which is escaped.
+"""The HTML of a notebook: tables, pictures and words, with every text escaped.
 
-No script, no style sheet and no colour of the text: it is read on light and on dark pages, and a
-front end that does not trust a notebook takes nothing away that matters.
+There are no scripts, no style sheets and no text colours: it can be read on light and dark pages,
+and a front end that does not trust a notebook removes nothing that matters.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ NUMBERS: Final = "text-align:right;font-variant-numeric:tabular-nums;white-space
 """Of a table; its cells inherit it."""
 
 TEXTS: Final = ' style="text-align:left;vertical-align:top"'
-"""Of each cell: front ends align those of tables to the right."""
+"""Of each cell: front ends align cells to the right."""
 
 ALIGNED: Final = (
     "font-family:monospace;white-space:pre;word-break:normal;overflow-x:auto;line-height:1.3"
 )
-"""Of text with columns: front ends wrap it, and letter it as they do sentences."""
+"""Of text in columns, which front ends would wrap and set like sentences."""
 
 BADGE: Final = "padding:0 .4em;border-radius:.2em;white-space:nowrap;font-weight:bold"
 
@@ -42,7 +42,7 @@ BADGES: Final[dict[Severity, tuple[str, str]]] = {
     "warning": ("!", f"{BADGE};background:#ffd257;color:#241a00"),
     "ok": ("✓", "white-space:nowrap"),
 }
-"""Sign and style of a severity: both colours are its own, and its word says the same."""
+"""Sign and style of a severity; its word says the same as its colours."""
 
 
 def paragraph(text: str) -> str:
@@ -51,7 +51,7 @@ def paragraph(text: str) -> str:
 
 
 def heading(text: str, more: str = "") -> str:
-    """The name of what is shown, with what it is; no heading of the page around it."""
+    """The name of what is shown, and what it is; not a heading of the page around it."""
     return f"<p><strong>{escape(text)}</strong>{f', {escape(more)}' if more else ''}</p>"
 
 
@@ -61,12 +61,12 @@ def preformatted(text: str) -> str:
 
 
 def folded(summary: str, content: str) -> str:
-    """Content that is opened by a press."""
+    """Content that opens at a click."""
     return f"<details><summary>{escape(summary)}</summary>{content}</details>"
 
 
 def picture(png: bytes, width: float, told: str) -> str:
-    """A picture `width` [inch] wide at most, `told` in words; black on white, whatever the page."""
+    """A picture at most `width` [inch] wide, with alternative text; on white, whatever the page."""
     data = base64.b64encode(png).decode()
     return (
         f'<img src="data:image/png;base64,{data}" alt="{escape(told)}" width="{96.0 * width:.0f}"'
@@ -75,7 +75,7 @@ def picture(png: bytes, width: float, told: str) -> str:
 
 
 def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: bool) -> str:
-    """A table of cells that are HTML already, below escaped heads."""
+    """A table of cells that are already HTML, below headings that are escaped here."""
     style = "" if numbers else TEXTS
     head = "".join(f'<th scope="col"{style}>{escape(each)}</th>' for each in heads)
     cells = ("".join(f"<td{style}>{cell}</td>" for cell in row) for row in rows)
@@ -88,7 +88,7 @@ def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: boo
 
 
 def badge(severity: Severity, word: str = "") -> str:
-    """A verdict, by sign and word; the word is by default that of the severity."""
+    """A verdict as sign and word, by default the word of the severity."""
     sign, style = BADGES[severity]
     return f'<span style="{style}">{sign} {escape(word or MARKS[severity])}</span>'
 
@@ -96,7 +96,7 @@ def badge(severity: Severity, word: str = "") -> str:
 def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
     """A table of findings, each with what was judged and with its next step.
 
-    Columns in which nothing stands are left out.
+    Empty columns are left out.
     """
     told = [
         (badge(each.severity), *map(escape, (about, each.name, each.sentence, step)))
@@ -109,7 +109,7 @@ def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
 
 
 def values(table: Table) -> str:
-    """A table of numbers; of a long one its beginning and its end, and how much is left out."""
+    """A table of numbers, a long one cut to its beginning and end, with the number of rows."""
     count = len(table.values)
     shown = [*range(count)]
     if count > HEAD + TAIL + 1:

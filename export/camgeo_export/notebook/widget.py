@@ -20,7 +20,7 @@ class Viewer(anywidget.AnyWidget):
     Attributes
     ----------
     data : what is drawn, figures and the mechanism as data.
-    angle : the cam angle [degrees], from 0 to below 360; set here or in the notebook.
+    angle : the cam angle [degrees], at least 0 and below 360; set from Python or in the notebook.
     """
 
     _esm = bundle("viewer.js")
@@ -32,7 +32,7 @@ class Viewer(anywidget.AnyWidget):
         super().__init__(data=painted(design, Recent()), **given)
 
     def show(self, design: Design) -> None:
-        """Draw another design in its place, at the same cam angle."""
+        """Show another design instead, at the same cam angle."""
         self.data = painted(design, Recent())
 
     @traitlets.validate("angle")
