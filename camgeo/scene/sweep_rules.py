@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from camgeo.errors import SceneError
 from camgeo.scene.keys import spelled
 from camgeo.scene.valid_values import Broken, ValidValues
 
-SWEEP = "sweep"
+SWEEP: Final = "sweep"
+"""The table of the scene that states a family; no design of the family has it."""
 
 
 def sweep_is_a_family(values: ValidValues) -> Iterator[Broken]:

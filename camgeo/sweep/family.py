@@ -16,6 +16,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.keys import spelled
 from camgeo.scene.paths import value_path
 from camgeo.scene.scene import Scene
+from camgeo.scene.sweep_rules import SWEEP
 from camgeo.sweep.variables import Listed, Value, Variable
 from camgeo.wording import counted
 
@@ -25,9 +26,6 @@ METHODS: Final[tuple[str, ...]] = get_args(Method)
 
 MOST: Final = 1_000_000
 """Designs of a family: at the 5 ms that a cheap question takes, an hour and a half."""
-
-SWEEP: Final = "sweep"
-"""The table of the scene that states a family; no design of the family has it."""
 
 Point = tuple[Value, ...]
 """The values at the keys of a family, in their order: what makes one of its designs."""

@@ -7,7 +7,8 @@ from decimal import Decimal
 from typing import Any
 
 from camgeo.scene.scene import Scene
-from camgeo.sweep.family import SWEEP, Family, Sample
+from camgeo.scene.sweep_rules import SWEEP
+from camgeo.sweep.family import Family, Sample
 from camgeo.sweep.variables import Listed, Range, Value, Variable, listed, parse, plain, spaced
 
 
