@@ -65,9 +65,9 @@ def options(parser: argparse.ArgumentParser) -> None:
         help="what is computed of each design: findings as transmission-angle, columns of the value"
         " table as peak:a, max:NAME or min:NAME, diameter, verdict; comma-separated",
     )
-    parser.add_argument("--samples", metavar="COUNT", type=int, help="draw so many designs")
+    parser.add_argument("--samples", metavar="COUNT", type=int, help="draw this many designs")
     parser.add_argument("--method", choices=METHODS, help="how designs are drawn; default sobol")
-    parser.add_argument("--seed", type=int, help="of what is drawn; default 0")
+    parser.add_argument("--seed", type=int, help="of the samples; default 0")
     parser.add_argument(
         "-o",
         metavar="FILE",

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 How = Literal["value", "min", "max", "peak"]
 
 EXTREMES: Final[dict[str, How]] = {"min": "min", "max": "max", "peak": "peak"}
-"""What of a column, by what stands before its name."""
+"""Which extreme of a column, by the prefix of its name."""
 
 Group = Literal["angle", "linkage", "motion", "part", "disc", "verdict", "curves", "effects"]
 """What is computed: the transmission angle, the linkage, the motion, the part, all findings on the

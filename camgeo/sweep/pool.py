@@ -39,7 +39,7 @@ DIED: Final = "the process that computed it died, {times} times: killed, or out 
 
 NO_START: Final = (
     "the processes of the pool end as they start; a program that uses the pool must do its own work"
-    ' below `if __name__ == "__main__":`, for they import it'
+    ' under `if __name__ == "__main__":`, because they import it'
 )
 
 Chunk = tuple[Point, ...]
@@ -49,7 +49,7 @@ class Pool:
     """Computes chunks in processes of this machine; see `camgeo.sweep.engine.Engine`.
 
     The processes end with this one, however it ends. A program that uses the pool must be one that
-    can be imported: its own work stands below `if __name__ == "__main__"`.
+    can be imported: its own work is under `if __name__ == "__main__"`.
 
     Parameters
     ----------

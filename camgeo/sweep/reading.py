@@ -47,13 +47,13 @@ class Reading:
 
 
 def read(design: Design, asked: Asked) -> Reading:
-    """What the design answers. Every error but want of memory becomes a reason."""
+    """What the design answers. Every error except MemoryError becomes a reason."""
     try:
         found = ANSWERS[asked.group](design, asked)
     except NoValueError as none:
         return Reading(None, reason=in_a_line(str(none)))
     except MemoryError:
-        raise  # which is none of the design's
+        raise  # which is not the design's fault
     except Exception as error:
         return Reading(None, reason=reason_of(error))
     if isinstance(found.value, float):
@@ -208,7 +208,7 @@ def _extreme(
     edges = design.drive.smooth_angles
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
-    with np.errstate(all="ignore"):  # what is not finite is told
+    with np.errstate(all="ignore"):  # a value that is not finite has a reason
         found = piecewise_extremes(quantity, edges)
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
     return Reading(EXTREME[asked.how](found), unit)

@@ -131,14 +131,14 @@ class Work:
         return Scene.of(document_of_tree(tree), self.source, self.base)
 
     def row(self, point: Point, ledger: Ledger | None = None) -> Row:
-        """The row of a design; one that there is not gives a row with the reason."""
+        """The row of a design; if its scene is wrong, a row with the reason."""
         base = self.base
         assert base is not None  # its errors are not those of one design
         try:
             scene = self.scene_of(point)
             design = Design(scene) if ledger is None else Design(scene, ledger)
         except MemoryError:
-            raise  # which is none of the design's
+            raise  # which is not the design's fault
         except Exception as error:
             nothing = (None,) * len(self.asked), ("",) * len(self.asked)
             return Row(point, *nothing, reason_of(error))
@@ -147,12 +147,12 @@ class Work:
         for asked, reading in zip(self.asked, found, strict=True):
             if reading.reason:
                 reasons.setdefault(reading.reason, []).append(asked.word)
-        told = [f"{', '.join(words)}: {reason}" for reason, words in reasons.items()]
+        stated = [f"{', '.join(words)}: {reason}" for reason, words in reasons.items()]
         return Row(
             point,
             tuple(each.value for each in found),
             tuple(each.unit for each in found),
-            LISTED.join(told),
+            LISTED.join(stated),
         )
 
 

@@ -47,11 +47,11 @@ class Listed:
         return len(self.rows)
 
     def at(self, place: int) -> tuple[Value, ...]:
-        """Those at a place, from 0."""
+        """The row at a place, from 0."""
         return self.rows[place]
 
     def share(self, share: float) -> tuple[Value, ...]:
-        """Those at a share, from 0 to below 1, of the list."""
+        """The row at a share, from 0 to below 1, of the list."""
         return self.rows[min(int(share * self.count), self.count - 1)]
 
 
@@ -77,13 +77,13 @@ class Range:
         return self.steps or 0
 
     def at(self, place: int) -> tuple[Value, ...]:
-        """That at a place, from 0: the exact number, rounded once."""
+        """The number at a place, from 0, for each key: exact, rounded once."""
         first, last = Fraction(self.start), Fraction(self.stop)
         parts = max(self.count - 1, 1)
         return (plain(float(first + (last - first) * place / parts)),) * self.keys
 
     def share(self, share: float) -> tuple[Value, ...]:
-        """That at a share, from 0 to below 1, of the range."""
+        """The number at a share, from 0 to below 1, of the range, for each key."""
         if self.steps is not None:
             return self.at(min(int(share * self.count), self.count - 1))
         start, stop = float(self.start), float(self.stop)
@@ -151,7 +151,7 @@ def spaced(key: str, start: Decimal, stop: Decimal, steps: int | None, keys: int
 
 
 def listed(key: str, rows: Sequence[tuple[Value, ...]]) -> Listed:
-    """A checked list; GeometryError with `key` if it is empty, repeats itself or is no text."""
+    """A checked list; GeometryError with `key` if it is empty, repeats a row or is not Unicode."""
     if not rows:
         raise GeometryError("is an empty list", key)
     seen = set()
