@@ -4,8 +4,8 @@ A design that breaks a limit is worse than any that breaks none, and the less it
 better (after K. Deb, Comput. Methods Appl. Mech. Engrg. 186, 2000, p. 311). Differential evolution
 (R. Storn and K. Price, J. Global Optim. 11, 1997, p. 341) is that of scipy, with whole numbers
 where there is a list. From its best design COBYQA (T. M. Ragonneau, Model-Based Derivative-Free
-Optimization Methods and Software, 2022) goes on with limits as constraints; then each number by
-itself is moved up and down with steps that become smaller until they are nothing.
+Optimization Methods and Software, 2022) goes on with limits as constraints; then steps along
+each number and in drawn directions become smaller until they are nothing.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.optimise.trials import StoppedError, Trial, Trials
+from camgeo.optimise.trials import SpentError, StoppedError, Trial, Trials
+from camgeo.wording import counted
 
 WALL: Final = 1e30
 """Energy of designs that break limits: above that of all others."""
@@ -33,10 +34,14 @@ CONVERGED: Final = 1e-7
 FIRST: Final = 0.02
 """First steps of local searches, as a fraction of a range."""
 
-FINEST: Final = 1e-10
+FINEST: Final = 1e-9
 """Last ones."""
 
-SHRINK: Final = 0.25
+SHRINK, GROW = 0.5, 1.5
+"""Factors of the step where no direction helps, and where one does."""
+
+DRAWN: Final = 2
+"""Sets of directions at right angles to each other that are drawn for each step."""
 
 HALVINGS: Final = 34
 """Of a way between a design within limits and one beyond them: to 10^-10 of it."""
@@ -113,8 +118,8 @@ def direction(weights: FloatArray, trials: Trials) -> Direction:
     return Direction(weights, np.min(costs, axis=0), np.where(span > 0.0, span, 1.0))
 
 
-def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> None:
-    """Differential evolution with at most so many new designs."""
+def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
+    """Differential evolution with at most so many new designs; whether it came together."""
     from scipy.optimize import differential_evolution
 
     space = trials.space
@@ -133,10 +138,10 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> None:
         return len(trials) + size > last
 
     if ended():
-        return
+        return False
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that it did not converge, which the trials tell
-        differential_evolution(
+        warnings.simplefilter("ignore")  # that it did not converge, which is told
+        result = differential_evolution(
             energy,
             [(0.0, space.upper[side]) for side in sides],
             integrality=~space.continuous[sides],
@@ -147,6 +152,7 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> None:
             polish=False,
             callback=ended,
         )
+    return bool(result.success)
 
 
 def _population(
@@ -169,7 +175,7 @@ def _population(
     return found
 
 
-def polish(trials: Trials, towards: Direction) -> None:
+def polish(trials: Trials, towards: Direction, seed: int) -> None:
     """Local searches from the best design so far, in its continuous variables."""
     free = np.flatnonzero(trials.space.continuous)
     start = towards.best(each for each in trials.made if each.place is not None)
@@ -178,7 +184,7 @@ def polish(trials: Trials, towards: Direction) -> None:
     if np.count_nonzero(towards.weights) == 1:  # else the cost has edges
         _follow(trials, towards, start, free)
     start = towards.best(each for each in trials.made if each.place is not None)
-    _step(trials, towards, start, free)
+    _step(trials, towards, start, free, seed)
 
 
 def _follow(trials: Trials, towards: Direction, start: Trial, free: np.ndarray) -> None:
@@ -236,22 +242,36 @@ def _follow(trials: Trials, towards: Direction, start: Trial, free: np.ndarray) 
             high = middle
 
 
-def _step(trials: Trials, towards: Direction, best: Trial, free: np.ndarray) -> None:
-    """Each number up and down, with steps that shrink where none helps."""
-    step = FIRST
+def _step(trials: Trials, towards: Direction, best: Trial, free: np.ndarray, seed: int) -> None:
+    """Steps along each number, in drawn directions, and on from the last success.
+
+    Where limits meet at an angle only few directions are within both and better.
+    """
+    drawn = np.random.default_rng(seed)
+    step, last = FIRST, np.zeros(len(free))
     while step > FINEST:
-        moved = False
-        for side in free:
-            for way in (step, -step):
-                assert best.place is not None
-                place = best.place.copy()
-                place[side] = min(max(place[side] + way, 0.0), 1.0)
-                found = trials.at(place)
-                if towards.key(found) < towards.key(best) and found.place is not None:
-                    best, moved = found, True
-                    break
-        if not moved:
+        turned = np.eye(len(free))
+        if len(free) > 1:
+            turned = np.vstack((turned, *(_rotation(drawn, len(free)) for _ in range(DRAWN))))
+        ways = np.vstack((last, turned, -turned)) if last.any() else np.vstack((turned, -turned))
+        for way in ways:
+            assert best.place is not None
+            place = best.place.copy()
+            place[free] = np.clip(place[free] + step * way, 0.0, 1.0)
+            found = trials.at(place)
+            if found.place is not None and towards.key(found) < towards.key(best):
+                best, last = found, way
+                step *= GROW
+                break
+        else:
             step *= SHRINK
+            last = np.zeros(len(free))
+
+
+def _rotation(drawn: np.random.Generator, count: int) -> FloatArray:
+    """(count, count) unit vectors at right angles to each other, drawn evenly."""
+    found: FloatArray = np.linalg.qr(drawn.standard_normal((count, count)))[0].T
+    return found
 
 
 def search(trials: Trials, seed: int) -> str:
@@ -266,11 +286,17 @@ def search(trials: Trials, seed: int) -> str:
                 trials.at(place)
             return "all designs were tried"
         ways = directions(len(task.goals))
+        whole = True
         for number, weights in enumerate(ways):
             left = (trials.most - len(trials)) // (len(ways) - number)
             towards = direction(weights, trials)
-            evolve(trials, towards, seed + number, int((1.0 - POLISHED) * left))
-            polish(trials, towards)
+            trials.share = len(trials) + left
+            try:
+                together = evolve(trials, towards, seed + number, int((1.0 - POLISHED) * left))
+                polish(trials, towards, seed + number)
+            except SpentError:
+                together = False
+            whole &= together
     except StoppedError as stop:
         return str(stop)
-    return "converged"
+    return "converged" if whole else f"{counted(trials.most, 'design')} were allowed"

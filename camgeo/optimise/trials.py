@@ -28,8 +28,12 @@ UNANSWERED: Final = 1e2
 REFUSED: Final = 10.0
 """Of each finding that rules out the disc, besides how far it is beyond its limit."""
 
-DUMB: Final = 64
+DUMB: Final = 20
 """Designs after which an objective that none has answered will have no answer."""
+
+
+class SpentError(Exception):
+    """The designs for one direction of the search have been tried."""
 
 
 class StoppedError(Exception):
@@ -78,7 +82,11 @@ class Trials:
     ----------
     most : designs that may be computed.
     seconds : that may pass before another is; None for no limit.
-    told : called after each design, with how many there are.
+    told : called after each design.
+
+    Attributes
+    ----------
+    share : how many there may be before `at` raises SpentError.
     """
 
     def __init__(
@@ -91,13 +99,13 @@ class Trials:
         self.task = task
         self.space = Space.of(task.family)
         self.most = most
+        self.share = most
         self.started = time.monotonic()
         self._work = Work.of(task.family, task.asked)
         self._seconds = seconds
         self._told = told
         self._known: dict[str, Trial] = {}
         self._answered = np.zeros(len(task.goals), dtype=bool)
-        self._reasons: dict[str, str] = {}
 
     @property
     def made(self) -> tuple[Trial, ...]:
@@ -115,7 +123,8 @@ class Trials:
     def at(self, place: FloatArray) -> Trial:
         """The design at a place.
 
-        Raises StoppedError if no more may be computed, or if an objective is never answered.
+        Raises StoppedError if no more may be computed, or if an objective is never answered,
+        SpentError if no more may be for now.
         """
         point = self.space.point(place)
         known = self._known.get(mark(point))
@@ -127,15 +136,19 @@ class Trials:
             raise StoppedError(f"{self._seconds:g} s were allowed")
         if len(self._known) >= DUMB and not self._answered.all():
             goal = self.task.goals[int(np.argmin(self._answered))].asked.word
-            why = self._reasons.get(goal, "")
-            raise StoppedError(f"no design has an answer to {goal}{f': {why}' if why else ''}")
+            told = (words for each in self.made for words in each.broken)
+            why = next((words for words in told if words.startswith(f"{goal}: ")), goal)
+            raise StoppedError(f"no design has an answer to {why}")
+        if len(self._known) >= self.share:
+            raise SpentError
         return self.of(point, np.array(place, dtype=float))
 
     def of(self, point: Point, place: FloatArray | None = None) -> Trial:
         """The design with these values, however many were computed before."""
         name = mark(point)
         if name not in self._known:
-            self._known[name] = self._tried(point, place)
+            found = self._known[name] = self._tried(point, place)
+            self._answered |= ~np.isnan(found.costs)
             self._told(self)
         return self._known[name]
 
@@ -152,16 +165,13 @@ class Trials:
         judging = _Judging(self.task)
         readings = {each: read(design, each) for each in asked}
         costs: list[float] = []
-        for place_of_goal, goal in enumerate(self.task.goals):
+        for goal in self.task.goals:
             found = readings[goal.asked]
             if isinstance(found.value, float | int):
                 costs.append(goal.cost(float(found.value)))
-                self._answered[place_of_goal] = True
             else:
                 costs.append(np.nan)
-                why = found.reason or "it does not arise"
-                self._reasons[goal.asked.word] = why
-                judging.unanswered(goal.asked.word, why)
+                judging.unanswered(goal.asked.word, found.reason or "it does not arise")
         for limit in self.task.limits:
             found = readings[limit.asked]
             if isinstance(found.value, float | int):

@@ -46,6 +46,8 @@ def scene_case(rng: Random) -> Case:
             steps.append(("verify", "out"))
     if "sweep" in values:
         steps.append(("sweep", SCENE, "-o", "runs.sqlite"))
+        search = ("--least", "diameter", "--evaluations", "4")
+        steps.append(("optimise", SCENE, *search, "-o", "best.toml"))
     if rng.random() < 0.5:
         steps.append(rng.choice(_others(rng)))
     elif rng.random() < 0.05:  # it takes seconds

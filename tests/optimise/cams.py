@@ -1,0 +1,42 @@
+"""Scenes whose designs are judged quickly, and designs that are given by formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import pytest
+
+from camgeo.numeric.arrays import FloatArray
+from camgeo.optimise.trials import Trial, Trials
+from camgeo.scene.load import load_scene
+from camgeo.scene.scene import Scene
+from camgeo.sweep.family import Point
+from tests.sweep.families import FIXTURES, SETZHUB
+
+UNMADE: Final = dict.fromkeys(("part", "tool", "holding", "output"))
+
+
+def bare(name: str) -> Scene:
+    """A scene of the fixtures without its part."""
+    return load_scene(FIXTURES / "scenes" / f"{name}.toml").with_values(UNMADE)
+
+
+PLAIN: Final = SETZHUB.with_values(UNMADE)
+
+
+def given(
+    monkeypatch: pytest.MonkeyPatch, formula: Callable[[FloatArray], tuple[list[float], float]]
+) -> None:
+    """Designs answer the costs of a formula of their numbers, and keep a margin from 0 on."""
+
+    def tried(trials: Trials, point: Point, place: FloatArray | None) -> Trial:
+        costs, margin = formula(np.array(point, dtype=float))
+        broken = ("a margin",) if margin < 0.0 else ()
+        return Trial(
+            len(trials) + 1, point, place, tuple(costs), ("",) * len(costs), tuple(costs),
+            {"a margin": margin}, max(-margin, 0.0), broken,
+        )  # fmt: skip
+
+    monkeypatch.setattr(Trials, "_tried", tried)

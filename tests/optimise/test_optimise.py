@@ -1,0 +1,92 @@
+"""Optima of real scenes: against `camgeo size`, against a grid, and where there is none."""
+
+from __future__ import annotations
+
+import pytest
+
+from camgeo.answers.size import size
+from camgeo.design import Design
+from camgeo.optimise.optimise import optimise
+from camgeo.optimise.task import task_of
+from camgeo.optimise.trials import DUMB, IMPOSSIBLE
+from tests.long_form import LONG
+from tests.optimise.cams import PLAIN, bare
+
+
+def test_the_radius_of_camgeo_size() -> None:
+    """Flat tappet: its size is exact, decided by convexity, within the rounding of which a cusp
+    counts as none.
+    """
+    scene = bare("tappet")
+    exact = size(Design(scene)).best.base_radius
+    task = task_of(scene, ["follower.base_radius=8:9"], least=["diameter"])
+    found = optimise(task, evaluations=2000 if LONG else 40)
+    near = 1e-6 if LONG else 5e-3
+    assert found.best.feasible
+    assert found.best.point[0] == pytest.approx(exact, rel=near)
+    assert found.made is not None
+    assert found.made.point[0] == pytest.approx(exact, rel=near)
+    assert float(found.made.point[0]) >= exact * (1.0 - 1e-6)
+
+
+@pytest.mark.skipif(not LONG, reason="2,000 designs; CAMGEO_LONG=1 runs them")
+def test_the_radius_and_offset_of_camgeo_size() -> None:
+    """Where the transmission angles of rise and return reach their limit at once."""
+    scene = bare("plate_translating")
+    answer = size(Design(scene)).sizing.answer
+    assert answer is not None
+    vary = ["follower.base_radius=20:40", "follower.offset=-5:10"]
+    found = optimise(task_of(scene, vary, least=["diameter"]), evaluations=3000)
+    assert found.best.point == pytest.approx((answer.base_radius, answer.place.real), rel=1e-6)
+
+
+def test_no_design_of_a_grid_is_better() -> None:
+    task = task_of(
+        PLAIN,
+        ["follower.base_radius=44:56:5", "motion.2.law=modified-sine,polynomial-345"],
+        least=["diameter"],
+        keep=["transmission-angle>=40"],
+    )
+    grid = optimise(task)
+    kept = [each for each in grid.trials if each.feasible]
+    assert 0 < len(kept) < len(grid.trials) == 10 + (grid.start is not None)
+    free = task_of(
+        PLAIN,
+        ["follower.base_radius=44:56", "motion.2.law=modified-sine,polynomial-345"],
+        least=["diameter"],
+        keep=["transmission-angle>=40"],
+    )
+    found = optimise(free, evaluations=300 if LONG else 40)
+    assert found.made is not None
+    best = min(each.costs[0] for each in kept)
+    step = 2.0 * 3.0  # of the diameter for that of the radius
+    assert best - step < found.made.costs[0] < best + (0.0 if LONG else 0.2)
+
+
+def test_designs_that_fail_are_beyond_a_limit() -> None:
+    task = task_of(PLAIN, ["follower.base_radius=-5,25,50.199"], least=["diameter"])
+    found = optimise(task)
+    start, wrong, small = found.trials
+    assert found.start is start
+    assert start.feasible
+    assert wrong.violation == IMPOSSIBLE
+    assert wrong.broken[0].startswith("follower.base_radius = -5: must be")
+    assert 0.0 < small.violation < IMPOSSIBLE
+    assert found.best is found.made is start
+
+
+def test_the_limits_of_the_scene_hold_unless_they_do_not_count() -> None:
+    vary = ["follower.base_radius=48,49.199"]
+    assert optimise(task_of(PLAIN, vary, least=["diameter"])).made is None
+    ignoring = optimise(task_of(PLAIN, vary, least=["diameter"], ignore=["transmission-angle"]))
+    assert ignoring.made is not None
+    assert ignoring.made.point == (48,)
+    assert ["below 41 deg" in each for each in ignoring.made.remarks] == [True]
+
+
+def test_an_objective_that_no_design_answers() -> None:
+    task = task_of(PLAIN, ["follower.base_radius=45:55"], least=["mass"])
+    found = optimise(task, evaluations=DUMB + 10)
+    assert len(found.trials) == DUMB
+    assert found.ended == "no design has an answer to mass: the scene has no [part]"
+    assert found.made is None
