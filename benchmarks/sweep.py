@@ -5,16 +5,21 @@
   clock, as they are once for a whole run.
 - "cores": designs of the Setzhub cam with another base radius, asked for the transmission angle, by
   the loop and by two workers; it says something only if two cores are idle.
+- "cluster": the same designs of 10 ms by two workers of a Dask scheduler, and designs that cost
+  nothing, alone and in chunks: CPU time of driver and scheduler for each chunk, which says how many
+  chunks a second a cluster can have. Only where asked for; needs camgeo[cluster].
 - "driver": CPU time of the driver for each row that comes from an engine: points, store, answer.
 - "memory": the largest memory of a process that sweeps so many designs, which cost nothing, into a
   store, and reads the rows again.
 
-    python benchmarks/sweep.py [--rounds 3] [--designs 600] [--only engine cores driver memory]
+    python benchmarks/sweep.py [--rounds 3] [--designs 600]
+        [--only engine cores driver memory cluster]
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import platform
 import resource
@@ -24,8 +29,9 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -37,7 +43,9 @@ import numpy as np
 from camgeo.answers.sweep import answer_of
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
+from camgeo.sweep import engine
 from camgeo.sweep.asked import asked_of
+from camgeo.sweep.cluster import Cluster
 from camgeo.sweep.engine import Chunks, Engine, Loop
 from camgeo.sweep.family import Family, Point
 from camgeo.sweep.pool import Pool
@@ -59,6 +67,8 @@ ROWS: Final = (1_000, 100_000)
 
 PARTS: Final = ("engine", "cores", "driver", "memory")
 
+OTHERS: Final = ("cluster",)
+
 
 @dataclass(frozen=True)
 class Pausing(Work):
@@ -67,6 +77,15 @@ class Pausing(Work):
     def row(self, point: Point, _ledger: Any = None) -> Row:
         """After a pause."""
         time.sleep(PAUSE)
+        return Row(point, (1.0,), ("deg",))
+
+
+@dataclass(frozen=True)
+class Idle(Work):
+    """Work whose designs cost nothing."""
+
+    def row(self, point: Point, _ledger: Any = None) -> Row:
+        """At once."""
         return Row(point, (1.0,), ("deg",))
 
 
@@ -102,9 +121,76 @@ def compared(work: Work, points: list[Point], rounds: int) -> dict[str, float]:
     ratios: dict[str, list[float]] = {name: [] for name in engines}
     for _ in range(rounds):
         loop = seconds(Loop(), work, points)
-        for name, engine in engines.items():
-            ratios[name].append(seconds(engine, work, points) / loop)
+        for name, each in engines.items():
+            ratios[name].append(seconds(each, work, points) / loop)
     return {name: statistics.median(found) for name, found in ratios.items()}
+
+
+@contextmanager
+def cluster() -> Iterator[tuple[str, int]]:
+    """A scheduler with two workers on loopback: its address, and its process."""
+    local = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
+    dask = [sys.executable, "-m", "dask"]
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scheduler.json"
+        words = ["scheduler", "--port", "0", "--scheduler-file", str(file), *local]
+        started = [subprocess.Popen([*dask, *words], cwd=ROOT, **quiet)]
+        try:
+            while not file.exists() or not file.read_text().endswith("}"):
+                time.sleep(0.05)
+            address = json.loads(file.read_text())["address"]
+            words = ["worker", address, "--nthreads", "1", "--no-nanny", "--local-directory"]
+            place = {**os.environ, "PYTHONPATH": str(ROOT)}
+            for _ in range(2):
+                command = [*dask, *words, folder, *local]
+                started.append(subprocess.Popen(command, cwd=ROOT, env=place, **quiet))
+            yield address, started[0].pid
+        finally:
+            for each in started:
+                each.terminate()
+            for each in started:
+                each.wait()
+
+
+def clustered(work: Work, points: list[Point], rounds: int) -> None:
+    """Measure a cluster, and print."""
+    import psutil
+    from distributed import Client
+
+    sys.path.insert(0, str(ROOT))  # workers import what they do by this name
+    here = import_module("benchmarks.sweep")
+    idle, free = (
+        kind(work.text, work.contents, work.keys, work.asked, work.versions)
+        for kind in (here.Pausing, here.Idle)
+    )
+    with cluster() as (address, pid):
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(2)
+        used = Cluster(address)
+        ratios = []
+        for _ in range(rounds):
+            ratios.append(seconds(used, idle, points) / seconds(Loop(), idle, points))
+        ratio = statistics.median(ratios)
+        print(f"cluster: two workers take {ratio:.3f} of the loop, at 10 ms a design")
+        process = psutil.Process(pid)
+        for size in (1, 50):
+            vars(engine)["MOST_IN_CHUNK"] = size
+            count = 400 * size
+            many: list[Point] = [(float(k),) for k in range(count)]
+            before, start = sum(process.cpu_times()[:2]), time.process_time()
+            clock = seconds(used, free, many)
+            driver, scheduler = (
+                1e3 * (after - was) / count * size
+                for after, was in (
+                    (time.process_time(), start),
+                    (sum(process.cpu_times()[:2]), before),
+                )
+            )
+            print(
+                f"cluster: {1e3 * clock:.3f} ms a design that costs nothing, in chunks of {size};"
+                f" CPU of a chunk: {driver:.2f} ms of the driver, {scheduler:.2f} of the scheduler"
+            )
 
 
 def driver(count: int) -> float:
@@ -129,7 +215,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--designs", type=int, default=600)
-    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)
+    parser.add_argument("--only", nargs="+", choices=PARTS + OTHERS, default=PARTS)
     parser.add_argument("--measure", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.measure:
@@ -151,6 +237,8 @@ def main() -> None:
     if "cores" in given.only:
         for name, ratio in compared(work, points, given.rounds).items():
             print(f"cores: {name} takes {ratio:.3f} of the loop")
+    if "cluster" in given.only:
+        clustered(work, points, given.rounds)
     if "driver" in given.only:
         print(f"driver: {1e6 * driver(20_000):.1f} microseconds of CPU a row")
     if "memory" in given.only:

@@ -71,8 +71,9 @@ LAZY_LIBRARIES = {"mpmath", "scipy"}
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
 """What only writers import."""
 
-LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib"}
-"""The format library that a module may import inside a function only: matplotlib brings a font."""
+LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib", "camgeo.sweep.cluster": "distributed"}
+"""The library that one module may import inside a function only: matplotlib brings a font,
+distributed a cluster."""
 
 EFFECT_FRAME = {
     "",

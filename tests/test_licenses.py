@@ -130,6 +130,13 @@ def test_neither_is_anything_that_notebooks_need() -> None:
     assert faults(packages.values(), NOTICES) == []
 
 
+def test_neither_is_anything_that_a_cluster_needs() -> None:
+    packages = required("camgeo[cluster]")
+    assert {"dask", "distributed", "tornado", "cloudpickle"} <= packages.keys()
+    del packages["camgeo"]
+    assert faults(packages.values(), NOTICES) == []
+
+
 def test_the_locked_packages_are_those_that_are_looked_at() -> None:
     lock = (ROOT / "requirements.lock").read_text("utf-8")
     locked = set(re.findall(r"(?m)^([a-z0-9-]+)==", lock))

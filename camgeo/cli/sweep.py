@@ -97,12 +97,19 @@ def options(parser: argparse.ArgumentParser) -> None:
             default=[],
             help=f"objectives of the front: what of the answers should be {what}",
         )
-    parser.add_argument(
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
         "--workers",
         metavar="COUNT",
         type=int,
         default=1,
         help="processes of this machine that compute; default 1, 0 for one on each core",
+    )
+    where.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="compute by the workers of a Dask scheduler, tcp://HOST:PORT or tls://HOST:PORT; needs"
+        " the extra camgeo[cluster]",
     )
     group = parser.add_mutually_exclusive_group()
     group.add_argument(
@@ -123,7 +130,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     store, files = _outputs(arguments)
     workers = arguments.workers or os.cpu_count() or 1
-    engine = engine_of("loop" if workers == 1 else "pool", workers)
+    if arguments.cluster is not None:
+        engine = engine_of("cluster", arguments.cluster)
+    else:
+        engine = engine_of("loop" if workers == 1 else "pool", workers)
     sample = None
     if arguments.samples is not None:
         sample = Sample(arguments.samples, arguments.method or "sobol", arguments.seed or 0)

@@ -15,9 +15,10 @@ from collections.abc import Generator, Iterator
 from itertools import islice
 from typing import Final, Protocol
 
-from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.errors import UnknownNameError
 from camgeo.sweep.family import Point
 from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.wording import counted
 
 CHUNK: Final = 1.0
 """Seconds that a chunk of designs should take: far more than the 6 ms that handing one over costs,
@@ -28,7 +29,10 @@ MOST_IN_CHUNK: Final = 1000
 GROWTH: Final = 8
 """Largest factor from one chunk to the next: the first designs may be no measure of the others."""
 
-MOST_WORKERS: Final = 512
+AHEAD: Final = 2
+"""Chunks handed out for each worker: one is computed, the next one is there when it is done."""
+
+DIED: Final = "the process that computed it died, {times}: killed, or out of memory"
 
 
 Chunks = Generator[tuple[Row, ...], None, None]
@@ -60,9 +64,9 @@ class Pace:
         """The points of the next chunk; none if there are none left."""
         return tuple(islice(points, self._size))
 
-    def note(self, count: int, seconds: float) -> None:
-        """A chunk of so many designs took so long."""
-        fitting = int(CHUNK * count / max(seconds, 1e-9))
+    def note(self, count: int, seconds: float, least: float = 0.0) -> None:
+        """A chunk of so many designs took so long; the next ones take at least `least` seconds."""
+        fitting = int(max(CHUNK, least) * count / max(seconds, 1e-9))
         self._size = max(1, min(fitting, GROWTH * self._size, MOST_IN_CHUNK))
 
 
@@ -71,7 +75,7 @@ class Loop:
 
     name = "loop"
 
-    def __init__(self, _workers: int = 1) -> None:
+    def __init__(self, _where: int | str = 1) -> None:
         pass
 
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
@@ -87,19 +91,25 @@ class Loop:
 ENGINES: Final = {
     "loop": "camgeo.sweep.engine:Loop",
     "pool": "camgeo.sweep.pool:Pool",
+    "cluster": "camgeo.sweep.cluster:Cluster",
 }
-"""The classes of engines by their names; each takes the number of workers."""
+"""The classes of engines by their names; each takes where it computes: the pool the number of its
+processes, a cluster its address."""
 
 
-def engine_of(name: str, workers: int = 1) -> Engine:
-    """The engine `name` with so many workers.
+def engine_of(name: str, where: int | str = 1) -> Engine:
+    """The engine `name` that computes there.
 
-    Raises UnknownNameError if there is none, GeometryError for a number of workers it cannot have.
+    Raises UnknownNameError if there is none, GeometryError for a number of workers or an address
+    that it cannot have.
     """
     if name not in ENGINES:
         raise UnknownNameError("engine", name, ENGINES)
-    if not 1 <= workers <= MOST_WORKERS:
-        message = f"must be from 1 to {MOST_WORKERS}"
-        raise GeometryError(message, "workers", str(workers))
-    found: Engine = pkgutil.resolve_name(ENGINES[name])(workers)
+    found: Engine = pkgutil.resolve_name(ENGINES[name])(where)
     return found
+
+
+def dead(work: Work, point: Point, times: int) -> Row:
+    """The row of a design that ended its process so many times."""
+    count = len(work.asked)
+    return Row(point, (None,) * count, ("",) * count, DIED.format(times=counted(times, "time")))

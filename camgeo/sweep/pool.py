@@ -16,8 +16,8 @@ from multiprocessing import connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Final
 
-from camgeo.errors import CamgeoError
-from camgeo.sweep.engine import Chunks, Pace
+from camgeo.errors import CamgeoError, GeometryError
+from camgeo.sweep.engine import AHEAD, Chunks, Pace, dead
 from camgeo.sweep.family import Point
 from camgeo.sweep.rows import Row, Work, rows_of
 
@@ -29,13 +29,10 @@ THREADS: Final = (
 )
 """Variables that state how many threads the BLAS of a process starts, read when it is loaded."""
 
-AHEAD: Final = 2
-"""Chunks handed out for each worker: one is computed, the next one is there when it is done."""
+MOST_WORKERS: Final = 512
 
 DEADLY: Final = 2
 """Times that a design alone may end its process before that is its answer."""
-
-DIED: Final = "the process that computed it died, {times} times: killed, or out of memory"
 
 NO_START: Final = (
     "the processes of the pool end as they start; a program that uses the pool must do its own work"
@@ -53,12 +50,15 @@ class Pool:
 
     Parameters
     ----------
-    workers : how many processes.
+    workers : how many processes; GeometryError if there cannot be so many.
     """
 
     name = "pool"
 
-    def __init__(self, workers: int) -> None:
+    def __init__(self, workers: int | str) -> None:
+        if not isinstance(workers, int) or not 1 <= workers <= MOST_WORKERS:
+            message = f"must be from 1 to {MOST_WORKERS}"
+            raise GeometryError(message, "workers", str(workers))
         self._workers = workers
 
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
@@ -113,7 +113,7 @@ class Pool:
                         if deaths[point] < DEADLY:
                             suspects.appendleft(lost[0])
                         else:
-                            yield (_dead(work, point, deaths[point]),)
+                            yield (dead(work, point, deaths[point]),)
         finally:
             if running:
                 _end(executor, context)
@@ -195,11 +195,6 @@ def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:
     start = time.perf_counter()
     found = rows_of(work, chunk)
     return found, time.perf_counter() - start
-
-
-def _dead(work: Work, point: Point, times: int) -> Row:
-    count = len(work.asked)
-    return Row(point, (None,) * count, ("",) * count, DIED.format(times=times))
 
 
 def _started(workers: int, context: _Context) -> ProcessPoolExecutor:

@@ -1,5 +1,6 @@
-"""`python -m tests.sweep.driver STORE WORKERS WHOM AT DELAY`: a sweep during which a process dies.
+"""`python -m tests.sweep.driver STORE WHERE WHOM AT DELAY`: a sweep during which a process dies.
 
+WHERE is how many processes a pool has, or the address of a cluster.
 Once AT rows are stored, and DELAY seconds have passed, it kills itself (WHOM is `driver`) or one of
 its workers (`worker`). It prints the numbers of the rows stored, and of its workers.
 """
@@ -35,10 +36,11 @@ def killed_family() -> Family:
 
 def main() -> None:
     """Resume the store."""
-    store, count, whom = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
+    store, where, whom = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
     at, delay = int(sys.argv[4]), float(sys.argv[5])
     engine.CHUNK = CHUNK  # type: ignore[misc]  # smaller chunks for the test
-    chosen = engine.engine_of("loop" if count == 1 else "pool", count)
+    pool = where.isdecimal()
+    chosen = engine.engine_of("pool" if pool else "cluster", int(where) if pool else where)
     timers: list[threading.Timer] = []
 
     def kill() -> None:

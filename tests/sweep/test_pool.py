@@ -136,11 +136,10 @@ def test_a_program_that_cannot_be_imported_is_told_so(tmp_path: Path) -> None:
 
 
 def test_an_engine_by_its_name() -> None:
-    assert {name: type(engine_of(name, 2)).__name__ for name in ENGINES} == {
-        "loop": "Loop",
-        "pool": "Pool",
-    }
-    assert all(engine_of(name).name == name for name in ENGINES)
+    where: dict[str, int | str] = {"loop": 1, "pool": 2, "cluster": "tcp://127.0.0.1:8786"}
+    assert where.keys() == ENGINES.keys()
+    for name, place in where.items():
+        assert engine_of(name, place).name == name
     with pytest.raises(UnknownNameError, match='did you mean "pool"'):
         engine_of("pol")
     with pytest.raises(GeometryError, match="must be from 1 to"):

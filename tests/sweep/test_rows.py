@@ -83,6 +83,10 @@ def test_chunks_grow_to_a_second_and_shrink_again() -> None:
         sizes.append(len(chunk))
         pace.note(len(chunk), 0.005 * len(chunk))
     assert sizes == [1, 8, 64, 200, 200, 200]
+    pace.note(200, 1.0, least=6.0)  # many workers
+    assert len(pace.take(points)) == MOST_IN_CHUNK
+    pace.note(200, 1.0, least=0.012)
+    assert len(pace.take(points)) == 200
     pace.note(200, 1e-6)
     assert len(pace.take(points)) == MOST_IN_CHUNK
     pace.note(MOST_IN_CHUNK, 1e6)

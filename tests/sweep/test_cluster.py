@@ -1,0 +1,327 @@
+"""The cluster: the rows of the loop bit for bit, whatever dies; one scheduler and two workers on
+loopback for all tests."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgeo.cli.main import main
+from camgeo.errors import CamgeoError, GeometryError, VersionError
+from camgeo.sweep import cluster, engine
+from camgeo.sweep.cluster import Cluster
+from camgeo.sweep.engine import Chunks, Loop
+from camgeo.sweep.family import Point
+from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.sweep.sweep import sweep
+from tests.long_form import LONG
+from tests.sweep.families import FIXTURES, family
+from tests.sweep.test_rows import work_on
+
+distributed = pytest.importorskip("distributed", reason="needs camgeo[cluster]")
+psutil = pytest.importorskip("psutil")
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills processes as POSIX does")
+
+ROOT = Path(__file__).resolve().parents[2]
+
+SCENE = str(FIXTURES / "scenes" / "setzhub.toml")
+
+LOOPBACK = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
+
+ASK = ("transmission-angle", "laws")
+
+
+@dataclass
+class Processes:
+    """A scheduler and two workers, which a nanny starts again; a death is told at once."""
+
+    folder: Path
+    address: str = ""
+
+    def __post_init__(self) -> None:
+        self.started: list[subprocess.Popen[bytes]] = []
+        self.schedule("0")
+        self.start_workers()
+        with closing(self.client()) as client:
+            client.wait_for_workers(2, timeout=60)
+
+    def start_workers(self) -> None:
+        few = ("--nworkers", "2", "--nthreads", "1", "--local-directory", str(self.folder))
+        self.start("worker", self.address, *few)
+
+    def schedule(self, port: str) -> subprocess.Popen[bytes]:
+        file = self.folder / "scheduler.json"
+        file.unlink(missing_ok=True)
+        process = self.start("scheduler", "--port", port, "--scheduler-file", str(file))
+        for _ in range(1200):
+            with suppress(OSError, ValueError):
+                self.address = json.loads(file.read_text())["address"]
+                return process
+            time.sleep(0.05)
+        raise AssertionError("the scheduler does not start")
+
+    def start(self, what: str, *words: str) -> subprocess.Popen[bytes]:
+        environment = {
+            **os.environ,
+            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+            "PYTHONPATH": str(ROOT),
+        }
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dask", what, *words, *LOOPBACK],
+            cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        self.started.append(process)
+        return process
+
+    def client(self) -> Any:
+        return distributed.Client(self.address, timeout=20, set_as_default=False)
+
+    def end(self) -> None:
+        everything = []
+        for process in self.started:
+            with suppress(psutil.NoSuchProcess):
+                everything += psutil.Process(process.pid).children(recursive=True)
+            process.terminate()
+        for process in self.started:
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        for each in everything:
+            with suppress(psutil.NoSuchProcess):
+                each.kill()
+
+
+@pytest.fixture(scope="module")
+def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
+    found = Processes(tmp_path_factory.mktemp("cluster"))
+    try:
+        yield found
+    finally:
+        found.end()
+
+
+def all_rows(chunks: Chunks) -> dict[Point, Row]:
+    found = [row for chunk in chunks for row in chunk]
+    by_point = {row.point: row for row in found}
+    assert len(by_point) == len(found)
+    return by_point
+
+
+def test_only_loopback_is_listened_to(processes: Processes) -> None:
+    listening = []
+    for process in processes.started:
+        root = psutil.Process(process.pid)
+        for each in (root, *root.children(recursive=True)):
+            found = [one for one in each.net_connections("inet") if one.status == "LISTEN"]
+            listening += [one.laddr.ip for one in found]
+    assert len(listening) >= 2 * 3  # scheduler and workers: for work, and for the dashboard
+    assert set(listening) == {"127.0.0.1"}
+
+
+def test_a_call_with_a_cluster(processes: Processes, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", SCENE, "--vary", "follower.base_radius=45:60:16", "--ask", ",".join(ASK)]
+    assert main([*words, "--json"]) == 0
+    loop = capsys.readouterr().out
+    assert main([*words, "--json", "--cluster", processes.address]) == 0
+    assert capsys.readouterr().out == loop
+
+
+@dataclass(frozen=True)
+class Deadly(Work):
+    """Work of which one design kills its process, and another waits to be killed the first time."""
+
+    mark: str = ""
+
+    def row(self, point: Point, ledger: object = None) -> Row:
+        if point[0] == 47:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if point[0] == 50:
+            with suppress(FileExistsError), Path(self.mark).open("x") as file:
+                file.write(str(os.getpid()))
+                file.flush()
+                time.sleep(60)
+        return super().row(point)
+
+
+def deadly(plain: Work, mark: Path) -> Deadly:
+    return Deadly(plain.text, plain.contents, plain.keys, plain.asked, plain.versions, str(mark))
+
+
+def kill_marked(mark: Path) -> None:
+    for _ in range(1200):
+        with suppress(OSError, ValueError):
+            os.kill(int(mark.read_text()), signal.SIGKILL)
+            return
+        time.sleep(0.05)
+
+
+def test_the_rows_of_the_loop_whatever_dies(processes: Processes, tmp_path: Path) -> None:
+    """A killed worker costs no row; a design that ends its workers is a row that says so."""
+    found = family("follower.base_radius=45:56:12")
+    plain, mark = work_on(found, *ASK), tmp_path / "mark"
+    killer = threading.Thread(target=kill_marked, args=(mark,))
+    killer.start()
+    points = list(found.points())
+    rows = all_rows(Cluster(processes.address).rows(deadly(plain, mark), iter(points)))
+    killer.join()
+    loop = all_rows(Loop().rows(plain, iter(points)))
+    (dead,) = (point for point in points if point[0] == 47)
+    assert rows.keys() == loop.keys()
+    assert rows[dead].reason.startswith("the process that computed it died, 1 time:")
+    assert {**rows, dead: loop[dead]} == loop
+
+
+def forget(mine: str, dask_scheduler: Any) -> None:
+    """In the scheduler: hang up on all clients but mine, whose chunks it then forgets."""
+    for name, each in dask_scheduler.client_comms.items():
+        if name != mine:
+            each.comm.abort()
+
+
+def test_what_the_scheduler_forgets_is_handed_out_again(
+    processes: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "CHUNK", 0.05)
+    found = family("follower.base_radius=45:60:40")
+    work = work_on(found, *ASK)
+    chunks = Cluster(processes.address).rows(work, found.points())
+    rows = list(next(chunks))
+    with closing(processes.client()) as client:
+        client.run_on_scheduler(forget, client.id)
+    rows += [row for chunk in chunks for row in chunk]
+    assert sorted(rows, key=lambda row: row.point) == list(rows_of(work, found.points()))
+
+
+def become(version: str) -> None:
+    """In a worker: a camgeo of that version."""
+    from camgeo.sweep import rows
+
+    vars(rows)["__version__"] = version
+
+
+@pytest.mark.parametrize("name", ["camgeo", "numpy", "python"])
+def test_a_worker_of_another_version_is_refused_by_name(name: str, processes: Processes) -> None:
+    found = family()
+    work = work_on(found, "laws")
+    other = replace(work, versions=replace(work.versions, **{name: "0.1"}))
+    words = rf"a worker has (?i:{name}) \S+, the sweep was started with 0\.1; .*worker tcp://127"
+    with pytest.raises(VersionError, match=words):
+        list(Cluster(processes.address).rows(other, found.points()))
+
+
+def test_one_worker_of_another_version_is_enough(processes: Processes) -> None:
+    found = family("follower.base_radius=45:60:16")
+    work = work_on(found, "laws")
+    with closing(processes.client()) as client:
+        worker = next(iter(client.nthreads()))
+        client.run(become, "0.1", workers=[worker])
+        try:
+            with pytest.raises(VersionError, match=rf"a worker has camgeo 0\.1, .*{worker}"):
+                list(Cluster(processes.address).rows(work, found.points()))
+        finally:
+            client.run(become, work.versions.camgeo, workers=[worker])
+
+
+def test_a_store_that_a_cluster_began_is_resumed(processes: Processes, tmp_path: Path) -> None:
+    """By the cluster or by any other engine; closing the rows ends what is handed out."""
+    store, part = tmp_path / "runs.sqlite", family("follower.base_radius=45:60:4")
+    whole = family("follower.base_radius=45:60:16")
+    sweep(part, ASK, store=store, engine=Cluster(processes.address)).close()
+    chosen = Cluster(processes.address)
+    with closing(sweep(whole, ASK, store=store, existing="resume", engine=chosen)) as result:
+        assert result.computed == 12
+        assert tuple(result.rows) == rows_of(work_on(whole, *ASK), whole.points())
+
+
+# Bad addresses ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "address", ["localhost", "127.0.0.1:8786", "http://a:1", "tcp://a:0", "tcp://a:99999"]
+)
+def test_what_is_no_address_is_refused(address: str) -> None:
+    with pytest.raises(GeometryError, match=r"cluster = .*: must be tcp://HOST:PORT"):
+        Cluster(address)
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1", "tcp://no.invalid:1"]
+)
+def test_a_cluster_that_cannot_be_reached_is_a_sentence(
+    address: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "REACHED", 0.5)
+    words = ["sweep", SCENE, "--vary", "follower.base_radius=45,46", "--ask", "laws"]
+    assert main([*words, "--cluster", address]) == 2
+    told = capsys.readouterr().err
+    assert f"no scheduler of Dask can be reached at {address}: " in told
+    assert "Traceback" not in told
+
+
+def test_a_missing_extra_names_its_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    found = family()
+    with pytest.raises(CamgeoError, match=r"not installed .*pip install 'camgeo\[cluster\]'"):
+        list(Cluster("tcp://127.0.0.1:1").rows(work_on(found, "laws"), found.points()))
+
+
+def test_dask_is_imported_for_a_cluster_only() -> None:
+    code = (
+        "import sys; from camgeo.cli.main import main;"
+        f"main(['sweep', {SCENE!r}, '--vary', 'follower.base_radius=45,46', '--ask', 'laws']);"
+        "assert not {'dask', 'distributed', 'camgeo.sweep.cluster'} & sys.modules.keys()"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+# Kills, in the long form --------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not LONG, reason="kills processes for minutes")
+def test_a_killed_driver_and_a_restarted_scheduler_lose_nothing(
+    processes: Processes, tmp_path: Path
+) -> None:
+    from tests.sweep.driver import ASK as QUESTIONS
+    from tests.sweep.driver import COUNT, killed_family
+
+    store, found = tmp_path / "runs.sqlite", killed_family()
+    for at in (COUNT // 10, COUNT // 2):
+        words = [sys.executable, "-m", "tests.sweep.driver", str(store), processes.address,
+                 "driver", str(at), "0.01"]  # fmt: skip
+        run = subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
+        assert run.returncode == -signal.SIGKILL
+    told: list[str] = []
+
+    def restart(words: str) -> None:
+        if not told:
+            scheduler = processes.started[0]
+            scheduler.kill()
+            scheduler.wait()
+            processes.started[0] = processes.schedule(processes.address.rsplit(":", 1)[1])
+            processes.started.pop()
+            processes.start_workers()  # those of a scheduler that is gone end
+        told.append(words)
+
+    chosen = Cluster(processes.address)
+    with closing(
+        sweep(found, QUESTIONS, store=store, existing="resume", engine=chosen, progress=restart)
+    ) as result:
+        assert COUNT // 10 < result.computed < COUNT - COUNT // 10
+        expected = rows_of(work_on(found, *QUESTIONS), found.points())
+        assert tuple(result.rows) == expected
