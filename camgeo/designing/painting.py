@@ -19,12 +19,13 @@ from camgeo.designing.faults import sentence, told
 from camgeo.designing.form import form
 from camgeo.designing.handles import handles
 from camgeo.designing.job import Job, JobError
+from camgeo.designing.packing import packed
 from camgeo.designing.plan import plan
 from camgeo.designing.recent import Recent
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.figure import diagrams, motion
 from camgeo.figure.animation import animation
-from camgeo.figure.model import Figure, data_of
+from camgeo.figure.model import Figure
 from camgeo.figure.thinned import thinned, thinned_turn
 from camgeo.scene.document import Document
 
@@ -45,9 +46,24 @@ def curves(job: Job, recent: Recent) -> dict[str, Any]:
         except SceneError:  # no TOML, which has no form
             return {"faults": told(error), "form": [], "plan": []}
         return {"faults": told(error), **_stated(found, recent)}
-    held = _tried(lambda: {"handles": [each.to_data() for each in handles(design)]})
     stated = _stated(design.scene.stated.scene, recent)
-    return {**painted(design, recent), **(held or {"handles": []}), **stated}
+    return {**painted(design, recent), **_held(design), **stated}
+
+
+def _moved(job: Job, recent: Recent) -> dict[str, Any]:
+    """Of the `curves` what moves in a drag: without the fields of the scene, and without a diagram
+    that is the last one.
+    """
+    drawn = recent.last("motion")
+    found = painted(design := recent.design(job), recent)
+    if drawn is not None and recent.last("motion") is drawn:
+        found["charts"] = [each for each in found["charts"] if each is not drawn]
+    return {**found, **_held(design)}
+
+
+def _held(design: Design) -> dict[str, Any]:
+    held = _tried(lambda: {"handles": [each.to_data() for each in handles(design)]})
+    return held or {"handles": []}
 
 
 def change(job: Job, recent: Recent) -> dict[str, Any]:
@@ -55,6 +71,9 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
 
     A change that cannot be made leaves the text as it is: `refused` says why, in a sentence. One
     after which the scene is not valid is made, and `faults` say what is wrong.
+
+    With the argument `moving`, for a change that is one of many, `moving` is true if the scene is
+    valid, and of the `curves` there is only what differs or is soon made, see `_moved`.
     """
     try:
         design = recent.design(job)
@@ -69,6 +88,9 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     after = replace(job, text=found.text)
     if found.scene is not None:
         recent.made(after, found.scene)
+    if job.arguments.get("moving") is True and found.scene is not None:
+        head = {"text": found.text, "moving": True, "label": found.label}
+        return {**head, **_moved(after, recent)}
     return {"text": found.text, "label": found.label, **curves(after, recent)}
 
 
@@ -91,7 +113,7 @@ def painted(design: Design, recent: Recent) -> dict[str, Any]:
     scene = design.scene
     turn = None
     if scene.follower is not None:
-        turn = _tried(lambda: thinned_turn(animation(design.disc)).to_data())
+        turn = _tried(lambda: packed(thinned_turn(animation(design.disc))))
     charts = [chart for make in _wanted(design, recent) if (chart := _tried(make)) is not None]
     return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
 
@@ -142,7 +164,7 @@ def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
     return {
         "name": name,
         "title": title,
-        "figure": data_of(thinned(figure)),
+        "figure": packed(thinned(figure)),
         "sentence": chart.sentence,
         "readings": [_reading(each) for each in chart.readings],
     }

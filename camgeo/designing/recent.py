@@ -32,6 +32,11 @@ class Recent:
             known = self._kept[name] = of, make()
         return known[1]
 
+    def last(self, name: str) -> Any:
+        """What was made last under a name, see `kept`; None if nothing was."""
+        known = self._kept.get(name)
+        return None if known is None else known[1]
+
     def design(self, job: Job) -> Design:
         """The design of a job's scene; SceneError if it is not valid."""
         place = job.text, job.file, job.folder

@@ -6,15 +6,16 @@ only chooses how to write a number at a tick, and where a legend covers least.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Literal
 
 import numpy as np
 
 from camgeo.displayed import Brief, Displayed
 from camgeo.figure.marks import Area, Band, Field, Fill, Line, Mark, Point, Rule, Style, Text
+from camgeo.numeric.arrays import FloatArray
 
 Frame = tuple[float, float, float, float]
 """Left, lower, right and upper edge, as fractions of a figure from its lower left corner."""
@@ -158,26 +159,52 @@ def _names(kind: Any) -> tuple[str, ...]:
     return tuple(each.name for each in fields(kind))
 
 
-def data_of(value: Any) -> Any:
-    """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair."""
+def listed(array: FloatArray) -> list[Any]:
+    """The numbers of an array as lists in lists; a gap is None."""
+    gaps = np.isnan(array)
+    if not gaps.any():
+        numbers: list[Any] = array.tolist()
+        return numbers
+    data = array.astype(object)
+    data[gaps] = None
+    found: list[Any] = data.tolist()
+    return found
+
+
+@lru_cache(maxsize=512)
+def _styled(style: Style | Fill) -> dict[str, Any]:
+    """The data of a style, of which a figure has few, on many marks."""
+    kind: Any = type(style)
+    found: dict[str, Any] = {"kind": kind.__name__.lower()}
+    for name in _names(kind):
+        found[name] = data_of(getattr(style, name))
+    return found
+
+
+def data_of(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
+    """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair.
+
+    Parameters
+    ----------
+    array : the data of an array.
+    """
     if isinstance(value, str):  # most values are texts and floats
         return value
     if isinstance(value, float):
         return float(value)
     if isinstance(value, tuple):
-        return [data_of(each) for each in value]
+        return [data_of(each, array) for each in value]
     if isinstance(value, np.ndarray):
-        gaps = np.isnan(value)
-        if not gaps.any():
-            return value.tolist()
-        data = value.astype(object)
-        data[gaps] = None
-        return data.tolist()
+        return array(value)
+    if isinstance(value, Style | Fill):
+        data = dict(_styled(value))
+        data["dashes"] = list(value.dashes)
+        return data
     if is_dataclass(value):
         kind: Any = type(value)
         found: dict[str, Any] = {"kind": kind.__name__.lower()}
         for name in _names(kind):
-            found[name] = data_of(getattr(value, name))
+            found[name] = data_of(getattr(value, name), array)
         return found
     if isinstance(value, complex):
         return [value.real, value.imag]

@@ -93,6 +93,35 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
         assert page.hear("state", redo="a = 49")["text"] == "a = 1\n"
 
 
+def test_what_moves_is_painted_at_once_and_the_rest_when_it_pauses(folder: Path) -> None:
+    asked: list[str] = []
+
+    def moving(job: Job, seconds: float) -> Mapping[str, Any]:
+        asked.append(job.kind)
+        found = computed(job, seconds)
+        if not job.arguments.get("moving"):
+            return found
+        return {"faults": [], "text": found["text"], "moving": True, "label": found["label"]}
+
+    with served(folder, "cam.toml", moving) as server, server.page() as page:
+        page.say("hello")
+        page.hear("findings", revision=0)
+        asked.clear()
+        for value in range(5):
+            page.say("change", id=value, edits={"a": value}, gesture="drag")
+            assert page.hear("moved", answers=value)["text"] == f"a = {value}\n"
+        heard = [page.hear("curves", "findings", revision=5) for _ in range(2)]
+        assert {each["kind"] for each in heard} == {"curves", "findings"}
+        assert all(each["of"] == "a = 4\n" and each.get("answers") is None for each in heard)
+        assert asked.count("curves") <= 2
+        with server.page() as other:
+            other.say("hello")
+            assert other.hear("curves", revision=5)["of"] == "a = 4\n"
+        page.say("change", id=6, edits={"a": 6}, gesture="another")
+        page.say("pin")  # of all, not of what moved
+        assert page.hear("pinned", pinned=None)["curves"]["of"] == "a = 6\n"
+
+
 def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path) -> None:
     asked: list[str] = []
 

@@ -91,6 +91,37 @@ def test_changes_one_after_another_are_painted_as_their_texts() -> None:
         assert written(found) == written(run(now))
 
 
+def test_what_moves_in_a_drag_is_as_in_the_whole() -> None:
+    recent = Recent()
+    now = job(SETZHUB)
+    shown = run(now, recent)
+    drags: list[dict[str, Any]] = [
+        {"handle": "joint 3", "to": [180, 50], "step": 0.5},
+        {"handle": "pivot", "to": [-41, -62]},
+        {"edits": {"follower.base_radius": 51}},
+        {"handle": "joint 3", "to": [181, 51], "step": 0.5},
+    ]
+    told = []
+    for arguments in drags:
+        found = run(replace(now, kind="change", arguments={**arguments, "moving": True}), recent)
+        assert list(found)[:4] == ["faults", "text", "moving", "label"]
+        assert not {"form", "plan", "effects"} & found.keys()
+        now = replace(now, text=found["text"])
+        told.append([each["name"] for each in found["charts"]])
+        newer = {each["name"]: each for each in found["charts"]}
+        charts = [newer.get(each["name"], each) for each in shown["charts"]]
+        whole = run(now)
+        assert charts == whole["charts"]
+        assert all(found[key] == whole[key] for key in ("animation", "handles", "name", "unit"))
+        shown = {**shown, **found, "charts": charts}
+    assert [("motion" in names) for names in told] == [True, False, False, True]
+    wrong = {"edits": {"follower.roller_radius": "wrong"}, "moving": True}
+    found = run(replace(now, kind="change", arguments=wrong), recent)
+    assert "moving" not in found
+    assert found["faults"]
+    assert found["form"]
+
+
 def test_a_change_that_cannot_be_made_leaves_the_text() -> None:
     text = SETZHUB.read_text("utf-8")
     for arguments in ({}, {"handle": "none", "to": [1, 2]}, {"edits": {}, "cure": 1}, {"cure": 9}):

@@ -12,7 +12,8 @@ from typing import Any, Final
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 LATEST: Final = (
-    "state", "curves", "findings", "pinned", "built", "sized", "solid", "templates", "effects",
+    "state", "curves", "moved", "findings", "pinned", "built", "sized", "solid", "templates",
+    "effects",
 )  # fmt: skip
 """Kinds of messages of which a page needs the latest only: a page that takes them slowly, or not at
 all, has no more than one of each waiting."""
@@ -62,7 +63,7 @@ class Message:
         """The later one of two messages of a kind, with what only the earlier one says."""
         if self.kind == "state":
             return replace(self, head={**before.head, **self.head})
-        if self.kind == "curves" and self.head.get("answers") is None:
+        if self.kind in ("curves", "moved") and self.head.get("answers") is None:
             return replace(self, head={**self.head, "answers": before.head.get("answers")})
         return self
 
@@ -70,6 +71,16 @@ class Message:
 def body(found: Mapping[str, Any]) -> bytes:
     """A JSON object as the body of a message."""
     return json.dumps(found, ensure_ascii=False, allow_nan=False).encode()
+
+
+def refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
+    """That the message `id_` is not done, and why."""
+    return Message("refused", {"id": id_, "message": sentence, **more})
+
+
+def told(sentence: str) -> Message:
+    """A sentence for the user."""
+    return Message("told", {"message": sentence})
 
 
 class Page:

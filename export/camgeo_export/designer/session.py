@@ -23,7 +23,7 @@ from camgeo_export.designer.files import Files
 from camgeo_export.designer.jobs import Jobs, head_of
 from camgeo_export.designer.messages import MessageError, Said, understood
 from camgeo_export.designer.named_files import NamedFiles
-from camgeo_export.designer.pages import NOTHING, Message, Page, body
+from camgeo_export.designer.pages import NOTHING, Message, Page, body, refused, told
 
 PAUSE: Final = 0.12
 """Seconds after the last picture before findings are computed."""
@@ -131,7 +131,7 @@ class Session:
                 try:
                     self._hear(page, understood(text))
                 except MessageError as error:
-                    page.put(_refused(error.id, str(error)))
+                    page.put(refused(error.id, str(error)))
         finally:
             self._pages.discard(page)
             sending.cancel()
@@ -162,7 +162,7 @@ class Session:
             page.put(self._findings)
         page.put(self._pinned_message())
         for sentence in self._notes:
-            page.put(_told(sentence))
+            page.put(told(sentence))
         self._notes = ()
 
     # -- the scene ---------------------------------------------------------------------------------
@@ -177,6 +177,8 @@ class Session:
                 self._wake.clear()
                 while self._asked:
                     await self._do(self._asked.popleft())
+                if self._painted != self._revision and self._jobs.idle >= PAUSE:
+                    await self._paint(None)  # a drag has paused
                 if self._outdated:
                     self._outdated = False
                     await self._paint(None)
@@ -194,16 +196,18 @@ class Session:
             else:
                 await self._step(asked)
         except OverwriteError as error:
-            asked.page.put(_refused(asked.said.id, str(error), force=True))
+            asked.page.put(refused(asked.said.id, str(error), force=True))
         except CamgeoError as error:
-            asked.page.put(_refused(asked.said.id, str(error)))
+            asked.page.put(refused(asked.said.id, str(error)))
         for sentence in self.desk.told():
-            self._broadcast(_told(sentence))
+            self._broadcast(told(sentence))
 
     async def _change(self, asked: Asked) -> None:
         """Change the text as the page asks, by a job that paints the new text too."""
         arguments = dict(asked.said.arguments)
         gesture = arguments.pop("gesture", "")
+        if gesture:
+            arguments["moving"] = True
         try:
             found = await self._jobs.do("change", arguments)
             data, painting = head_of(found.text, ("label", "refused")), found.text
@@ -212,12 +216,14 @@ class Session:
             painting = body({"faults": faults.told(error), "label": data["label"]})
         if "refused" in data or not isinstance(data.get("text"), str):
             sentence = str(data.get("refused") or "this cannot be changed so")
-            asked.page.put(_refused(asked.said.id, sentence, faults=data.get("faults", [])))
+            asked.page.put(refused(asked.said.id, sentence, faults=data.get("faults", [])))
             return
         label = str(data.get("label") or "change")
         self._apply(lambda: self.desk.change(data["text"], label, gesture))
-        self._painted = self._revision
-        self._show(painting, asked)
+        moving = data.get("moving") is True
+        if not moving:
+            self._painted = self._revision
+        self._show(painting, asked, moving=moving)
         self._broadcast(self._state())
 
     def _changed_here(self, arguments: Mapping[str, Any], error: Refused) -> dict[str, Any]:
@@ -243,6 +249,8 @@ class Session:
                 force = given.get("force", False)
                 await asyncio.to_thread(desk.save, given.get("path"), force=force)
             case "pin" | "unpin":
+                if self._painted != self._revision:
+                    await self._paint(None)
                 self._pinned = self._curves.text.encode() if said.kind == "pin" else None
                 self._broadcast(self._pinned_message())
             case _:
@@ -284,13 +292,15 @@ class Session:
         if self._findings is None:
             self._judge()
 
-    def _show(self, painting: bytes, asked: Asked | None) -> None:
-        """Show curves of the present text to all pages."""
+    def _show(self, painting: bytes, asked: Asked | None, *, moving: bool = False) -> None:
+        """Show curves of the present text to all pages, or only what moves of them."""
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
-        self._curves = Message("curves", head, painting)
+        if not moving:
+            self._curves = Message("curves", head, painting)
+        kind = "moved" if moving else "curves"
         for page in self._pages:
             answers = asked.said.id if asked is not None and page is asked.page else None
-            page.put(Message("curves", {**head, "answers": answers}, painting))
+            page.put(Message(kind, {**head, "answers": answers}, painting))
 
     def _judge(self) -> None:
         """Compute the findings once nothing has changed for a while."""
@@ -306,6 +316,7 @@ class Session:
             while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
                 await asyncio.sleep(left)
             revision = self._revision
+            self._wake.set()  # what has not been painted of it follows
             found = body({"faults": [], "findings": [], "cures": [], "places": []})
             if self.desk.text.strip():
                 try:
@@ -324,7 +335,7 @@ class Session:
         try:
             found = await self._jobs.do(said.kind, arguments)
         except CamgeoError as error:
-            page.put(_refused(said.id, str(error)))
+            page.put(refused(said.id, str(error)))
             return
         painting = found.text
         if said.kind == "build":
@@ -380,12 +391,4 @@ class Session:
                 self._disk = disk
                 self._broadcast(self._state())
                 if disk != "same":
-                    self._broadcast(_told(f"{self.desk.name} has been {BECOME[disk]}"))
-
-
-def _refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
-    return Message("refused", {"id": id_, "message": sentence, **more})
-
-
-def _told(sentence: str) -> Message:
-    return Message("told", {"message": sentence})
+                    self._broadcast(told(f"{self.desk.name} has been {BECOME[disk]}"))

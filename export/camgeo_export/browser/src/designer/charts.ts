@@ -19,7 +19,7 @@ export class Charts {
   ) {
     this.element.append(this.none, this.list);
     this.show = keyed(this.list, (chart) => `${chart.name} ${chart.title}`, (chart) => this.card(chart));
-    session.on(["curves", "findings"], () => this.update());
+    session.on(["curves", "moved", "findings"], () => this.update());
   }
 
   private update(): void {

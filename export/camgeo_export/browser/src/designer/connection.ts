@@ -106,11 +106,12 @@ export class Connection {
   }
 
   private heard(message: FromServer): void {
-    const id = message.kind === "curves" ? message.answers : message.kind === "refused" ? message.id : null;
+    const painted = message.kind === "curves" || message.kind === "moved";
+    const id = painted ? message.answers : message.kind === "refused" ? message.id : null;
     const own = this.unanswered;
     this.ears.message(message);
     if (typeof id === "number") {
-      if (own?.id === id && message.kind === "curves") this.ears.answered(id, { input: own.input, sent: own.sent, gesture: own.gesture ?? null });
+      if (own?.id === id && painted) this.ears.answered(id, { input: own.input, sent: own.sent, gesture: own.gesture ?? null });
       this.answer(id);
     }
   }

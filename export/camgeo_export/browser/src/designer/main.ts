@@ -120,7 +120,7 @@ function start(root: HTMLElement): void {
     comparison.update();
     if (compare) shown(compare, session.pinned !== null);
   });
-  session.on("findings", () => findings.update());
+  session.on(["findings", "moved"], () => findings.update());
   session.on("state", () => {
     files.update();
     text.update();

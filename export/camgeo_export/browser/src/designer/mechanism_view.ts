@@ -69,8 +69,8 @@ export class MechanismView {
       state,
       this.details,
     );
-    session.on(["curves", "faults"], () => this.update());
-    session.on(["findings", "curves"], () => this.mark());
+    session.on(["curves", "moved", "faults"], () => this.update());
+    session.on(["findings", "curves", "moved"], () => this.mark());
     session.angle.listen((degrees) => this.turn(degrees));
     new ResizeObserver(([entry]) => {
       this.width = entry?.contentRect.width ?? 0;

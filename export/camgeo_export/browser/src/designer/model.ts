@@ -194,6 +194,7 @@ export interface BuiltFile {
 export type FromServer =
   | ({ kind: "state" } & State)
   | ({ kind: "curves"; revision: number; answers?: number | null } & Curves)
+  | ({ kind: "moved"; revision: number; answers?: number | null } & Curves) // what moves in a drag; the rest follows as curves
   | ({ kind: "findings"; revision: number } & Found)
   | { kind: "refused"; id?: number | null; message: string; force?: boolean; faults?: Fault[] }
   | { kind: "built"; revision?: number; files: BuiltFile[]; findings?: string[]; faults?: Fault[]; message?: string }

@@ -6,7 +6,7 @@ import { beside, CHART, chartOf, Extremes } from "./compare";
 import { el, fresh, shown } from "./dom";
 import { Handles, type View } from "./handles";
 import { Laws } from "./laws";
-import type { Handle } from "./model";
+import type { Handle, Chart as Drawable } from "./model";
 import { Plan } from "./plan";
 import type { Session } from "./session";
 import { t } from "./strings";
@@ -23,6 +23,7 @@ export class MotionView {
   private readonly picture: HTMLElement;
   private readonly none = el("p", { hidden: true }, t("motion.none"));
   private readonly sentence = el("p", { class: "sentence", id: fresh() });
+  private shown: Drawable | undefined;
   private held: { panel: number; x: [number, number]; y: [number, number] } | null = null;
 
   constructor(
@@ -37,15 +38,23 @@ export class MotionView {
     this.picture = el("div", { class: "picture" }, this.chart.svg as unknown as Node, this.handles.layer);
     this.element.append(this.none, this.handles.exact, el("div", { class: "wide", tabindex: 0, role: "group", "aria-label": t("motion.picture") }, this.picture), this.sentence, this.table.element, this.laws.element);
     session.on(["curves", "faults"], () => this.update());
+    session.on("moved", () => {
+      if (chartOf(session.curves, CHART, "") !== this.shown) this.draw();
+    });
   }
 
   private update(): void {
+    this.plan.update(this.session.curves?.plan ?? []);
+    this.draw();
+  }
+
+  private draw(): void {
     const { curves, pinned, held } = this.session;
     const found = chartOf(curves, CHART, "");
+    this.shown = found;
     shown(this.none, !found);
     shown(this.picture, Boolean(found));
     this.picture.classList.toggle("old", this.session.faults.length > 0);
-    this.plan.update(curves?.plan ?? []);
     if (!found) return;
     const handles = (curves?.handles ?? []).filter((each) => each.space === SPACE);
     const figure = this.steady(beside(found.figure, chartOf(pinned, CHART, "")?.figure), handles, held === SPACE);

@@ -4,10 +4,11 @@ import { CamAngle } from "../angle";
 import { announce } from "./announce";
 import { type Ask, Connection } from "./connection";
 import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer } from "./model";
+import { moved, withLists } from "./packing";
 import { t } from "./strings";
 import { painted, timings, took } from "./timings";
 
-export type Topic = "state" | "curves" | "faults" | "refused" | "findings" | "pinned" | "connection" | "built" | "solid" | "sized" | "laws" | "effects" | "busy" | "told" | "hold";
+export type Topic = "state" | "curves" | "moved" | "faults" | "refused" | "findings" | "pinned" | "connection" | "built" | "solid" | "sized" | "laws" | "effects" | "busy" | "told" | "hold";
 
 const NEVER: Fault[] = [];
 const ANSWERS = ["built", "solid", "sized", "refused"]; // of what the page is told to wait for
@@ -129,6 +130,7 @@ export class Session {
       case "curves": {
         const { kind: _, revision, answers: __, ...rest } = found;
         if (revision < this.revision) return;
+        withLists(rest);
         this.revision = revision;
         if (typeof rest.text === "string") this.text = rest.text;
         this.refused = rest.refused ?? "";
@@ -143,10 +145,22 @@ export class Session {
         else if (rest.label) announce(t("announce.changed", { label: rest.label }));
         break;
       }
+      case "moved": {
+        const { kind: _, revision, answers: __, ...rest } = found;
+        if (revision < this.revision) return;
+        this.revision = revision;
+        if (typeof rest.text === "string") this.text = rest.text;
+        if (this.refused || this.faults.length || this.message) this.tell("faults", "told");
+        [this.refused, this.message, this.faults] = ["", "", NEVER];
+        this.curves = moved(this.curves, withLists(rest));
+        this.tell("moved");
+        if (rest.label) announce(t("announce.changed", { label: rest.label }));
+        break;
+      }
       case "findings": {
         const { kind: _, ...rest } = found;
         if (found.revision < this.revision) return;
-        this.findings = rest;
+        this.findings = withLists(rest);
         this.tell("findings");
         painted((at) => timings.findings.push(at));
         break;
@@ -182,7 +196,7 @@ export class Session {
         this.tell("effects");
         break;
       case "pinned":
-        this.pinned = found.curves;
+        this.pinned = found.curves && withLists(found.curves);
         this.tell("pinned", "curves");
         break;
       case "busy":

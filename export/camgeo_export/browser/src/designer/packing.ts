@@ -1,0 +1,58 @@
+// Pictures as they come from the server, their long lists of numbers packed: camgeo.designing.packing.
+
+import type { Animation, Figure } from "../data";
+import type { Chart, Curves } from "./model";
+
+interface Packed {
+  packed: "f4" | "f8";
+  shape: number[];
+  numbers: string; // in base 64, the lowest byte first
+}
+
+const isPacked = (value: object): value is Packed => "packed" in value;
+
+type Numbers = (number | null | Numbers)[];
+
+function listed({ packed, shape, numbers }: Packed): Numbers {
+  const text = atob(numbers);
+  const bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
+  const all = packed === "f4" ? new Float32Array(bytes.buffer) : new Float64Array(bytes.buffer);
+  let next = 0;
+  const part = (depth: number): Numbers =>
+    Array.from({ length: shape[depth] ?? 0 }, () => {
+      if (depth < shape.length - 1) return part(depth + 1);
+      const value = all[next++] ?? NaN;
+      return Number.isNaN(value) ? null : value;
+    });
+  return part(0);
+}
+
+// The same with all lists; the others stay where they are.
+function unpacked(value: unknown): unknown {
+  if (typeof value !== "object" || value === null) return value;
+  if (Array.isArray(value)) {
+    for (let k = 0; k < value.length; k++) if (typeof value[k] === "object") value[k] = unpacked(value[k]);
+    return value;
+  }
+  if (isPacked(value)) return listed(value);
+  const table = value as Record<string, unknown>;
+  for (const key in table) if (typeof table[key] === "object") table[key] = unpacked(table[key]);
+  return value;
+}
+
+// Charts, and all that has some, with lists in place of what is packed.
+export function withLists<T extends { charts?: Chart[]; animation?: Animation | null }>(found: T): T {
+  for (const chart of found.charts ?? []) chart.figure = unpacked(chart.figure) as Figure;
+  if (found.animation) found.animation = unpacked(found.animation) as Animation;
+  return found;
+}
+
+// The curves with those parts that are newer; diagrams that are not among them stay.
+export function moved(curves: Curves | null, parts: Curves): Curves {
+  const newer = parts.charts ?? [];
+  const same = (one: Chart, other: Chart): boolean => one.name === other.name && one.title === other.title;
+  const charts = (curves?.charts ?? []).map((chart) => newer.find((each) => same(each, chart)) ?? chart);
+  const more = newer.filter((each) => !charts.includes(each));
+  return { ...curves, ...parts, charts: [...charts, ...more] };
+}
