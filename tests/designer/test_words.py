@@ -9,7 +9,10 @@ FOLDER = Path(__file__).parents[2] / "export" / "camgeo_export" / "browser" / "s
 
 CATALOGUE = (FOLDER / "strings.ts").read_text("utf-8")
 
-OTHERS = {path.name: path.read_text("utf-8") for path in FOLDER.glob("*.ts")}
+OTHERS = {
+    path.name: path.read_text("utf-8")
+    for path in (*FOLDER.glob("*.ts"), FOLDER.with_name("dom.ts"))
+}
 del OTHERS["strings.ts"]
 
 AT_RUN_TIME = ("plan.", "view.", "busy.", "size.")

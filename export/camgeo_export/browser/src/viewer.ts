@@ -3,13 +3,13 @@
 
 import { CamAngle } from "./angle";
 import { Chart } from "./chart";
-import { make, makeControls } from "./controls";
+import { makeControls } from "./controls";
 import type { Animation, Charted } from "./data";
+import { el, table } from "./dom";
 import drawingStyle from "./drawing.css";
 import { liftAt, Mechanism } from "./mechanism";
 import { Player } from "./player";
 import viewerStyle from "./viewer.css";
-import { VIEWER_WORDS } from "./viewer_words";
 import { WORDS } from "./words";
 
 // The extremes of a curve, as they are read, at cam angles in degrees.
@@ -40,15 +40,12 @@ interface Model {
 const APART = 100; // milliseconds between two messages to Python while the cam turns
 
 function tableOf(readings: Reading[]): HTMLElement {
-  const heads = VIEWER_WORDS.extremesOf.map((each) => make("th", { scope: "col" }, each));
-  const rows = readings.map((each) =>
-    make("tr", {}, ...[each.name, each.low, `${each.low_at}°`, each.high, `${each.high_at}°`].map((cell) => make("td", {}, cell))),
-  );
-  return make("table", {}, make("thead", {}, make("tr", {}, ...heads)), make("tbody", {}, ...rows));
+  const rows = readings.map((each) => [each.name, each.low, `${each.low_at}°`, each.high, `${each.high_at}°`]);
+  return table(WORDS.extremes, WORDS.extremesOf, rows);
 }
 
-function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
-  const host = make("div");
+function render({ model, el: place }: { model: Model; el: HTMLElement }): () => void {
+  const host = el("div");
   host.dataset.lmSuppressShortcuts = "true"; // keys pressed here are not commands of JupyterLab
   const root = host.attachShadow({ mode: "open" });
   const style = new CSSStyleSheet();
@@ -61,14 +58,14 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
   const player = new Player(angle, parts, (degrees) => (data.animation ? liftAt(data.animation, degrees) : ""));
   const mechanism = new Mechanism(angle, WORDS.mechanism);
   const chart = new Chart(angle, () => player.stop());
-  const note = make("figcaption");
-  const sentence = make("figcaption");
-  const choice = make("select", { ariaLabel: WORDS.diagram });
-  const left = make("figure", { className: "mechanism" }, mechanism.svg, note);
-  const extremes = make("details");
-  const right = make("figure", {}, choice, chart.svg, sentence, extremes);
-  const pictures = make("div", { className: "pictures" }, left, right);
-  root.append(make("div", { className: "viewer" }, controls, pictures));
+  const note = el("figcaption");
+  const sentence = el("figcaption");
+  const choice = el("select", { "aria-label": WORDS.diagram });
+  const left = el("figure", { class: "mechanism" }, mechanism.svg, note);
+  const extremes = el("details");
+  const right = el("figure", {}, choice, chart.svg, sentence, extremes);
+  const pictures = el("div", { class: "pictures" }, left, right);
+  root.append(el("div", { class: "viewer" }, controls, pictures));
   for (const kind of ["keydown", "keyup", "keypress"]) host.addEventListener(kind, (event) => event.stopPropagation());
 
   const choose = () => {
@@ -77,7 +74,7 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
     chart.update(chosen);
     sentence.textContent = chosen.sentence;
     extremes.hidden = !chosen.readings?.length;
-    extremes.replaceChildren(make("summary", {}, VIEWER_WORDS.extremes), tableOf(chosen.readings ?? []));
+    extremes.replaceChildren(el("summary", {}, WORDS.extremes), tableOf(chosen.readings ?? []));
   };
   const update = () => {
     data = model.get("data") ?? { animation: null, charts: [] };
@@ -118,7 +115,7 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
   take();
   model.on("change:angle", take);
   const forget = angle.listen(tell);
-  el.append(host);
+  place.append(host);
   return () => {
     model.off("change:data", update);
     model.off("change:angle", take);

@@ -11,6 +11,8 @@ export const WORDS = {
   state: (degrees: string, lift: string) => `Cam angle ${degrees}°${lift && `, follower at ${lift}`}`,
   mechanism: "The mechanism at the cam angle stated below",
   diagram: "Diagram",
+  extremes: "Extremes as a table",
+  extremesOf: ["curve", "smallest", "at", "largest", "at"],
   noWebGL: "This browser has no WebGL, so the solid is not drawn.",
 };
 

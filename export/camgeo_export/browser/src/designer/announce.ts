@@ -1,6 +1,6 @@
 // What is said to those who listen to the page instead of looking: the last word once it has rested.
 
-import { el } from "./dom";
+import { el } from "../dom";
 
 const REST = 700; // milliseconds without a newer word
 const APART = 1500; // least between two

@@ -1,6 +1,6 @@
 // Makes the files of the scene, and offers them for download.
 
-import { button, el, say, shown, table } from "./dom";
+import { button, el, say, shown, table } from "../dom";
 import type { Session } from "./session";
 import { number, t } from "./strings";
 

@@ -2,7 +2,7 @@
 
 import { Chart } from "../chart";
 import { beside, CHART, chartOf, Extremes } from "./compare";
-import { el, type Kept, keyed, say, shown } from "./dom";
+import { el, type Kept, keyed, say, shown } from "../dom";
 import type { Chart as Drawable } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
@@ -35,7 +35,7 @@ export class Charts {
     own.svg.setAttribute("aria-label", first.title);
     const sentence = el("span");
     const extremes = new Extremes(this.session);
-    const element = el("figure", { class: "chart", "data-chart": first.name }, own.svg as unknown as Node, el("figcaption", {}, el("strong", {}, first.title), ": ", sentence), extremes.element);
+    const element = el("figure", { class: "chart", "data-chart": first.name }, own.svg, el("figcaption", {}, el("strong", {}, first.title), ": ", sentence), extremes.element);
     let now = first;
     let seen = false;
     let stale = true;

@@ -1,11 +1,11 @@
 // A pinned variant beside the present one: its curves behind them in grey, and their numbers.
 
 import type { Area, Axis, Figure, Line, Panel } from "../data";
-import { el, shown, table } from "./dom";
+import { el, shown, table } from "../dom";
 import { written } from "./field";
 import type { Chart, Curves, Field, Reading } from "./model";
 import type { Session } from "./session";
-import { number, t } from "./strings";
+import { number, PLAYER, t } from "./strings";
 
 export const CHART = "motion"; // the diagram that has joints
 
@@ -66,7 +66,7 @@ const extremes = (curves: Curves): Map<string, Reading> => new Map((curves.chart
 // The extremes of a diagram as a table, with those of the pinned variant beside them.
 export class Extremes {
   private readonly rows = el("div");
-  readonly element = el("details", {}, el("summary", {}, t("charts.table")), this.rows);
+  readonly element = el("details", {}, el("summary", {}, PLAYER.extremes), this.rows);
   private chart: Chart | null = null;
 
   constructor(private readonly session: Session) {
@@ -83,7 +83,7 @@ export class Extremes {
     const { chart } = this;
     if (!chart || !this.element.open) return;
     const pinned = new Map(chartOf(this.session.pinned, chart.name, chart.title)?.readings.map((each) => [each.name, each]) ?? []);
-    const heads = [t("charts.curve"), t("charts.low"), t("charts.at"), t("charts.high"), t("charts.at")];
+    const heads = [...PLAYER.extremesOf];
     if (pinned.size) heads.push(t("charts.pinned-low"), t("charts.pinned-high"));
     heads.push(t("charts.limits"));
     const row = (each: Reading): string[] => {

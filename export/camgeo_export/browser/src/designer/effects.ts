@@ -1,6 +1,6 @@
 // The effects that can be computed, each switched on or off.
 
-import { el, fresh, type Kept, keyed, say, shown } from "./dom";
+import { el, fresh, type Kept, keyed, say, shown } from "../dom";
 import type { Effect } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";

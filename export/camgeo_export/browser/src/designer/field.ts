@@ -1,6 +1,6 @@
 // One value of the scene: its label, a field for exact entry, a slider where there is a range.
 
-import { attribute, button, el, fresh, type Kept, say, shown } from "./dom";
+import { attribute, button, el, fresh, type Kept, say, shown } from "../dom";
 import type { Change, Chosen, Field, Value } from "./model";
 import type { Session } from "./session";
 import { number, t } from "./strings";

@@ -1,6 +1,6 @@
 // The scene's file: what it is called, whether it is saved, undo and redo, and the dialogs about files.
 
-import { attribute, button, el, fresh, say, shown } from "./dom";
+import { attribute, button, el, fresh, say, shown } from "../dom";
 import type { Session } from "./session";
 import { t } from "./strings";
 

@@ -1,6 +1,6 @@
 // The findings, each with its place and next step, and the cures, which are applied at a click.
 
-import { attribute, button, el, say, shown } from "./dom";
+import { attribute, button, el, say, shown } from "../dom";
 import type { Finding } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";

@@ -1,6 +1,6 @@
 // The sizes: a group for each part of the scene, with its kinds and a field for each value.
 
-import { el, fresh, type Kept, keyed, say, shown } from "./dom";
+import { el, fresh, type Kept, keyed, say, shown } from "../dom";
 import { FieldView } from "./field";
 import type { Field, Section } from "./model";
 import type { Session } from "./session";

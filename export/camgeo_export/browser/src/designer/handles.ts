@@ -2,7 +2,7 @@
 // by the exact fields below the picture. Where they stand and what they move comes from the server.
 
 import { announce } from "./announce";
-import { attribute, el, fresh, type Kept, keyed, say } from "./dom";
+import { attribute, el, fresh, type Kept, keyed, say } from "../dom";
 import { FieldView, stepped } from "./field";
 import type { Change, Field, Handle, HandleValue, Point, Value } from "./model";
 import type { Session } from "./session";

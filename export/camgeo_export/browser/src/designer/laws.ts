@@ -2,7 +2,7 @@
 
 import type { Figure, Panel } from "../data";
 import { Drawing } from "../figure";
-import { button, el, fresh, say } from "./dom";
+import { button, el, fresh, say } from "../dom";
 import type { Law, Segment } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";

@@ -4,7 +4,7 @@ import { announcer } from "./announce";
 import { Build } from "./build";
 import { Charts } from "./charts";
 import { Comparison } from "./compare";
-import { button, el, type Panel, panel, say, shown } from "./dom";
+import { button, el, type Panel, panel, say, shown } from "../dom";
 import { Effects } from "./effects";
 import { Files } from "./files";
 import { Findings } from "./findings";

@@ -1,20 +1,19 @@
 // The mechanism: turning, with handles on its sizes, and with the places where something is wrong.
 
+import { makeControls } from "../controls";
 import type { Animation, Mark } from "../data";
 import { liftAt, Mechanism } from "../mechanism";
 import { Player } from "../player";
 import { element, fixed } from "../svg";
 import { apart } from "./apart";
 import { GREY } from "./compare";
-import { attribute, el, say, shown } from "./dom";
+import { attribute, el, say, shown } from "../dom";
 import { Handles, type View } from "./handles";
 import type { Handle, Place, Point } from "./model";
 import type { Session } from "./session";
 import { PLAYER, t } from "./strings";
 
 const SPACE = "mechanism";
-const SPEEDS = [30, 15, 8, 4, 2]; // seconds of a turn
-const SPEED = 8;
 const MOST = 40; // places that are drawn, and said in words
 const TARGET = 24; // pixels across a handle, as in the style sheet
 const SIGN = "M0-7L7 5H-7Z"; // around a place
@@ -44,29 +43,23 @@ export class MechanismView {
   private readonly details = el("details", { hidden: true }, el("summary", {}, t("mechanism.places")), this.listed);
 
   constructor(private readonly session: Session) {
-    const play = el("button", { type: "button", id: "play", "aria-pressed": "false" }, t("mechanism.play"));
-    const speed = el("select", { id: "speed" }, ...SPEEDS.map((n) => el("option", { value: n, selected: n === SPEED }, t("mechanism.turn", { n }))));
-    const slider = el("input", { type: "range", id: "angle", min: 0, max: 360, step: 0.5, value: 0, "aria-label": t("mechanism.angle") });
-    const field = el("input", { type: "number", id: "degrees", min: 0, max: 360, step: "any", value: 0, "aria-label": t("mechanism.degrees") });
-    const state = el("p", { class: "state", role: "status", "aria-live": "polite" });
-    const controls = { play, speed, slider, field, state };
+    const [controls, parts] = makeControls(PLAYER);
     const lift = (degrees: number): string => (session.curves?.animation ? liftAt(session.curves.animation, degrees) : "");
-    this.player = new Player(session.angle, controls, lift, PLAYER);
-    this.mechanism = new Mechanism(session.angle, t("mechanism.label"));
+    this.player = new Player(session.angle, parts, lift, PLAYER);
+    this.mechanism = new Mechanism(session.angle, PLAYER.mechanism);
     this.mechanism.overlay.append(this.places);
     this.handles = new Handles(session, SPACE, t("mechanism.help"), () => {
       // Handles are where the parts are at cam angle 0.
       this.player.stop();
       if (session.angle.degrees) session.angle.set(0);
     });
-    this.picture = el("div", { class: "picture" }, this.mechanism.svg as unknown as Node, this.handles.layer);
+    this.picture = el("div", { class: "picture" }, this.mechanism.svg, this.handles.layer);
     this.element.append(
       this.none,
       this.handles.exact,
       this.picture,
       this.old,
-      el("div", { class: "controls", role: "group", "aria-label": t("mechanism.angle") }, play, el("label", {}, `${t("mechanism.speed")} `, speed), slider, el("span", {}, field, " °")),
-      state,
+      controls,
       this.details,
     );
     session.on(["curves", "moved", "faults"], () => this.update());

@@ -3,7 +3,7 @@
 import { Chart } from "../chart";
 import type { Figure } from "../data";
 import { beside, CHART, chartOf, Extremes } from "./compare";
-import { el, fresh, shown } from "./dom";
+import { el, fresh, shown } from "../dom";
 import { Handles, type View } from "./handles";
 import { Laws } from "./laws";
 import type { Handle, Chart as Drawable } from "./model";
@@ -35,7 +35,7 @@ export class MotionView {
     this.laws = new Laws(session);
     this.table = new Extremes(session);
     this.plan = new Plan(session, (segment, from) => this.laws.ask(segment, from));
-    this.picture = el("div", { class: "picture" }, this.chart.svg as unknown as Node, this.handles.layer);
+    this.picture = el("div", { class: "picture" }, this.chart.svg, this.handles.layer);
     this.element.append(this.none, this.handles.exact, el("div", { class: "wide", tabindex: 0, role: "group", "aria-label": t("motion.picture") }, this.picture), this.sentence, this.table.element, this.laws.element);
     session.on(["curves", "faults"], () => this.update());
     session.on("moved", () => {

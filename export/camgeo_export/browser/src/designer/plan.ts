@@ -1,6 +1,6 @@
 // The motion plan as a table: a row for each segment, with its fields and what can be done with it.
 
-import { attribute, button, el, type Kept, keyed, say, shown } from "./dom";
+import { attribute, button, el, type Kept, keyed, say, shown } from "../dom";
 import { FieldView } from "./field";
 import type { Field, Segment } from "./model";
 import type { Session } from "./session";

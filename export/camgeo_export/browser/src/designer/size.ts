@@ -1,6 +1,6 @@
 // The smallest cam that keeps its limits, looked for and taken at a click.
 
-import { button, el, say, shown, table } from "./dom";
+import { button, el, say, shown, table } from "../dom";
 import type { Session } from "./session";
 import { number, t, told } from "./strings";
 

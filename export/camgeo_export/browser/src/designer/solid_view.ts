@@ -1,7 +1,7 @@
 // The solid in three dimensions, made when it is asked for.
 
 import type { Solid } from "../solid";
-import { button, el, say, shown } from "./dom";
+import { button, el, say, shown } from "../dom";
 import type { Session } from "./session";
 import { type Key, PLAYER, t } from "./strings";
 

@@ -259,6 +259,8 @@ export const PLAYER: Words = {
   state: (angle, lift) => t(lift ? "mechanism.state-lift" : "mechanism.state", { angle, lift }),
   mechanism: t("mechanism.label"),
   diagram: t("charts.one"),
+  extremes: t("charts.table"),
+  extremesOf: [t("charts.curve"), t("charts.low"), t("charts.at"), t("charts.high"), t("charts.at")],
   noWebGL: t("solid.no-webgl"),
 };
 

@@ -1,6 +1,6 @@
 // The text of the scene: edited beside the picture, with its faults at their lines.
 
-import { attribute, button, el, say, shown } from "./dom";
+import { attribute, button, el, say, shown } from "../dom";
 import type { Session } from "./session";
 import { t } from "./strings";
 
