@@ -39,9 +39,8 @@ export class Chart {
   constructor(
     private readonly angle: CamAngle,
     private readonly taken: () => void = () => {},
-    role: "img" | "group" = "img",
   ) {
-    this.drawing = new Drawing(role);
+    this.drawing = new Drawing();
     const group = element("g");
     this.drawing.overlay.before(group); // below what others lay over the figure
     this.over = new Node("g", group);

@@ -28,8 +28,8 @@ export class Drawing {
   private readonly serial = ++drawings; // tells its clips from those of others
   private corners: (string | undefined)[] = []; // where legends are that choose for themselves
 
-  constructor(role: "img" | "group" = "img") {
-    this.svg.setAttribute("role", role);
+  constructor() {
+    this.svg.setAttribute("role", "img");
     this.svg.append(this.picture.element, this.overlay);
   }
 

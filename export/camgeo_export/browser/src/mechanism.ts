@@ -53,8 +53,8 @@ export class Mechanism {
   private movers: ((take: () => Place) => void)[] = [];
   private readonly forget: () => void;
 
-  constructor(private readonly angle: CamAngle, label: string, role: "img" | "group" = "img") {
-    this.svg.setAttribute("role", role);
+  constructor(private readonly angle: CamAngle, label: string) {
+    this.svg.setAttribute("role", "img");
     this.svg.setAttribute("aria-label", label);
     const group = element("g");
     this.picture = new Node("g", group);
