@@ -17,15 +17,14 @@ from camgeo.designing.job import Job
 from camgeo.designing.recent import Recent
 from camgeo.designing.work import run
 from tests.designer.served import Served, served
-from tests.judges.programs_of_others import absent, found
+from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing
+from tests.judges.programs_of_others import found
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
-CHROMIUM: Final = ("CAMGEO_CHROMIUM", "chromium", "chromium-browser", "google-chrome")
-
-pytestmark = pytest.mark.skipif(bool(absent(*CHROMIUM)), reason=absent(*CHROMIUM) or "is there")
+pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "is there")
 
 ROOT: Final = Path(__file__).parents[2]
 SETZHUB: Final = ROOT / "fixtures" / "scenes" / "setzhub.toml"
@@ -54,9 +53,6 @@ HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
 }, 100))"""
 """How many handles the mechanism has, and which of them are covered, once they are laid out."""
 
-SLOW: Final = "GL Driver Message (OpenGL, Performance"
-"""What the browser's own drawing without a graphics card says of itself."""
-
 
 def computing() -> Callable[[Job, float], Mapping[str, Any]]:
     """What does the jobs in this process, one after the other."""
@@ -73,7 +69,8 @@ def computing() -> Callable[[Job, float], Mapping[str, Any]]:
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         program = playwright.chromium.launch(
-            executable_path=found(*CHROMIUM), args=["--no-sandbox", "--enable-unsafe-swiftshader"]
+            executable_path=found(VARIABLE, *NAMES),
+            args=["--no-sandbox", "--enable-unsafe-swiftshader"],
         )
         yield program
         program.close()

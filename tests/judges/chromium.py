@@ -140,19 +140,25 @@ def judge_report(page: Path) -> None:
 
 def _judge(page: Path, text: str, wrong: dict[str, Callable[[dict[str, Any]], bool]]) -> None:
     """Refusal if the page, which measures itself, is not shown or has one of these faults."""
-    with TemporaryDirectory() as name:
-        copy = Path(name, "page.html")
-        copy.write_text(text, "utf-8")
-        call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
-        call += ["--enable-unsafe-swiftshader"]  # WebGL without a graphics card
-        call += [f"--user-data-dir={name}/profile", "--enable-logging=stderr", "--dump-dom"]
-        said = run([*call, f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()], Path(name))
-    measured = re.search(r'data-camgeo="([^"]*)"', said)
-    if measured is None:
-        raise Refusal(f"{page.name} is not shown: {said[-300:].strip()}")
-    shown = json.loads(html.unescape(measured[1]))
+    shown, said = measured(page.name, text)
     faults = re.findall(r":CONSOLE[:(]\d+\)?\] (.*)", said)
     faults = [fault for fault in faults if SLOW not in fault]
     faults += [fault for fault, is_there in wrong.items() if is_there(shown)]
     if faults:
         raise Refusal(f"{page.name}: {'; '.join(faults)}: {shown}")
+
+
+def measured(name: str, text: str) -> tuple[dict[str, Any], str]:
+    """What a page says of itself in `data-camgeo`, and what the browser says; Refusal if the page,
+    of that name, is not shown."""
+    with TemporaryDirectory() as folder:
+        copy = Path(folder, "page.html")
+        copy.write_text(text, "utf-8")
+        call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
+        call += ["--enable-unsafe-swiftshader"]  # WebGL without a graphics card
+        call += [f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--dump-dom"]
+        said = run([*call, f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()], Path(folder))
+    match = re.search(r'data-camgeo="([^"]*)"', said)
+    if match is None:
+        raise Refusal(f"{name} is not shown: {said[-300:].strip()}")
+    return json.loads(html.unescape(match[1])), said

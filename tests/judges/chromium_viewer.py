@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import html
 import json
 import re
 from collections.abc import Sequence
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from camgeo_export.browser.bundles import bundle
-from tests.judges.chromium import NAMES, VARIABLE
-from tests.judges.programs_of_others import Refusal, found, run
+from tests.judges.chromium import measured
 
 PROBE: Final = """
 const datas = JSON.parse(document.getElementById("data").textContent);
@@ -68,14 +64,5 @@ def shown(datas: Sequence[Any]) -> dict[str, Any]:
         f'<script type="application/json" id="data">{data}</script>'
         f"<script>{script}</script><script>{PROBE}</script></body></html>"
     )
-    with TemporaryDirectory() as name:
-        path = Path(name, "viewer.html")
-        path.write_text(page, "utf-8")
-        call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
-        call += [f"--user-data-dir={name}/profile", "--enable-logging=stderr", "--dump-dom"]
-        said = run([*call, path.as_uri()], Path(name))
-    measured = re.search(r'data-camgeo="([^"]*)"', said)
-    if measured is None:
-        raise Refusal(f"the viewer is not shown: {said[-300:].strip()}")
-    answer: dict[str, Any] = json.loads(html.unescape(measured[1]))
+    answer, _ = measured("the viewer", page)
     return answer
