@@ -106,7 +106,13 @@ class Handle:
 
 def handles(design: Design) -> tuple[Handle, ...]:
     """All handles of a design, those of its motion plan first."""
-    return (*_of_plan(design), *(_of_grip(design.scene, each) for each in _grips(design)))
+    return tuple(_handles(design))
+
+
+def _handles(design: Design) -> Iterator[Handle]:
+    yield from _of_plan(design)
+    for each in _grips(design):
+        yield _of_grip(design.scene, each)
 
 
 def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handle, Edits]:
@@ -125,10 +131,10 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
     SceneError
         If `to` or `step` is not of that form, or the handle cannot be there.
     """
-    found = {each.name: each for each in handles(design)}
-    if name not in found:
-        raise UnknownNameError("handle", str(name)[:60], found)
-    handle, place = found[name], _place(to)
+    handle = next((each for each in _handles(design) if each.name == name), None)
+    if handle is None:
+        raise UnknownNameError("handle", str(name)[:60], [each.name for each in handles(design)])
+    place = _place(to)
     try:
         edits = handle.edits(place, _steps(step))
     except GeometryError as error:

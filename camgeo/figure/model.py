@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, lru_cache
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -153,6 +153,10 @@ def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
     return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
 
 
+PLAIN: Final = (str, float, int, bool, type(None))
+"""Types of which JSON data are; most values of a figure are of the first two."""
+
+
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
     """Of the fields of a dataclass."""
@@ -188,23 +192,22 @@ def data_of(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
     ----------
     array : the data of an array.
     """
-    if isinstance(value, str):  # most values are texts and floats
+    kind: Any = type(value)
+    if kind in PLAIN:
         return value
-    if isinstance(value, float):
-        return float(value)
     if isinstance(value, tuple):
-        return [data_of(each, array) for each in value]
-    if isinstance(value, np.ndarray):
+        return [each if type(each) in PLAIN else data_of(each, array) for each in value]
+    if kind is np.ndarray:
         return array(value)
-    if isinstance(value, Style | Fill):
+    if kind is Style or kind is Fill:
         data = dict(_styled(value))
         data["dashes"] = list(value.dashes)
         return data
     if is_dataclass(value):
-        kind: Any = type(value)
         found: dict[str, Any] = {"kind": kind.__name__.lower()}
         for name in _names(kind):
-            found[name] = data_of(getattr(value, name), array)
+            part = getattr(value, name)
+            found[name] = part if type(part) in PLAIN else data_of(part, array)
         return found
     if isinstance(value, complex):
         return [value.real, value.imag]
