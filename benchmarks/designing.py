@@ -4,8 +4,8 @@ In one warm process, scene by scene, each round in alternating order, after an e
 strokes of the motion a little longer, or the base circle, the roller or the arm a little larger, as
 a drag does:
 
-- "change": the text changed and everything that is painted of it, as JSON;
-- "painted": the same without the change of the text and the form;
+- "moved": the text changed and what is painted of it during a drag, as JSON;
+- "painted": everything that is painted of it, without the change of the text and the form;
 - "findings": the findings with next steps and places, without milling programs, as JSON;
 - "judged": `Design.findings` of the scene made of that text, which the others are multiples of.
 
@@ -43,7 +43,7 @@ SCENES: Final = sorted((ROOT / "fixtures" / "scenes").glob("*.toml"))
 
 WAYS: Final = ("plan", "sizes")
 
-NAMES: Final = ("change", "painted", "findings")
+NAMES: Final = ("moved", "painted", "findings")
 
 
 def edits(values: Mapping[str, Any], way: str, number: int) -> dict[str, Any]:
@@ -88,10 +88,11 @@ def measure(
         text, recent = stated, Recent()
         times: dict[str, list[float]] = {name: [] for name in (*NAMES, "judged")}
         for number in range(rounds + 1):
-            change = Job("change", text, file, "", {"edits": edits(values, way, number)})
-            if not change.arguments["edits"]:
+            asked = {"edits": edits(values, way, number), "moving": True}
+            change = Job("change", text, file, "", asked)
+            if not asked["edits"]:
                 break
-            took = {"change": timed(partial(run, change))}
+            took = {"moved": timed(partial(run, change))}
             text = run(change)["text"]
             job = Job("findings", text, file, "", {"machining": False})
             makers: dict[str, Callable[[], Any]] = {
