@@ -136,8 +136,8 @@ export class Handles {
     if (!view) return;
     const [x, y] = view.part(at);
     const [right, down] = view.shift ?? [0, 0];
-    element.style.left = `calc(${(100 * x).toFixed(3)}% + ${right.toFixed(1)}px)`;
-    element.style.top = `calc(${(100 * y).toFixed(3)}% + ${down.toFixed(1)}px)`;
+    // By a transform, after which nothing is laid out anew; in parts of the layer.
+    element.style.transform = `translate(calc(${(100 * x).toFixed(3)}cqw + ${right.toFixed(1)}px), calc(${(100 * y).toFixed(3)}cqh + ${down.toFixed(1)}px))`;
     element.classList.toggle("outside", x < -0.02 || x > 1.02 || y < -0.02 || y > 1.02);
   }
 
