@@ -158,7 +158,7 @@ def test_each_chart_has_its_place_sentence_and_table() -> None:
         assert chart.sentence in Found(page).texts or any(
             chart.sentence in each for each in Found(page).texts
         )
-    assert text.count("Extremes as a table") == len(found.charts)
+    assert text.count("<summary>Extremes as a table</summary>") == len(found.charts)
 
 
 def test_the_solid_is_that_of_the_stl_file() -> None:
