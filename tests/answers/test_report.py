@@ -137,6 +137,11 @@ def test_a_cure_that_works_is_the_next_step_for_undercut() -> None:
     assert "smaller roller" in next_step(undercut, ())
 
 
+def test_a_return_disc_has_the_next_steps_of_any_other() -> None:
+    main, other = (Finding(f"{disc}transmission-angle", "broken", "") for disc in ("", "return: "))
+    assert next_step(other, ()) == next_step(main, ()) != OTHERWISE["broken"]
+
+
 @pytest.mark.parametrize("severity", ["warning", "broken", "no-disc", "invalid"])
 def test_findings_of_others_have_a_next_step_too(severity: str) -> None:
     finding = Finding("noise", severity, "loud")  # type: ignore[arg-type]  # one of Severity

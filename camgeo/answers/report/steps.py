@@ -7,6 +7,7 @@ from typing import Final
 
 from camgeo.check.cures.cure import Cure
 from camgeo.check.finding import Finding, Severity
+from camgeo.check.judge import RETURN
 
 SIZE: Final = "camgeo size looks for the smallest cam that keeps this limit"
 LAWS: Final = "camgeo laws compares the laws that fit"
@@ -74,5 +75,6 @@ def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
         works = [cure.sentence for cure in cures if cure.works]
         if works:
             return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
-    found = [name for name in BY_NAME if finding.name.startswith(name)]
+    about = finding.name.removeprefix(f"{RETURN}: ")
+    found = [name for name in BY_NAME if about.startswith(name)]
     return BY_NAME[max(found, key=len)] if found else OTHERWISE[finding.severity]
