@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
@@ -67,6 +67,26 @@ def add_output(
     named = str if suffixes is None else ending_in(suffixes)
     parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
     parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+
+
+def add_repeated(
+    parser: argparse.ArgumentParser,
+    option: str,
+    metavar: str,
+    text: str,
+    read: Callable[[str], Any] = str,
+    dest: str | None = None,
+) -> None:
+    """Add an option that may be given several times, described by `text`: a list, empty if not."""
+    parser.add_argument(
+        option, metavar=metavar, dest=dest, action="append", type=read, default=[], help=text
+    )
+
+
+def add_objectives(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add `--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
+    for option, what in (("--least", "small"), ("--largest", "large")):
+        add_repeated(parser, option, "NAMES", text.format(what))
 
 
 def ending_in(suffixes: Sequence[str]) -> Callable[[str], str]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.command import add_json, show, write_files
+from camgeo.cli.command import add_json, add_repeated, show, write_files
 from camgeo.cli.plot import add_picture, pictures
 
 SUMMARY: Final = "put a few designs side by side: what differs, findings, curves"
@@ -21,12 +21,11 @@ EXAMPLE: Final = (
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files, two or more")
-    parser.add_argument(
+    add_repeated(
+        parser,
         "--ask",
-        metavar="NAMES",
-        action="append",
-        default=[],
-        help="compare only these, named as for camgeo sweep; comma-separated",
+        "NAMES",
+        "compare only these, named as for camgeo sweep; comma-separated",
     )
     add_json(parser)
     add_picture(parser)

@@ -11,6 +11,8 @@ from camgeo.cli.command import (
     CallError,
     Written,
     add_json,
+    add_objectives,
+    add_repeated,
     add_scene,
     document,
     ending_in,
@@ -43,37 +45,30 @@ EXAMPLE: Final = (
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     add_scene(parser)
-    parser.add_argument(
+    add_repeated(
+        parser,
         "--vary",
-        metavar="KEY=VALUES",
-        action="append",
-        default=[],
-        help="values of a key: LOW:HIGH for any number between, START:STOP:COUNT, or a list as"
+        "KEY=VALUES",
+        "values of a key: LOW:HIGH for any number between, START:STOP:COUNT, or a list as"
         " 5,6,7; KEY,KEY=VALUES ties keys together; may be repeated",
     )
-    for name, what in (("least", "small"), ("largest", "large")):
-        parser.add_argument(
-            f"--{name}",
-            metavar="NAMES",
-            action="append",
-            default=[],
-            help=f"objectives that should be {what}: findings as transmission-angle, columns as"
-            " peak:a, max:NAME or min:NAME, diameter; comma-separated",
-        )
-    parser.add_argument(
+    add_objectives(
+        parser,
+        "objectives that should be {}: findings as transmission-angle, columns as"
+        " peak:a, max:NAME or min:NAME, diameter; comma-separated",
+    )
+    add_repeated(
+        parser,
         "--keep",
-        metavar="LIMIT",
-        action="append",
-        default=[],
-        help="'NAME>=NUMBER' or 'NAME<=NUMBER', besides the limits of the scene, or in place of its"
+        "LIMIT",
+        "'NAME>=NUMBER' or 'NAME<=NUMBER', besides the limits of the scene, or in place of its"
         " own on the same finding; may be repeated",
     )
-    parser.add_argument(
+    add_repeated(
+        parser,
         "--ignore",
-        metavar="NAMES",
-        action="append",
-        default=[],
-        help="findings whose limits in the scene do not count, or limits for all of them",
+        "NAMES",
+        "findings whose limits in the scene do not count, or limits for all of them",
     )
     parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
     parser.add_argument(
@@ -82,15 +77,14 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seconds", type=number, help="after which no other design is tried; default: no limit"
     )
-    parser.add_argument(
+    add_repeated(
+        parser,
         "-o",
-        metavar="FILE",
-        dest="output",
-        action="append",
-        type=ending_in(SUFFIXES),
-        default=[],
-        help="the scene of the best design, .toml; the record, .json; all designs that were tried,"
+        "FILE",
+        "the scene of the best design, .toml; the record, .json; all designs that were tried,"
         " .csv; the front or the course of the search, .png, .svg, .pdf; may be repeated",
+        ending_in(SUFFIXES),
+        "output",
     )
     parser.add_argument("--force", action="store_true", help="overwrite existing files")
     add_json(parser)

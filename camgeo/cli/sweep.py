@@ -12,6 +12,8 @@ from camgeo.cli import plot
 from camgeo.cli.command import (
     CallError,
     add_json,
+    add_objectives,
+    add_repeated,
     add_scene,
     document,
     ending_in,
@@ -49,33 +51,30 @@ EXAMPLE: Final = (
 def options(parser: argparse.ArgumentParser) -> None:
     """Add those of the command."""
     add_scene(parser)
-    parser.add_argument(
+    add_repeated(
+        parser,
         "--vary",
-        metavar="KEY=VALUES",
-        action="append",
-        default=[],
-        help="values of a key: START:STOP:COUNT, a list as 5,6,7, or START:STOP with --samples;"
+        "KEY=VALUES",
+        "values of a key: START:STOP:COUNT, a list as 5,6,7, or START:STOP with --samples;"
         " KEY,KEY=VALUES ties keys together, VALUE/VALUE for different values; may be repeated",
     )
-    parser.add_argument(
+    add_repeated(
+        parser,
         "--ask",
-        metavar="NAMES",
-        action="append",
-        default=[],
-        help="what is computed of each design: findings as transmission-angle, columns of the value"
+        "NAMES",
+        "what is computed of each design: findings as transmission-angle, columns of the value"
         " table as peak:a, max:NAME or min:NAME, diameter, verdict; comma-separated",
     )
     parser.add_argument("--samples", metavar="COUNT", type=int, help="draw this many designs")
     parser.add_argument("--method", choices=METHODS, help="how designs are drawn; default sobol")
     parser.add_argument("--seed", type=int, help="of the samples; default 0")
-    parser.add_argument(
+    add_repeated(
+        parser,
         "-o",
-        metavar="FILE",
-        dest="output",
-        action="append",
-        type=ending_in(SUFFIXES),
-        default=[],
-        help=f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
+        "FILE",
+        f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
+        ending_in(SUFFIXES),
+        "output",
     )
     parser.add_argument(
         "--picture",
@@ -89,14 +88,10 @@ def options(parser: argparse.ArgumentParser) -> None:
         help="what it shows: a map over one or two keys, parallel axes, or the Pareto front;"
         " default: the front with --least or --largest, else a map, or axes for more keys",
     )
-    for name, what in (("least", "small"), ("largest", "large")):
-        parser.add_argument(
-            f"--{name}",
-            metavar="NAMES",
-            action="append",
-            default=[],
-            help=f"objectives of the front: what of the answers should be {what}",
-        )
+    add_objectives(
+        parser,
+        "objectives of the front: what of the answers should be {}",
+    )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
