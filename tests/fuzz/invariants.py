@@ -291,7 +291,7 @@ def _call(words: Step) -> tuple[int, str, str]:
 
 def _require_finite(given: str, what: str, text: str) -> None:
     """That no number is infinite or none, but for words that are given."""
-    repeated = {each.group().lstrip("+-") for each in NOT_FINITE.finditer(given)}
+    repeated = frozenset(re.findall(r"[a-z]+", given))  # the ending of a file is a format's name
     for found in NOT_FINITE.finditer(text):
         if found.group().lower().lstrip("+-") not in repeated:
             near = text[max(found.start() - 300, 0) : found.end() + 100]

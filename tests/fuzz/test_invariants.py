@@ -127,6 +127,13 @@ def test_json_may_go_into_a_file_and_a_scene_may_have_any_name() -> None:
     assert signatures(Case({SCENE: TAPPET}, steps)) == []
 
 
+def test_a_file_may_end_like_a_number_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("camgeo.cli.check.run", print_nan)
+    certificate = b'{"files": [{"file": "x.nan", "format": "csv"}]}'
+    found = signatures(Case({SCENE: TAPPET, "certificate.json": certificate}, CHECK.steps))
+    assert not [each for each in found if each.startswith("not finite")]
+
+
 def busy_for_a_while(arguments: argparse.Namespace) -> int:
     end = time.process_time() + 0.3
     while time.process_time() < end:
