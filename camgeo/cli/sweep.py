@@ -63,7 +63,8 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--ask",
         "NAMES",
         "what is computed of each design: findings as transmission-angle, columns of the value"
-        " table as peak:a, max:NAME or min:NAME, diameter, verdict; comma-separated",
+        " table as peak:a, max:NAME or min:NAME, diameter, machining-time, verdict;"
+        " comma-separated",
     )
     parser.add_argument("--samples", metavar="COUNT", type=int, help="draw this many designs")
     parser.add_argument("--method", choices=METHODS, help="how designs are drawn; default sobol")

@@ -92,6 +92,11 @@ class Task:
         """Findings whose limits in the scene have others in their place."""
         return frozenset(each.asked.name for each in self.limits if each.asked.how == "value")
 
+    @property
+    def machining(self) -> bool:
+        """Whether the milling programs count: whoever asks for their time means to run them."""
+        return any(each.group == "machining" for each in self.asked)
+
     def matters(self, name: str) -> bool:
         """Whether a broken limit of the scene, of the finding of that name, matters."""
         return ALL not in self.ignored and name not in self.ignored | self.replaced

@@ -179,7 +179,7 @@ class Trials:
             elif found.reason:
                 judging.unanswered(limit.asked.word, found.reason)
         try:
-            for finding in judged(design):
+            for finding in judged(design, machining=self.task.machining):
                 judging.judge(finding)
         except MemoryError:
             raise

@@ -29,15 +29,21 @@ How = Literal["value", "min", "max", "peak"]
 EXTREMES: Final[dict[str, How]] = {"min": "min", "max": "max", "peak": "peak"}
 """Which extreme of a column, by the prefix of its name."""
 
-Group = Literal["angle", "linkage", "motion", "part", "disc", "verdict", "curves", "effects"]
+Group = Literal[
+    "angle", "linkage", "motion", "part", "disc", "verdict", "machining", "curves", "effects"
+]
 """What is computed: the transmission angle, the linkage, the motion, the part, all findings on the
-disc, the worst severity of all findings, columns of motion and cam, or effects.
+disc, the worst severity of all findings, the milling programs, columns of motion and cam, or
+effects.
 """
 
 VERDICT: Final = "verdict"
 """Asks for the worst severity of all findings on cam, effects and part, a word."""
 
 DIAMETER: Final = "largest-diameter"
+
+MACHINING_TIME: Final = "machining-time"
+"""Asks how long the milling programs of all discs run."""
 
 ALSO: Final = {"diameter": DIAMETER}
 """Shorter names."""
@@ -80,6 +86,7 @@ BY_GROUP: Final[dict[Group, tuple[str, ...]]] = {
         "standstill",
     ),
     "verdict": (VERDICT,),
+    "machining": (MACHINING_TIME,),
 }
 """Names of findings by what has them. Other findings on the disc are looked up in the scene."""
 
@@ -116,7 +123,8 @@ def asked_of(design: Design, words: Iterable[str]) -> tuple[Asked, ...]:
     Raises
     ------
     GeometryError
-        If there are none or too many, or one asks for what has no single value.
+        If there are none or too many, or one asks for what has no single value, or for the
+        machining time where the scene states no milling.
     UnknownNameError
         For a name that no finding or column has, with the nearest one.
     """
@@ -137,6 +145,9 @@ def _asked(design: Design, word: str) -> Asked:
     name = ALSO.get(word, word)
     for group, names in BY_GROUP.items():
         if name in names:
+            if group == "machining" and design.scene.milling is None:
+                message = f"is not stated: {MACHINING_TIME} needs a milling program"
+                raise GeometryError(message, "tool")
             return Asked(word, name, "value", group)
     seen, silent = _findings_of_effects(design)
     effect = next((each for each, names in seen.items() if name in names), None)

@@ -147,8 +147,18 @@ def _verdict(design: Design, _: Asked) -> Reading:
     return Reading(worst(judged(design)))
 
 
-def judged(design: Design) -> list[Finding]:
-    """All findings on cam, effects and part, as far as there are such."""
+def _machining(design: Design, _: Asked) -> Reading:
+    from camgeo.product.machining import machining_time  # few are asked for it
+
+    if forbidding(design.findings):
+        raise NoValueError(_refused(design.findings))
+    return Reading(machining_time(design.discs), "s")
+
+
+def judged(design: Design, *, machining: bool = False) -> list[Finding]:
+    """All findings on cam, effects and part, as far as there are such; with `machining` also those
+    on the milling programs.
+    """
     from camgeo.product.judged_part import findings_on
 
     found = list(design.findings)
@@ -158,6 +168,10 @@ def judged(design: Design) -> list[Finding]:
     if design.scene.follower is not None and not forbidding(design.findings):
         for disc in design.discs:
             found += findings_on(disc)
+        if machining and design.scene.milling is not None:
+            from camgeo.product.machining import machining_of
+
+            found += machining_of(design.discs).findings
     return found
 
 
@@ -227,6 +241,7 @@ ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
     "part": _part,
     "disc": _disc,
     "verdict": _verdict,
+    "machining": _machining,
     "curves": _curves,
     "effects": _effects,
 }

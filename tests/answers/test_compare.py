@@ -60,6 +60,9 @@ def test_what_only_one_design_has() -> None:
     assert line.cells[0].reason == "has no such finding or column"
     assert isinstance(line.cells[1].value, float)
     assert "a: peak:contact-force: has no such finding or column" in text(answer)
+    (line,) = compare([("a", Design(SETZHUB)), ("b", lever)], ["machining-time"]).lines
+    assert line.cells[0].unit == "s"
+    assert line.cells[1].reason == "tool: is not stated: machining-time needs a milling program"
     with pytest.raises(UnknownNameError, match="there is no finding"):
         compared("no-such-finding")
 

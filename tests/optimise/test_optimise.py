@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from camgeo import loads
 from camgeo.answers.size import size
 from camgeo.design import Design
 from camgeo.optimise.optimise import optimise
 from camgeo.optimise.task import task_of
 from camgeo.optimise.trials import DUMB, IMPOSSIBLE
+from camgeo.scene.load import load_scene
+from tests.answers.documents import RING, UNHELD
 from tests.long_form import LONG
 from tests.optimise.cams import PLAIN, bare
 
@@ -82,6 +85,19 @@ def test_the_limits_of_the_scene_hold_unless_they_do_not_count() -> None:
     assert ignoring.made is not None
     assert ignoring.made.point == (48,)
     assert ["below 41 deg" in each for each in ignoring.made.remarks] == [True]
+
+
+def test_a_program_that_must_not_be_run_is_not_the_shortest() -> None:
+    """A core that falls out counts where the machining time is asked for, and only there."""
+    vary = ["tool[1].feed=1000,2000"]
+    loose = loads(UNHELD)
+    found = optimise(task_of(loose.scene, vary, least=["machining-time"], ignore=["smallest-wall"]))
+    assert found.made is None
+    assert ["nothing holds it" in each.broken[0] for each in found.trials] == [True] * 2
+    held = load_scene(RING)
+    shortest = optimise(task_of(held, vary, least=["machining-time"])).made
+    assert shortest is not None
+    assert shortest.point == (2000,)
 
 
 def test_an_objective_that_no_design_answers() -> None:

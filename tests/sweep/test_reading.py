@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camgeo.answers.check import check
 from camgeo.check.judge import WORST_FIRST
 from camgeo.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
@@ -49,8 +50,8 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
     fresh = Design(design.scene)
     for name, (value, unit) in first.items():
         assert answer(fresh, name) == Reading(value if value is None else value + 0.0, unit)
-    known = {name for group, names in BY_GROUP.items() if group != "verdict" for name in names}
-    known -= {*first, *BY_GROUP["part"]}
+    known = {name for group, names in BY_GROUP.items() for name in names}
+    known -= {*first, *BY_GROUP["part"], *BY_GROUP["verdict"], *BY_GROUP["machining"]}
     for name in known:  # names of others have no value here, and are no failure
         found = answer(fresh, name)
         assert found.value is None
@@ -72,6 +73,27 @@ def test_the_part_is_that_of_a_check() -> None:
     assert answer(design, "diameter").value == found["largest-diameter"]
     assert answer(design, "diameter").unit == "mm"
     assert answer(design, "verdict").value in WORST_FIRST
+
+
+@pytest.mark.parametrize("name", ["scenes/conjugate_lever", "milling/steel_plate_cam"])
+def test_the_machining_time_is_that_of_all_programs_of_a_check(name: str) -> None:
+    design = Design(load_scene(FIXTURES / f"{name}.toml"))
+    machining = check(design).machining
+    assert machining is not None
+    assert answer(Design(design.scene), "machining-time") == Reading(machining.seconds, "s")
+
+
+def test_a_machining_time_that_is_not_known() -> None:
+    unknown = Design(SETZHUB.with_values({"output.gcode.machine": "haas"}))
+    found = answer(unknown, "machining-time")
+    assert found.value is None
+    assert found.reason.startswith(
+        'output.gcode.machine = "Haas": has a profile without [dynamics]'
+    )
+    short = answer(Design(SETZHUB.with_values({"tool[1].flute_length": 5})), "machining-time")
+    assert "shorter than 12.5 mm" in short.reason
+    with pytest.raises(GeometryError, match="tool: is not stated: machining-time needs"):
+        answer(Design(load_scene(FIXTURES / "effects" / "lever.toml")), "machining-time")
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -130,6 +152,9 @@ def test_only_what_is_asked_is_computed() -> None:
     assert computed("peak:a") <= {"time_course", "motion", "smooth_angles"}
     assert "inner_outline" not in computed("peak:kappa", "transmission-angle")
     assert {"findings", "bends"} <= computed("radius-ratio-inner")
+    milled = computed("machining-time")
+    assert "toolpath" in milled
+    assert not {"simulation", "engagement"} & milled
     lever = family(
         "follower.base_radius=20,21", scene=load_scene(FIXTURES / "effects" / "lever.toml")
     )

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar
 
 from camgeo.answers.answer import Answer, exit_code
 from camgeo.check.finding import Finding, forbidding
 from camgeo.check.judge import RETURN
-from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
+from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
     from camgeo.check.cures.cure import Cure
     from camgeo.design import Design
-    from camgeo.errors import Fault
     from camgeo.outline.outline import Outline
     from camgeo.outline.path import Path, Pivot
     from camgeo.product.judged_part import PartFound
-    from camgeo.product.product import Product
+    from camgeo.product.machining import Machining
     from camgeo.scene.scene import Scene
-    from camgeo.toolpath.engaged import Engaged
-    from camgeo.toolpath.machine import Machine
-    from camgeo.toolpath.machining_time import OperationTime
-
-MILLING: Final = "milling"
-"""Name of findings on what cannot be planned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,57 +49,6 @@ class Remains:
     def lobes(self) -> tuple[float, ...]:
         """Areas of what is cut off and falls away [mm^2]."""
         return tuple(_size(lobe) for lobe in self.outline.lobes)
-
-
-@dataclass(frozen=True, slots=True)
-class Program:
-    """The milling program of one side of a disc.
-
-    Attributes
-    ----------
-    findings : what is told of its sequence, and what its simulation finds; why there is none, if
-        it cannot be planned.
-    operations : the time of each; None if the machine's dynamics are not known, or if there is no
-        program.
-    faults : of the scene, if it cannot be planned.
-    roughing : how the cutter is engaged in operations that clear an area.
-    """
-
-    findings: tuple[Finding, ...]
-    operations: tuple[OperationTime, ...] | None = None
-    faults: tuple[Fault, ...] = ()
-    roughing: tuple[Engaged, ...] = ()
-
-    @property
-    def seconds(self) -> float | None:
-        """Of the whole program, tool changes and dwells left out; None if it is not known."""
-        times = self.operations
-        return None if times is None else math.fsum(each.seconds for each in times)
-
-
-@dataclass(frozen=True, slots=True)
-class Machining:
-    """The milling programs of all discs, as their controller runs them.
-
-    Attributes
-    ----------
-    machine : name of the controller.
-    programs : by the names of the discs, the main one first, each followed by its second side.
-    """
-
-    machine: str
-    programs: Mapping[str, Program]
-
-    @property
-    def seconds(self) -> float | None:
-        """Of all programs; None if one is not known."""
-        times = [each.seconds for each in self.programs.values()]
-        return None if None in times else math.fsum(each for each in times if each is not None)
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """Of all programs."""
-        return tuple(chain.from_iterable(each.findings for each in self.programs.values()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,43 +134,9 @@ def _parts(design: Design) -> dict[str, PartFound]:
 
 
 def _machining(design: Design) -> Machining:
-    # Few scenes are milled, and only their programs take a machine, a plan and fits.
-    from camgeo.formats.gcode import FORMAT
-    from camgeo.product.product import sides_of
-    from camgeo.toolpath.machine import load
+    from camgeo.product.machining import machining_of  # few scenes are milled
 
-    machine = load(design.scene.output.options[FORMAT].machine)
-    return Machining(
-        machine.name,
-        {side.name: _program(side, machine) for disc in design.discs for side in sides_of(disc)},
-    )
-
-
-def _program(disc: Product, machine: Machine) -> Program:
-    """The program of one side of a disc at the scene's tolerance, judged."""
-    from camgeo.formats.gcode import FORMAT
-    from camgeo.toolpath.engaged import engagement_findings
-    from camgeo.toolpath.machining_time import times_on
-
-    output, milled = disc.scene.output, disc.milled
-    lacking = FORMAT.lacking(disc.values)
-    if lacking and FORMAT.name not in output.formats:
-        return Program((Finding(MILLING, "ok", f"no program: it {'; '.join(lacking)}"),))
-    try:
-        toolpath = milled.toolpath(output.tolerance)
-        found = milled.findings(toolpath, output.tolerance)
-        times = times_on(machine, toolpath, output.tolerance)
-        roughing = milled.engaged(toolpath)
-    except SceneError as error:
-        where = f"{error.file}: " if error.file else ""
-        return Program(
-            tuple(Finding(MILLING, "invalid", f"{where}{fault}") for fault in error.faults),
-            faults=error.faults,
-        )
-    except (ToleranceError, FileError, UndercutError) as error:
-        return Program((Finding(MILLING, "invalid", str(error)),))
-    found += tuple(engagement_findings(roughing))
-    return Program(found, None if times is None else tuple(times), roughing=roughing)
+    return machining_of(design.discs)
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

@@ -6,11 +6,12 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from camgeo.answers.answer import finding_lines
-from camgeo.answers.check import Check, Machining
+from camgeo.answers.check import Check
 from camgeo.product.judged_part import Body, PartFound
 from camgeo.wording import clock
 
 if TYPE_CHECKING:
+    from camgeo.product.machining import Machining
     from camgeo.toolpath.machining_time import OperationTime
 
 LOST: Final = 0.01

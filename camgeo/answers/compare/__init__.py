@@ -164,10 +164,12 @@ def _answers(
     for word in ask:
         try:
             (asked,) = asked_of(design, [word])
-        except UnknownNameError:
+        except (UnknownNameError, GeometryError) as error:
             if not any(_knows(other, word) for _, other in designs):
                 raise
-            found[canonical(word)] = Cell(reason="has no such finding or column")
+            unknown = isinstance(error, UnknownNameError)
+            reason = "has no such finding or column" if unknown else str(error)
+            found[canonical(word)] = Cell(reason=reason)
         else:
             reading = read(design, asked)
             found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
@@ -177,7 +179,7 @@ def _answers(
 def _knows(design: Design, word: str) -> bool:
     try:
         asked_of(design, [word])
-    except UnknownNameError:
+    except (UnknownNameError, GeometryError):
         return False
     return True
 
