@@ -13,8 +13,9 @@ import numpy as np
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.scene.paths import value_path
 from camgeo.scene.scene import Scene
+from camgeo.scene.varied import Value, plain
 from camgeo.sweep.family import Family, Point
-from camgeo.sweep.variables import Range, Value, Variable, plain
+from camgeo.sweep.variables import Range, Variable
 
 DIGITS: Final = 6
 """A value is rounded by at most 10^-6 of itself."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
 
-from camgeo.errors import SceneError
-from camgeo.scene.keys import spelled
+from camgeo.errors import GeometryError, SceneError
 from camgeo.scene.valid_values import Broken, ValidValues
-
-SWEEP: Final = "sweep"
-"""The table of the scene that states a family; no design of the family has it."""
+from camgeo.scene.varied import (
+    SWEEP,
+    design_path,
+    faults_of_list,
+    faults_of_range,
+    keys_in,
+    rows_of,
+)
 
 
 def sweep_is_a_family(values: ValidValues) -> Iterator[Broken]:
@@ -43,49 +46,32 @@ def _variable(
     elif ranged:
         yield from _range(values, place)
     else:
-        yield from _rows(table["values"], place, len(places))
+        keys = len(keys_in(table))
+        for number, message in faults_of_list(rows_of(table["values"], keys), keys):
+            yield (*place, "values", number), message
 
 
 def _keys(
     values: ValidValues, places: dict[tuple[str | int, ...], str], seen: set[str]
 ) -> Iterator[Broken]:
-    from camgeo.scene.paths import value_path  # few scenes state a family
-
     for where, key in places.items():
         try:
-            path = value_path(values.scene.exact, key)
+            design_path(values.scene.exact, key, seen)
         except SceneError as error:
             (fault,) = error.faults
             yield where, f"{fault.message} ({fault.hint})" if fault.hint else fault.message
-            continue
-        if path[0] == SWEEP:
-            yield where, "is no key of a design"
-        elif spelled(path) in seen:
-            yield where, "varies twice"
-        seen.add(spelled(path))
+        except GeometryError as error:
+            yield where, error.message
 
 
 def _range(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broken]:
     table = values.get(*place)
-    if "from" not in table or "to" not in table:
+    start, stop = values.exact(*place, "from"), values.exact(*place, "to")
+    if start is None or stop is None:
         yield place, 'must have both "from" and "to"'
         return
-    same = values.exact(*place, "from") == values.exact(*place, "to")
     count = table.get("count")
-    if same and count != 1:
-        yield (*place, "to"), 'is an empty range: "from" and "to" are the same'
-    elif not same and count == 1:
-        yield (*place, "count"), "has one value for two ends: must be at least 2"
-    elif count is None and not values.has(SWEEP, "samples"):
+    faults = [((*place, key), why) for key, why in faults_of_range(start, stop, count)]
+    if not faults and count is None and not values.has(SWEEP, "samples"):
         yield place, 'needs "count", unless [sweep] has "samples"'
-
-
-def _rows(rows: list[object], place: tuple[str | int, ...], keys: int) -> Iterator[Broken]:
-    seen: set[str] = set()
-    for number, row in enumerate(rows):
-        where = (*place, "values", number)
-        if isinstance(row, list) and len(row) != keys:
-            yield where, f"must have a value for each of {keys} keys"
-        if repr(row) in seen:
-            yield where, "is listed twice"
-        seen.add(repr(row))
+    yield from faults

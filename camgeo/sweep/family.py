@@ -14,10 +14,9 @@ import numpy as np
 from camgeo.errors import GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.keys import spelled
-from camgeo.scene.paths import value_path
 from camgeo.scene.scene import Scene
-from camgeo.scene.sweep_rules import SWEEP
-from camgeo.sweep.variables import Listed, Value, Variable
+from camgeo.scene.varied import SWEEP, Value, design_path
+from camgeo.sweep.variables import Listed, Variable
 from camgeo.wording import counted
 
 Method = Literal["sobol", "random"]
@@ -98,18 +97,10 @@ class Family:
         if not self.variables:
             raise GeometryError("states no key: nothing varies", "sweep.vary")
         tree = self.scene.stated.scene.exact
-        named: dict[str, str] = {}
+        seen: set[str] = set()
         found = []
         for variable in self.variables:
-            keys = []
-            for key in variable.keys:
-                path = value_path(tree, key)
-                if path[0] == SWEEP:
-                    raise GeometryError("is no key of a design", key)
-                if spelled(path) in named:
-                    raise GeometryError("varies twice", spelled(path))
-                named[spelled(path)] = key
-                keys.append(spelled(path))
+            keys = [spelled(design_path(tree, key, seen)) for key in variable.keys]
             found.append(Variable(tuple(keys), variable.values))
             if self.sample is None and not variable.values.count:
                 message = "needs a COUNT, START:STOP:COUNT, unless designs are samples"

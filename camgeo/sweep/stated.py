@@ -7,9 +7,9 @@ from decimal import Decimal
 from typing import Any
 
 from camgeo.scene.scene import Scene
-from camgeo.scene.sweep_rules import SWEEP
+from camgeo.scene.varied import SWEEP, keys_in, rows_of
 from camgeo.sweep.family import Family, Sample
-from camgeo.sweep.variables import Listed, Range, Value, Variable, listed, parse, plain, spaced
+from camgeo.sweep.variables import Listed, Range, Variable, listed, parse, spaced
 
 
 def family_of(
@@ -57,24 +57,13 @@ def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
 def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:
     """The variables of the tables `[[sweep.vary]]`, which the scene's rules have checked."""
     for table in tables:
-        keys = tuple(table["keys"]) if "keys" in table else (table["key"],)
+        keys = keys_in(table)
         yield Variable(keys, _values(keys, table))
 
 
 def _values(keys: tuple[str, ...], table: Mapping[str, Any]) -> Listed | Range:
-    if "values" not in table:
-        steps = table.get("count")
-        start, stop = Decimal(table["from"]), Decimal(table["to"])
-        return spaced(keys[0], start, stop, None if steps is None else int(steps), len(keys))
-    rows = [
-        tuple(_value(each) for each in (row if isinstance(row, tuple) else (row,) * len(keys)))
-        for row in table["values"]
-    ]
-    return listed(keys[0], rows)
-
-
-def _value(value: Any) -> Value:
-    if isinstance(value, Decimal):
-        return plain(float(value))
-    found: Value = value
-    return found
+    if "values" in table:
+        return listed(keys[0], rows_of(table["values"], len(keys)), len(keys))
+    steps = table.get("count")
+    start, stop = Decimal(table["from"]), Decimal(table["to"])
+    return spaced(keys[0], start, stop, None if steps is None else int(steps), len(keys))

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final
 
 from camgeo.errors import GeometryError
-
-Value = int | float | str | bool
-"""A value at a key of a scene, in the units of the scene."""
-
-LARGEST_WHOLE: Final = 2**53
-"""Whole numbers below it are written without a fraction, as a key for a whole number needs."""
+from camgeo.scene.varied import Rows, Value, faults_of_list, faults_of_range, plain
 
 QUOTED: Final = r"\"[^\"]*\"|'[^']*'"
 """Text in a list that may have commas and colons."""
@@ -104,13 +97,6 @@ class Variable:
     values: Listed | Range
 
 
-def plain(number: float) -> int | float:
-    """The number, as an integer if it is whole."""
-    if number.is_integer() and abs(number) < LARGEST_WHOLE:
-        return int(number)
-    return number
-
-
 def parse(text: str) -> Variable:
     """The variable that `KEY=VALUES` states on a command line, as `--vary`.
 
@@ -133,57 +119,30 @@ def parse(text: str) -> Variable:
             raise GeometryError("COUNT must be a whole number from 1", names, values)
         return Variable(keys, spaced(names, start, stop, whole, len(keys)))
     words = re.findall(rf"\s*(?:{QUOTED})\s*|[^,]+", values)
-    return Variable(keys, listed(names, [_row(names, word, len(keys)) for word in words]))
+    return Variable(keys, listed(names, [_row(word, len(keys)) for word in words], len(keys)))
 
 
 def spaced(key: str, start: Decimal, stop: Decimal, steps: int | None, keys: int = 1) -> Range:
     """A checked range; GeometryError with `key` if it has no number, or one for two ends."""
-    stated = f"{start}:{stop}" + ("" if steps is None else f":{steps}")
-    if steps is not None and steps < 1:
-        raise GeometryError("is an empty range: COUNT must be at least 1", key, stated)
-    if start == stop and steps != 1:
-        raise GeometryError("is an empty range: START and STOP are the same", key, stated)
-    if start != stop and steps == 1:
-        raise GeometryError("has one value for two ends: COUNT must be at least 2", key, stated)
-    if not all(math.isfinite(float(each)) for each in (start, stop, stop - start)):
-        raise GeometryError("is too large a number", key, stated)
+    for _, message in faults_of_range(start, stop, steps):
+        stated = f"{start}:{stop}" + ("" if steps is None else f":{steps}")
+        raise GeometryError(message, key, stated)
     return Range(start, stop, steps, keys)
 
 
-def listed(key: str, rows: Sequence[tuple[Value, ...]]) -> Listed:
+def listed(key: str, rows: Rows, keys: int) -> Listed:
     """A checked list; GeometryError with `key` if it is empty, repeats a row or is not Unicode."""
     if not rows:
         raise GeometryError("is an empty list", key)
-    seen = set()
-    for row in rows:
-        if any(isinstance(value, str) and not _encodable(value) for value in row):
-            raise GeometryError("has a text that UTF-8 cannot encode", key)
-        mark = repr(row)
-        if mark in seen:
-            shown = TIED.join(str(value) for value in row)
-            raise GeometryError(f"{shown} is listed twice", key)
-        seen.add(mark)
+    for place, message in faults_of_list(rows, keys):
+        raise GeometryError(message, key, TIED.join(str(value) for value in rows[place]))
     return Listed(tuple(rows))
 
 
-def _encodable(text: str) -> bool:
-    """Whether UTF-8, in which scenes and stores are written, has a form of the text."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def _row(key: str, word: str, keys: int) -> tuple[Value, ...]:
+def _row(word: str, keys: int) -> tuple[Value, ...]:
     """The values of tied keys in one word of a list; a single one is for all of them."""
     parts = word.split(TIED) if keys > 1 else [word]
-    if len(parts) == 1:
-        return (_value(word),) * keys
-    if len(parts) != keys:
-        message = f"{word.strip()} has {len(parts)} values for {keys} keys"
-        raise GeometryError(message, key)
-    return tuple(_value(part) for part in parts)
+    return tuple(map(_value, parts)) if len(parts) > 1 else (_value(word),) * keys
 
 
 def _value(word: str) -> Value:

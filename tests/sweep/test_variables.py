@@ -81,12 +81,12 @@ def test_samples_stay_within_their_range(share: float) -> None:
         ("a=1:2:2.5", "COUNT must be a whole number"),
         ("a=1:2:0", "a = 1:2:0: is an empty range"),
         ("a=1:2:-3", "is an empty range"),
-        ("a=2:2:5", "START and STOP are the same"),
-        ("a=1:2:1", "one value for two ends"),
+        ("a=2:2:5", "both ends are the same"),
+        ("a=1:2:1", "one number for two ends"),
         ("a=1:1e999:3", "too large a number"),
-        ("a=1,2,1.0", "a: 1 is listed twice"),
+        ("a=1,2,1.0", "a = 1: is listed twice"),
         ("a=x,\udcff", "a text that UTF-8 cannot encode"),
-        ("a,b=1/2/3", "1/2/3 has 3 values for 2 keys"),
+        ("a,b=1/2/3", "1/2/3: must have a value for each of 2 keys"),
     ],
 )
 def test_what_is_wrong_is_told_with_its_key(text: str, message: str) -> None:

@@ -10,7 +10,8 @@ from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.optimise.optimise import Found
 from camgeo.optimise.trials import Trial
 from camgeo.scene.scene import Scene
-from camgeo.sweep.variables import Range, Value, Variable
+from camgeo.scene.varied import Value
+from camgeo.sweep.variables import Range, Variable
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from camgeo.sweep.sweep import Result
 
 if TYPE_CHECKING:
     from camgeo.scene.scene import Scene
+    from camgeo.scene.varied import Value
     from camgeo.sweep.family import Sample
-    from camgeo.sweep.variables import Value
 
 
 @dataclass(frozen=True, slots=True)
