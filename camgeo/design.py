@@ -127,12 +127,15 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
+        from camgeo.state.demanded import Demanded
 
         scene = self.scene
-        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part)
+        state = Demanded(self.drive)
+        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, state)
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
-            subject = replace(moved, disc=each.drawn, returning=subject)
+            own = replace(state, cam=each.cam)
+            subject = replace(moved, state=own, disc=each.drawn, returning=subject)
         return Effects(subject or moved, scene.effects, self.ledger)
 
     def effect(self, name: str) -> Any:

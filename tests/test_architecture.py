@@ -40,6 +40,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("inspection",),
     ("part",),
     ("printing",),
+    ("state",),
     ("effects",),
     ("toolpath",),
     ("formats",),

@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
+    from camgeo.state.state import State
     from camgeo.units import LengthUnit, LiftUnit
 
 GROUP: Final = "camgeo.effects"
@@ -55,6 +56,7 @@ class Subject:
     lift_unit : of the follower's own motion.
     unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
+    state : the motion that the effects are computed for.
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, with the same motion; None without one.
     """
@@ -63,6 +65,7 @@ class Subject:
     lift_unit: LiftUnit
     unit: LengthUnit
     part_spec: PartSpec | None
+    state: State = field(repr=False, compare=False)
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
 
@@ -154,7 +157,7 @@ class Request(Generic[Data]):
         Raises GeometryError with the key if the scene gives no speed. This happens only if the
         effect is requested by another effect or by a caller: a scene that names it has a speed.
         """
-        course = self.subject.drive.time_course
+        course = self.subject.state.course
         if course is None:
             raise GeometryError("is missing: the speed of the cam is needed", key="cam.speed")
         return course

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.errors import EffectError
-from camgeo.motion.joints import breaks
 from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def shocks(subject: Subject, inertia: Inertia | None) -> list[float]:
     """The cam angles [rad] at which the velocity of a mass jumps; none without masses."""
     if inertia is None:
         return []
-    jumps = [each.cam_angle for each in breaks(subject.drive.plan) if each.order < 1]
+    jumps = subject.state.shocks
     return [phi for phi in jumps if inertia.to_follower(np.array([phi]), "right")[0] > 0.0]
 
 
@@ -47,7 +46,7 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
     There the velocity of the follower jumps and `per_alpha`, the derivative of its force by the
     acceleration of the cam, is not 0. The follower moves between `edges` (m,) [rad].
     """
-    motion = subject.drive.motion
+    motion = subject.state.motion
     places = np.asarray(motion.breaks)
     if not len(places):
         return places
@@ -70,7 +69,7 @@ def refuse_locked(subject: Subject, burden: str) -> None:
         return
     from camgeo.mechanism.positions import locked_at
 
-    locked = locked_at(linkage, subject.drive.plan)
+    locked = locked_at(linkage, subject.state.output)
     if locked is None:
         return
     pose, what, cannot = POSES[linkage.member]

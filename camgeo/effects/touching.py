@@ -107,7 +107,7 @@ def _leaps(subject: Subject, inertia: Inertia | None, sense: int) -> tuple[float
 
     No finite force holds the follower on the flank there.
     """
-    motion, found = subject.drive.motion, []
+    motion, found = subject.state.motion, []
     for angle in shocks(subject, inertia):
         here = np.array([angle])
         jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
@@ -118,7 +118,7 @@ def _leaps(subject: Subject, inertia: Inertia | None, sense: int) -> tuple[float
 
 def outwards_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
     """(n,) direction of q in which the flank `sense` of a single disc pushes, +1 or -1."""
-    return sense * np.sign(subject.cam.disc.pitch_curve.leverage(phi, side))
+    return sense * np.sign(subject.state.curve.leverage(phi, side))
 
 
 def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
@@ -127,7 +127,7 @@ def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> Fl
     GeometryError where the pitch curve has a cusp.
     """
     disc, flank = carrier(subject, sense)
-    return flank * disc.cam.disc.pitch_curve.leverage(phi, side)
+    return flank * disc.state.curve.leverage(phi, side)
 
 
 def sides_of(subject: Subject) -> tuple[dict[int, str], str]:
@@ -140,7 +140,7 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
     It is per unit of cam speed: multiplied by omega it is in mm/s.
     """
-    jet = subject.drive.motion.jet(phi, side)
+    jet = subject.state.motion.jet(phi, side)
     return subject.cam.follower.sliding(jet, subject.cam.rotation)
 
 

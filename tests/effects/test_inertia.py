@@ -188,10 +188,10 @@ def trains(draw: st.DrawFn) -> LinkedTrain:
 @given(train=trains())
 def test_the_force_takes_from_the_kinetic_energy_what_it_gives(train: LinkedTrain) -> None:
     """At constant omega d(J/2)/dphi = -c2 q', integrated over cells; -c3 q' is J at every angle."""
-    low, high = cells(train.plan.borders, 6)
+    low, high = cells(train.output.borders, 6)
 
     def swing(phi: FloatArray) -> FloatArray:
-        return np.asarray(train.linkage.transform(train.plan.jet(phi), 1)[1])
+        return np.asarray(train.linkage.transform(train.output.jet(phi), 1)[1])
 
     def at_cam(phi: FloatArray, side: Any) -> FloatArray:
         return np.asarray(sum(each.inertia * each.first**2 for each in train(phi, side)))
@@ -292,7 +292,7 @@ class _Still:
 
 def _at_stroke(train: LinkedTrain, stroke: float) -> list[Any]:
     still: Any = _Still(stroke)
-    return replace(train, plan=still)(np.zeros(1), "right")
+    return replace(train, output=still)(np.zeros(1), "right")
 
 
 def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:

@@ -108,7 +108,7 @@ def test_the_acceleration_is_the_second_derivative_of_the_output(scene: str) -> 
     phi = (0.5 * (edges[1:] + edges[:-1])[:, np.newaxis] + half[:, np.newaxis] * nodes).ravel()
 
     def velocity(at: FloatArray) -> FloatArray:
-        timed = in_time(found.output.clock.plan.jet(at, "right"), course, at)
+        timed = in_time(found.output.clock.motion.jet(at, "right"), course, at)
         return np.asarray(timed[1] + found.output.states(at, "right")[1])
 
     values = found.output.acceleration(phi, "right") / course.rates(phi)[0]
@@ -123,7 +123,7 @@ def test_with_a_speed_curve_the_steady_state_is_that_of_an_integrator() -> None:
     from scipy.integrate import solve_ivp
 
     found = result("points", "natural_frequency = 12\ndamping = 0.3\ntolerance = 1e-12")
-    plan, course = found.output.clock.plan, found.output.clock.course
+    plan, course = found.output.clock.motion, found.output.clock.course
     w = TURN * 12.0
 
     def rate(phi: float, z: FloatArray) -> FloatArray:
@@ -323,7 +323,7 @@ def test_extreme_frequencies_have_finite_answers(frequency: str) -> None:
             assert each.value is None or math.isfinite(each.value)
         e = found.output.deflection(PHI, "right")
         if float(frequency) < 1.0:
-            assert np.ptp(found.output.clock.plan.jet(PHI)[0] + e) <= 1e-4  # of 20 mm
+            assert np.ptp(found.output.clock.motion.jet(PHI)[0] + e) <= 1e-4  # of 20 mm
         else:
             assert np.max(np.abs(e)) <= 1e-15
 

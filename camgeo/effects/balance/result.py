@@ -69,7 +69,7 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         If there is no disc, or the tolerance cannot be reached.
     """
     data, subject = request.data, request.subject
-    course = subject.drive.time_course
+    course = subject.state.course
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = _part(request)
@@ -92,7 +92,7 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
-        spin = Spin(unbalance, subject.cam.rotation, course, subject.drive.smooth_angles)
+        spin = Spin(unbalance, subject.cam.rotation, course, subject.state.smooth_angles)
     findings.append(unbalance_finding(data.grade, mass, unbalance, unsure, spin))
     if spin is not None:
         findings.append(force_finding(spin))

@@ -57,7 +57,7 @@ class ForceBalance:
 
     def rates(self, phi: FloatArray) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
-        course = self.subject.drive.time_course
+        course = self.subject.state.course
         return np.zeros((2, len(phi))) if course is None else course.rates(phi)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
@@ -138,7 +138,7 @@ class ForceBalance:
         """Raise EffectError that the follower jams, worst at `angle` [rad]."""
         here = np.array([angle])
         sense = int(self.parts(here, side, self.rates(here))[1][0])
-        curve = carrier(self.subject, sense)[0].cam.disc.pitch_curve
+        curve = carrier(self.subject, sense)[0].state.curve
 
         def transmission(*angles: float) -> float:
             return math.degrees(float(np.max(curve.transmission_angle(np.array(angles), side))))
@@ -175,7 +175,7 @@ def edges_of(balance: ForceBalance) -> FloatArray:
     They are the smooth angles of the motion, the borders of the forces, and the roots of R and of
     the leverage, at which the flank that carries changes.
     """
-    edges = smooth_edges(balance.subject.drive.smooth_angles, balance.forces)
+    edges = smooth_edges(balance.subject.state.smooth_angles, balance.forces)
     grid = grid_of(edges)
 
     def demand(phi: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def spin(contact: LineContact, phi: FloatArray, side: Side, sense: FloatArray) -
     `sense` (n,) is s, the flank on which it rolls.
     """
     subject = contact.subject
-    relative = subject.cam.disc.pitch_curve.relative_jet(phi, side, order=1)
+    relative = subject.state.curve.relative_jet(phi, side, order=1)
     rolling = np.hypot(relative.u, relative.v) / subject.cam.follower.roller_radius
     return np.asarray(rolling - sense * (1.0 - subject.cam.rotation * relative.turning))
 

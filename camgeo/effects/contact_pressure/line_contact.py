@@ -81,7 +81,7 @@ class LineContact:
             Where the pitch curve has a cusp.
         """
         try:
-            return self.subject.cam.disc.pitch_curve.curvature(phi, side)
+            return self.subject.state.curve.curvature(phi, side)
         except GeometryError as error:
             raise EffectError(f"there is no contact pressure: {error.message}") from error
 

@@ -100,13 +100,13 @@ def _of_disc(
             value="0",
         )
     contact = LineContact(subject, normal, data.modulus, _width(subject, data))
-    edges = merged(np.concatenate((subject.drive.smooth_angles, edges)))
+    edges = merged(np.concatenate((subject.state.smooth_angles, edges)))
     contact.refuse_cusps(edges)
     highest = piecewise_highest(contact.square, edges)
     worst = _worst(contact, highest.place, highest.value)
     life = None
     if data.rating is not None:
-        if subject.drive.time_course is None:
+        if subject.state.course is None:
             raise GeometryError(
                 f"is missing: the life of the roller bearing needs {SPEED[0]} or {SPEED[1]}",
                 key=SPEED[0],

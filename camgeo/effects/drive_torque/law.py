@@ -55,7 +55,7 @@ class TorqueLaw:
         """
         out = np.empty((ROWS, len(phi)))
         out[:4] = self.contact.required(phi, side)
-        velocity = self.subject.drive.motion.jet(phi, side, 1)[1]
+        velocity = self.subject.state.motion.jet(phi, side, 1)[1]
         friction = self.contact.friction
         if friction is None:
             out[4:] = velocity
@@ -92,7 +92,7 @@ class TorqueLaw:
 
     def _refuse(self, here: FloatArray) -> NoReturn:
         """Raise EffectError that the follower jams at the cam angle `here` (1,) [rad]."""
-        curves = [carrier(self.subject, sense)[0].cam.disc.pitch_curve for sense in (INNER, OUTER)]
+        curves = [carrier(self.subject, sense)[0].state.curve for sense in (INNER, OUTER)]
         angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
         place = float(here[0]) % TURN
         raise EffectError(
@@ -106,7 +106,7 @@ class TorqueLaw:
 
     def torque(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at the speed of the scene; the static part if it gives none."""
-        course = self.subject.drive.time_course
+        course = self.subject.state.course
         omega, alpha = (0.0, 0.0) if course is None else course.rates(phi)[:2]
         return self.at(phi, side, omega, alpha)
 
@@ -123,7 +123,7 @@ class TorqueLaw:
 
         With friction these include the angles at which its R changes sign.
         """
-        base = smooth_edges(self.subject.drive.smooth_angles, self.contact.forces)
+        base = smooth_edges(self.subject.state.smooth_angles, self.contact.forces)
         if self.contact.friction is None:
             return base
         roots = roots_on_grid(lambda phi: self.contact.required(phi, "right")[0], grid_of(base))

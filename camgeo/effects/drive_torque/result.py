@@ -35,7 +35,7 @@ def compute(request: Request[TorqueLimits]) -> DriveTorque:
         tolerance cannot be reached.
     """
     subject, data = request.subject, request.data
-    course = subject.drive.time_course
+    course = subject.state.course
     if data.fluctuation is not None and course is None:
         raise GeometryError(
             "a flywheel needs the speed of the cam, [cam] speed or speed_curve",
@@ -84,7 +84,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
         return Column(name, "N m", lambda phi, side: N_M * values(phi, side), limit, borders)
 
     total = column("drive torque", law.torque, most)
-    if law.subject.drive.time_course is None:
+    if law.subject.state.course is None:
         return (total,)
     return (
         total,
@@ -95,7 +95,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
 
 def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
     """All findings."""
-    turning = law.subject.drive.time_course is not None
+    turning = law.subject.state.course is not None
     peaks, static = found.peaks, found.static_peaks
     out = [
         _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),

@@ -92,7 +92,7 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
     EffectError
         If the tolerance cannot be reached.
     """
-    edges, course = law.contact.edges, law.subject.drive.time_course
+    edges, course = law.contact.edges, law.subject.state.course
 
     def values(phi: FloatArray) -> FloatArray:
         return law.torque(phi, "right")

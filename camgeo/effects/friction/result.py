@@ -38,7 +38,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
     """
     subject, data = request.subject, request.data
     require_convex(subject, "friction of the face")
-    edges = subject.drive.smooth_angles
+    edges = subject.state.smooth_angles
     statics = statics_of(subject, data)
     try:
         borders = _borders(statics, edges)
@@ -57,9 +57,9 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
 
 def statics_of(subject: Subject, data: FrictionCoefficients) -> Statics:
     """The friction that grows with the normal force."""
-    motion = subject.drive.motion
-    senses = senses_of(motion, subject.drive.smooth_angles)
-    start = float(motion.jet(np.zeros(1), "right", 1)[0, 0])
+    motion = subject.state.motion
+    senses = senses_of(motion, subject.state.smooth_angles)
+    start = float(subject.drive.motion.jet(np.zeros(1), "right", 1)[0, 0])
     return Statics(subject, data, senses, start)
 
 
@@ -100,7 +100,7 @@ def _coefficients(subject: Subject, data: FrictionCoefficients) -> Coefficients:
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
         if viscous:
-            out[1] = -viscous * subject.drive.motion.jet(phi, side, 1)[1]
+            out[1] = -viscous * subject.state.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients
@@ -108,24 +108,24 @@ def _coefficients(subject: Subject, data: FrictionCoefficients) -> Coefficients:
 
 def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:
     """Coefficients for slider and pivot."""
-    plan = subject.drive.plan
-    locked = locked_at(linkage, plan)
+    output = subject.state.output
+    locked = locked_at(linkage, output)
     if locked is not None:
         raise EffectError(
             f"the rocker cannot move the slider against its friction: {at(locked[0])}, stroke"
             f" {locked[1]:.6g} mm, the coupler is square to the guide",
             cam_angle=locked[0] % TURN,
         )
-    strokes = senses_of(plan, subject.drive.smooth_angles)
+    strokes = senses_of(output, subject.state.smooth_angles)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        stroke = plan.jet(phi, side, 1)
+        stroke = output.jet(phi, side, 1)
         slide = linkage.per_follower(stroke[0])
         out = np.zeros((4, len(phi)))
         out[0] = -data.slider * strokes(phi, side) * slide
         out[1] = -data.guide_viscous * stroke[1] * slide
         if data.pivot_viscous:
-            out[1] -= data.pivot_viscous * subject.drive.motion.jet(phi, side, 1)[1]
+            out[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
         return out
 
     return coefficients

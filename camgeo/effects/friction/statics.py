@@ -161,9 +161,9 @@ class Statics:
         subject, sense = carrier(self.subject, sense)
         data = self.data
         follower, sigma = subject.cam.follower, subject.cam.rotation
-        jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
+        jet = subject.state.motion.jet(phi, side, 1 + follower.ahead)
         relative = follower.relative_jet(jet, sigma, 1)
-        speed = subject.cam.disc.pitch_curve.speed(relative)
+        speed = subject.state.curve.speed(relative)
         slip = np.zeros_like(speed)
         # A knife edge or a face does not roll, and has neither pin nor rolling friction.
         per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0

@@ -44,7 +44,7 @@ def compute(request: Request[GravityDirection]) -> Acting:
         return on_follower(phi, side) * shown.scale
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
-    extremes = piecewise_extremes(acting, subject.drive.smooth_angles)
+    extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Acting(
         force=Force("gravity", unmoved(on_follower), potential),
         findings=(

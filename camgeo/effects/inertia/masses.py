@@ -67,7 +67,7 @@ class _OnGuide:
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
         cam = self.subject.cam
-        lift = cam.drive.motion.jet(phi, side, 1)[0]
+        lift = self.subject.state.motion.jet(phi, side, 1)[0]
         return np.asarray(cam.follower.start_arm + cam.follower.way * lift)
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -86,7 +86,7 @@ class _OnRocker:
 
     def _lever(self, phi: FloatArray, side: Side) -> ComplexArray:
         cam = self.subject.cam
-        swing = cam.follower.swing_sense * cam.drive.motion.jet(phi, side, 1)[0]
+        swing = cam.follower.swing_sense * self.subject.state.motion.jet(phi, side, 1)[0]
         return np.asarray(self.start * np.exp(1j * swing))
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -113,9 +113,9 @@ class _OnCoupler:
     share: float
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = self.linkage.joints(self.subject.drive.plan.jet(phi, side)[0])
+        pin, tip = self.linkage.joints(self.subject.state.output.jet(phi, side)[0])
         return np.asarray(self.shaft + self.turn * (tip + self.share * (pin - tip)))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = joints_per_lift(self.linkage, self.subject.drive.plan.jet(phi, side)[0])
+        pin, tip = joints_per_lift(self.linkage, self.subject.state.output.jet(phi, side)[0])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.motion import Motion
-    from camgeo.motion.plan import MotionPlan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,8 +53,8 @@ def train_of(subject: Subject, data: MassProperties) -> Train:
     own = at_follower(subject, data)
     linkage = subject.drive.linkage
     if linkage is not None and data.beyond(linkage):
-        return LinkedTrain(subject.drive.plan, linkage, own, data)
-    return DirectTrain(subject.drive.motion, own)
+        return LinkedTrain(subject.state.output, linkage, own, data)
+    return DirectTrain(subject.state.motion, own)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,14 +88,14 @@ class LinkedTrain:
     body kinematics in complex numbers).
     """
 
-    plan: MotionPlan
+    output: Motion
     linkage: Linkage
     inertia: float
     data: MassProperties
 
     def __call__(self, phi: FloatArray, side: Side) -> list[Rates]:
         linkage, data = self.linkage, self.data
-        stroke = self.plan.jet(phi, side)
+        stroke = self.output.jet(phi, side)
         own = linkage.transform(stroke, 2)
         found = [
             Rates(self.inertia, own[1], own[2], np.ones(len(phi))),

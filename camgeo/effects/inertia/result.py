@@ -139,7 +139,7 @@ class _Report:
 
     def findings(self, shocks: Sequence[float]) -> tuple[Finding, ...]:
         """All findings; `shocks` are the cam angles [rad] at which the velocity jumps."""
-        edges, unit = self.subject.drive.smooth_angles, self.reduced.unit
+        edges, unit = self.subject.state.smooth_angles, self.reduced.unit
         largest = piecewise_highest(self.at_cam, edges)
         name = f"reduced-{self.reduced.word.replace(' ', '-')}"
         at = f"{self.reduced.word} reduced to the follower"

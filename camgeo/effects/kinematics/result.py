@@ -13,13 +13,11 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result
-from camgeo.motion.joints import breaks
 from camgeo.motion.time_course import (
     TimeCourse,
     TimeExtremes,
     in_time,
     period,
-    plan_extremes,
     time_extremes,
 )
 from camgeo.numeric.arrays import FloatArray, Side
@@ -118,15 +116,13 @@ def compute(request: Request[object]) -> Result:
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
     """The demanded motion and, with a linkage, that of the follower."""
-    plan = subject.drive.plan
-    order = min(joint.order for joint in breaks(plan))
-    unit: LiftUnit = subject.drive.unit
-    found = [_Moving("", plan, unit, order, plan_extremes(plan, course, unit))]
+    state, unit = subject.state, subject.drive.unit
+    order, extremes = state.order, state.output_extremes(course)
+    found = [_Moving("", state.output, unit, order, extremes)]
     if subject.drive.linkage is not None:
         # A linkage that closes is smooth: it passes shocks and jerks on and adds none.
-        motion = subject.drive.motion
         own = subject.lift_unit
         prefix = "rocker " if own == "rad" else "follower "
-        of_follower = time_extremes(motion, course, own)
-        found.append(_Moving(prefix, motion, own, order, of_follower))
+        of_follower = time_extremes(state.motion, course, own)
+        found.append(_Moving(prefix, state.motion, own, order, of_follower))
     return found

@@ -189,7 +189,7 @@ class Clearance:
         """Cam angle [rad] of the impact, rate of the gap [mm/s] there, whether it has crossed."""
         x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
         fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
-        course = self.subject.drive.time_course
+        course = self.subject.state.course
         assert course is not None  # there is inertia, which needs a speed
         velocity = way = 0.0
 

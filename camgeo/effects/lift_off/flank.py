@@ -60,7 +60,7 @@ class Flank:
         minus that of the margin, with the cam running f times as fast as in the scene: omega is
         proportional to f, alpha to f^2. It has the sign of the contact force minus the margin.
         """
-        course = self.subject.drive.time_course
+        course = self.subject.state.course
         omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))

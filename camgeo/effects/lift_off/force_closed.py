@@ -40,7 +40,7 @@ class ForceClosed(Result):
 
 def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> ForceClosed:
     """The findings for `flank`, with the masses and the spring of the scene if it has any."""
-    edges, course = flank.contact.edges, flank.subject.drive.time_course
+    edges, course = flank.contact.edges, flank.subject.state.course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     contact = flank.contact
     off = lost_contact(

@@ -74,7 +74,7 @@ def of_groove(
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
     """Why there is no impact speed; empty if there is one."""
-    if inertia is None or subject.drive.time_course is None:
+    if inertia is None or subject.state.course is None:
         return "it needs [effects.inertia]; without mass the clearance is crossed instantly"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, so the clearance is crossed instantly"

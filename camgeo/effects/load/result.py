@@ -53,11 +53,13 @@ def compute(request: Request[ProcessLoad]) -> Acting:
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
         """Work against a constant load, from the start of the stroke."""
-        found: FloatArray = scale * course.values(phi, side) * subject.drive.plan.jet(phi, side)[0]
+        found: FloatArray = (
+            scale * course.values(phi, side) * subject.state.output.jet(phi, side)[0]
+        )
         return found
 
     potential = None if request.data.constant is None else work
-    edges = merged(np.concatenate((subject.drive.smooth_angles, course.borders)))
+    edges = merged(np.concatenate((subject.state.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Acting(
         force=Force("load", unmoved(on_follower), potential, course.borders),
@@ -103,4 +105,4 @@ def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """ds/dq (n,): derivative of the demanded motion by the follower's coordinate."""
     if subject.drive.linkage is None:
         return np.ones(len(phi))
-    return subject.drive.linkage.per_follower(subject.drive.plan.jet(phi, side)[0])
+    return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])

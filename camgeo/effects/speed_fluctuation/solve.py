@@ -31,7 +31,7 @@ tested.
 
 def refuse_shocks(subject: Subject, law: Quantity) -> None:
     """Raise EffectError if the velocity of a mass jumps: the resulting speed change is unknown."""
-    edges = subject.drive.smooth_angles
+    edges = subject.state.smooth_angles
     places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
     if len(places):
         first = float(places[0])

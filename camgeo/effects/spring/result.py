@@ -114,7 +114,7 @@ def travel_of(subject: Subject, data: SpringData) -> Travel:
 
 def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding]:
     """Largest and smallest force [`unit`], and where it is below 0."""
-    edges = subject.drive.smooth_angles
+    edges = subject.state.smooth_angles
     found = piecewise_extremes(force, edges)
     name = "torque" if unit == "N m" else "force"
     findings = [
@@ -150,7 +150,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
 
 def deflection(way: Travel, subject: Subject, *, torsion: bool) -> Finding:
     """Largest change of length, or of angle, since cam angle 0."""
-    found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.drive.smooth_angles)
+    found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.state.smooth_angles)
     farthest = max(found.highest, found.lowest, key=lambda extreme: abs(extreme.value))
     value = abs(math.degrees(farthest.value) if torsion else farthest.value)
     unit = "deg" if torsion else "mm"
@@ -162,7 +162,7 @@ def deflection(way: Travel, subject: Subject, *, torsion: bool) -> Finding:
 
 def opening(way: Travel, subject: Subject) -> list[Finding]:
     """A warning where the spring presses away from the flank in use."""
-    edges = subject.drive.smooth_angles
+    edges = subject.state.smooth_angles
 
     def closing(phi: FloatArray, side: Side) -> FloatArray:
         """With the sign of dx/dn towards the flank."""

@@ -50,7 +50,7 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     normal.
     """
     follower = subject.cam.follower
-    jet = subject.drive.motion.jet(phi, side, 1 + follower.ahead)
+    jet = subject.state.motion.jet(phi, side, 1 + follower.ahead)
     relative = follower.relative_jet(jet, subject.cam.rotation, 1)
     along: FloatArray = follower.reach * relative.u
     return along
@@ -130,7 +130,7 @@ class BetweenPoints:
 def along_guide(subject: Subject) -> Along:
     """Along the guide of a translating follower; it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
-    return Along(subject.drive.motion, _start(subject.drive.motion), sense)
+    return Along(subject.state.motion, _start(subject.drive.motion), sense)
 
 
 def about_pivot(subject: Subject) -> Along:
@@ -140,7 +140,7 @@ def about_pivot(subject: Subject) -> Along:
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
-    return Along(subject.drive.motion, _start(subject.drive.motion), sense)
+    return Along(subject.state.motion, _start(subject.drive.motion), sense)
 
 
 def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
@@ -153,8 +153,8 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
         over the turn: where the coupler is square to the guide, or the arm is on the line of
         centres.
     """
-    plan = subject.drive.plan
-    locked = locked_at(linkage, plan)
+    stroke = subject.state.output
+    locked = locked_at(linkage, stroke)
     if locked is not None:
         raise GeometryError(
             f"the slider cannot close the contact over the whole turn: {at(locked[0])} the coupler"
@@ -162,7 +162,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
             key="effects.spring",
         )
     # It has the sign of dn/ds: ds/dpsi may vanish at a dead centre, but never changes sign.
-    found = piecewise_extremes(partial(outward, subject), subject.drive.smooth_angles)
+    found = piecewise_extremes(partial(outward, subject), subject.state.smooth_angles)
     if found.lowest.value < 0.0 < found.highest.value:
         raise GeometryError(
             f"the slider closes the contact by moving one way {at(found.lowest.place)} and the"
@@ -170,11 +170,11 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
             key="effects.spring",
         )
     outwards = 1.0 if found.highest.value > 0.0 else -1.0
-    low = np.concatenate((np.zeros(1), subject.drive.smooth_angles))
-    slopes = linkage.per_follower(plan.jet(low, "right", 1)[0])
+    low = np.concatenate((np.zeros(1), subject.state.smooth_angles))
+    slopes = linkage.per_follower(stroke.jet(low, "right", 1)[0])
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
-    return Along(plan, _start(plan), sense, linkage)
+    return Along(stroke, _start(subject.drive.plan), sense, linkage)
 
 
 def between_points(
@@ -200,8 +200,8 @@ def between_points(
         )
     start = _start(subject.drive.motion)
     swing = subject.cam.follower.swing_sense
-    way = BetweenPoints(subject.drive.motion, start, swing, lever, fixed, sense)
-    shortest = piecewise_lowest(way.length, subject.drive.smooth_angles)
+    way = BetweenPoints(subject.state.motion, start, swing, lever, fixed, sense)
+    shortest = piecewise_lowest(way.length, subject.state.smooth_angles)
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
             f"is {shortest.value:.3g} mm from the attachment {at(shortest.place)}: the spring has"

@@ -141,7 +141,7 @@ def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Fi
     """The vibration at the start of each dwell, the largest of them, and what is left at the
     end.
     """
-    rests = [rest for rest in clock.plan.dwells if 0.0 < rest.span < TURN]
+    rests = [rest for rest in clock.motion.dwells if 0.0 < rest.span < TURN]
     if not rests:
         return
     starts = np.array([rest.start for rest in rests])

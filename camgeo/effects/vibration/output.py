@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.motion.plan import MotionPlan, in_turn
+from camgeo.motion.motion import Motion
+from camgeo.motion.plan import in_turn
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.oscillator.steady import Base, Response
@@ -17,14 +18,14 @@ from camgeo.units import TURN
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clock:
-    """The demanded motion over time; time 0 is cam angle 0.
+    """The motion of the state over time; time 0 is cam angle 0.
 
     Attributes
     ----------
     edges : (m + 1,) cam angles [rad] from 0 to 2 pi, between which motion and speed are smooth.
     """
 
-    plan: MotionPlan
+    motion: Motion
     course: TimeCourse
     edges: FloatArray
 
@@ -41,7 +42,7 @@ class Clock:
     def jet(self, t: FloatArray, side: Side) -> FloatArray:
         """(4, n) demanded motion and its derivatives over time at `t` (n,) [s]."""
         phi = self.angle(t)
-        return in_time(self.plan.jet(phi, side), self.course, phi)
+        return in_time(self.motion.jet(phi, side), self.course, phi)
 
     @property
     def base(self) -> Base:
@@ -51,8 +52,8 @@ class Clock:
 
 def clock_of(subject: Subject, course: TimeCourse) -> Clock:
     """The demanded motion of `subject` over time."""
-    edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
-    return Clock(subject.drive.plan, course, edges)
+    edges = merged(np.concatenate((subject.state.output.borders, course.borders, [0.0, TURN])))
+    return Clock(subject.state.output, course, edges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +74,7 @@ class Output:
         if self.response is not None:
             return self.response.states(self.clock.time(in_turn(phi, side)), side)
         out = np.zeros((3, len(phi)))
-        out[2] = in_time(self.clock.plan.jet(phi, side), self.clock.course, phi)[2]
+        out[2] = in_time(self.clock.motion.jet(phi, side), self.clock.course, phi)[2]
         return out
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:

@@ -80,7 +80,7 @@ def compute(request: Request[TrainData]) -> Vibration:
     train = train_of(request)
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
-    edges = search_edges(subject.drive.smooth_angles, train, period)
+    edges = search_edges(subject.state.smooth_angles, train, period)
     findings: list[Finding] = []
     response, errors = None, {}
     if train is not None:
@@ -115,7 +115,7 @@ def _errors(deflection: Bound, train: Train, shown: MotionUnit) -> dict[str, Bou
 
 def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, Bound]:
     """The steady state, and the error of its deflection, with the largest lift as the scale."""
-    lift = float(np.max(np.abs(clock.plan.jet(clock.edges)[0])))
+    lift = float(np.max(np.abs(clock.motion.jet(clock.edges)[0])))
     error = math.inf
     for share in (FORCING * tolerance, 0.0):
         try:

@@ -1,0 +1,75 @@
+"""The demanded motion as the state: the cam does exactly what the scene states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import Drive
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.motion.joints import breaks
+from camgeo.motion.motion import Motion
+from camgeo.motion.time_course import TimeCourse, TimeExtremes, plan_extremes
+from camgeo.numeric.arrays import FloatArray
+from camgeo.state.state import Model
+
+
+@dataclass(frozen=True, slots=True)
+class Demanded:
+    """The demanded motion; see `camgeo.state.state.State`.
+
+    Attributes
+    ----------
+    drive : what moves the follower.
+    cam : of which the follower runs on the disc; None without a follower.
+    """
+
+    drive: Drive
+    cam: Cam | None = None
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return "demanded"
+
+    @property
+    def motion(self) -> Motion:
+        """See `State`; GeometryError with key "linkage" if the linkage does not close."""
+        return self.drive.motion
+
+    @property
+    def output(self) -> Motion:
+        """See `State`."""
+        return self.drive.plan
+
+    @property
+    def course(self) -> TimeCourse | None:
+        """See `State`."""
+        return self.drive.time_course
+
+    @property
+    def smooth_angles(self) -> FloatArray:
+        """See `State`."""
+        return self.drive.smooth_angles
+
+    @property
+    def order(self) -> int:
+        """See `State`."""
+        return min(joint.order for joint in breaks(self.drive.plan))
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """See `State`."""
+        return tuple(each.cam_angle for each in breaks(self.drive.plan) if each.order < 1)
+
+    @property
+    def curve(self) -> PitchCurve:
+        """See `State`."""
+        if self.cam is None:
+            raise GeometryError("needs [follower]", key="follower")
+        return self.cam.disc.pitch_curve
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return plan_extremes(self.drive.plan, course, self.drive.unit)

@@ -1,0 +1,62 @@
+"""What a state of motion is: the one motion for which the effects of a scene are computed."""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.motion import Motion
+from camgeo.motion.time_course import TimeCourse, TimeExtremes
+from camgeo.numeric.arrays import FloatArray
+
+Model = Literal["demanded"]
+"""Whose motion it is: the one that the scene demands."""
+
+
+class State(Protocol):
+    """The motion of follower and output, and how the cam turns.
+
+    Cam angles are in rad, motions in mm or rad over the cam angle.
+
+    Attributes
+    ----------
+    model : whose motion it is.
+    motion : of the follower.
+    output : of the member with the demanded motion; that of the follower without a linkage.
+    course : how the cam turns in time; None if no speed is given.
+    smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
+        neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
+        keeps its sign.
+    order : of the highest derivative of `output` that is continuous over the turn, -1 to 3.
+    shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
+    """
+
+    @property
+    def model(self) -> Model: ...
+
+    @property
+    def motion(self) -> Motion: ...
+
+    @property
+    def output(self) -> Motion: ...
+
+    @property
+    def course(self) -> TimeCourse | None: ...
+
+    @property
+    def smooth_angles(self) -> FloatArray: ...
+
+    @property
+    def order(self) -> int: ...
+
+    @property
+    def shocks(self) -> tuple[float, ...]: ...
+
+    @property
+    def curve(self) -> PitchCurve:
+        """The path of the roller centre in the cam with this motion, or of the contact of a flat
+        face; its normals are those of the contact. GeometryError with key "follower" without one.
+        """
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """Extremes in time of `output` with the cam turning as `course` says."""
