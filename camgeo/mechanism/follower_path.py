@@ -335,9 +335,10 @@ path_of.register(OscillatingRoller, SwingPath)
 
 
 def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> FloatArray:
-    """(3, n) lift and two derivatives [mm or rad per rad^k] where the path meets `bows` at q.
+    """(4, n) lift and three derivatives [mm or rad per rad^k] where the path meets `bows` at q.
 
-    By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and once more.
+    By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and twice more. Along the path
+    d^3Z/dq^3 follows from the second derivative by the same factor as that from the first.
 
     Raises
     ------
@@ -355,7 +356,12 @@ def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> 
     speed = turn * point + along * first
     rest = -point + 2.0 * turn * along * first + bend * first * first
     second = -(bows.curvatures * dot(speed, speed) + dot(normal, rest)) / steep
-    return path.outward * np.stack((q - path.start, first, second))
+    pace = rest + along * second
+    jolt = -turn * point - 3.0 * along * first
+    jolt += 3.0 * turn * (bend * first * first + along * second)
+    jolt += first * bend * (bend / along * first * first + 3.0 * second)
+    third = -(3.0 * bows.curvatures * dot(speed, pace) + dot(normal, jolt)) / steep
+    return path.outward * np.stack((q - path.start, first, second, third))
 
 
 def _in_turn(angle: FloatArray) -> FloatArray:

@@ -96,7 +96,8 @@ class PlayedLift:
         points, tangents, _ = self.parallel.traced(at, side)
         normals = 1j * self.parallel.pitch.rotation * tangents
         _, q = self.path.cam_angle_of(points)
-        return lift_jet(self.path, phi, q, Bows(points, normals, self.parallel.curvature(at, side)))
+        bows = Bows(points, normals, self.parallel.curvature(at, side))
+        return lift_jet(self.path, phi, q, bows)[:3]
 
     def touching(self, phi: FloatArray) -> FloatArray:
         """(n,) theta [rad] at `phi` (n,) [rad], by Newton's method; raises as `jet`."""
@@ -201,17 +202,19 @@ class ActualLift:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
         return np.asarray(self._rows(phi, side, 0)[0])
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad].
+    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad].
+
+        With play there is no third one.
 
         Raises
         ------
         GeometryError
             Where the lift jumps, because its velocity is unbounded there.
         """
-        return self._rows(phi, side, 2)
+        return self._rows(phi, side, order)
 
-    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2]) -> FloatArray:
+    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
         """(order + 1, n) lift with derivatives."""
         number = self.number(phi, side)
         held = number != AS_DEMANDED
@@ -224,7 +227,7 @@ class ActualLift:
             bows = self.branches.bows.take(index)
             q = self.path.meet(angles, bows, self.branches.facing[index])
             if order:
-                out[:, held] = lift_jet(self.path, angles, q, bows)
+                out[:, held] = lift_jet(self.path, angles, q, bows)[: order + 1]
             else:
                 out[0, held] = self.path.outward * (q - self.path.start)
         return out

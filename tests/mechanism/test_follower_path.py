@@ -136,15 +136,18 @@ def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows])
     with mpmath.workdps(40):
         middle = mpmath.mpf(phi)
         step = mpmath.mpf("1e-8")
-        low, here, high = (lift_at(middle + k * step) for k in (-1, 0, 1))
+        least, low, here, high, most = (lift_at(middle + k * step) for k in (-2, -1, 0, 1, 2))
         velocity = (high - low) / (2 * step)
         acceleration = (high - 2 * here + low) / step**2
+        jerk = (most - 2 * high + 2 * low - least) / (2 * step**3)
     # The differences leave step^2 of higher derivatives, which grow with 1/cos^4 of the tilt.
     assume(abs(float(acceleration)) < 1e5)
     scale = 1.0 + abs(float(velocity)) + abs(float(acceleration))
     assert jet[0, 0] == pytest.approx(float(here), abs=1e-11)
     assert jet[1, 0] == pytest.approx(float(velocity), abs=1e-10 * scale)
     assert jet[2, 0] == pytest.approx(float(acceleration), abs=1e-9 * scale)
+    scale += abs(float(jerk))
+    assert jet[3, 0] == pytest.approx(float(jerk), abs=1e-8 * scale)
 
 
 @pytest.mark.parametrize("follower", FOLLOWERS)
