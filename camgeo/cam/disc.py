@@ -130,6 +130,15 @@ class Disc(Pickled):
         return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
     @property
+    def untrimmed_paths(self) -> tuple[Path, Path]:
+        """Inner and outer flank all round, with what undercut would cut off."""
+        from camgeo.outline.envelope import Envelope
+        from camgeo.outline.path import Path
+
+        inner, outer = (Path(Envelope(self.curve(flank)).elements) for flank in Flank)
+        return inner, outer
+
+    @property
     def flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
         from camgeo.outline.path import whole

@@ -106,6 +106,19 @@ def proved_fit(
     GeometryError
         If the contour cannot be compared with the path, or the path has a gap.
     """
+    runs, reached = proved(
+        fitted(path, tolerance, fit_pieces, fit_turn), proved_bound, aim, tolerance
+    )
+    return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
+
+
+def fitted(
+    path: Path, tolerance: float, fit_pieces: FitPieces, fit_turn: FitTurn
+) -> Callable[[float], tuple[Run, ...]]:
+    """What `proved_fit` proves: the fit of `path` for an aim [mm], whose distance has been sampled.
+
+    Raises GeometryError if the path has a gap.
+    """
     legs = legs_of(path)
     stretches = [leg for leg in legs if isinstance(leg, StretchLeg)]
     _require_joined(stretches, tolerance)
@@ -123,8 +136,7 @@ def proved_fit(
                 parts.append((leg, [fit_turn(leg, aim)]))
         return runs_of(parts)
 
-    runs, reached = proved(fit, proved_bound, aim, tolerance)
-    return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
+    return fit
 
 
 def proved(

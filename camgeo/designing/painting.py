@@ -55,7 +55,7 @@ def _moved(job: Job, recent: Recent) -> dict[str, Any]:
     that is the last one.
     """
     drawn = recent.last("motion")
-    found = painted(design := recent.design(job), recent)
+    found = painted(design := recent.design(job), recent, moving=True)
     if drawn is not None and recent.last("motion") is drawn:
         found["charts"] = [each for each in found["charts"] if each is not drawn]
     return {**found, **_held(design)}
@@ -104,8 +104,8 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     }
 
 
-def painted(design: Design, recent: Recent) -> dict[str, Any]:
-    """A design as pictures.
+def painted(design: Design, recent: Recent, *, moving: bool = False) -> dict[str, Any]:
+    """A design as pictures; if it is `moving`, as of `camgeo.figure.animation.animation`.
 
     `animation` is None if there is no disc or the mechanism has no position somewhere; a diagram
     that cannot be computed is left out: the findings say why.
@@ -113,7 +113,7 @@ def painted(design: Design, recent: Recent) -> dict[str, Any]:
     scene = design.scene
     turn = None
     if scene.follower is not None:
-        turn = _tried(lambda: packed(thinned_turn(animation(design.disc))))
+        turn = _tried(lambda: packed(thinned_turn(animation(design.disc, moving=moving))))
     charts = [chart for make in _wanted(design, recent) if (chart := _tried(make)) is not None]
     return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
 

@@ -29,7 +29,8 @@ POSITIONS: Final = 240
 differ from their arcs by less than a line is wide."""
 
 CHORDS: Final = 1.5e-4
-"""Chords of the discs, relative to the base radius: the picture is at least two of them wide."""
+"""Distance of the discs' chords from the flanks where these were sampled, at each end and half way
+of a chord, relative to the base radius: the picture is at least two of them wide."""
 
 PITCH: Final = Style(AUXILIARY, 0.8, (10.0, 3.0, 2.0, 3.0))
 BASE: Final = Fill(edge=AUXILIARY, width=0.6, dashes=(5.0, 4.0))
@@ -87,19 +88,22 @@ class Animation(Brief):
         return data
 
 
-def animation(product: Product) -> Animation:
+def animation(product: Product, *, moving: bool = False) -> Animation:
     """A turn of the mechanism of `product`, with all discs of a conjugate pair.
+
+    If it is `moving`, as in a drag, discs whose flanks have no cusp are shown before they are
+    judged: flanks that cross are whole then. Everything else is the same either way.
 
     Raises
     ------
     CamgeoError
         If the mechanism has no position at some cam angle.
     """
-    cam, parts = product.cam, parts_of(product)
+    cam = product.cam
     angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
     sketch = product.pictured.mechanism_at(angles)
     first = sketch.at(0)
-    marks, reach, note = _turning(product, parts)
+    marks, reach, note = _turning(product, moving=moving)
     low, high = window(reach, [sketch])
     lifts = cam.drive.motion.jet(angles)[0]
     degrees = cam.lift_unit == "rad"
@@ -124,21 +128,14 @@ def animation(product: Product) -> Animation:
     )  # fmt: skip
 
 
-def _turning(product: Product, parts: tuple[Part, ...]) -> tuple[tuple[Mark, ...], float, str]:
-    """What turns with the cam, how far discs and base circle reach [mm], and why there is no disc.
-
-    Chords are found fast: an animation follows a drag.
-    """
+def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float, str]:
+    """What turns with the cam, how far discs and base circle reach [mm], why there is no disc."""
     cam = product.cam
     base = cam.follower.base_radius
-    marks: list[Mark] = []
     note = ""
-    for part in parts[:1]:
-        marks += disc.whole(part, 1.0, CHORDS * base, fast=True)[0]
-    for part in parts[1:]:
-        marks += disc.behind(part, 1.0, CHORDS * base, fast=True)
+    marks = _discs(product, moving=moving)
     reach = max([base, *map(_farthest, marks)])
-    if not parts:
+    if not marks:
         try:
             drawn = flanks.whole(product, product.pictured.cut_off, 1.0)[0]
         except CamgeoError:  # the findings say so
@@ -150,6 +147,30 @@ def _turning(product: Product, parts: tuple[Part, ...]) -> tuple[tuple[Mark, ...
         marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
     marks.append(Circle((0.0, 0.0), base, BASE, layer=2.0))
     return tuple(marks), reach, note
+
+
+def _discs(product: Product, *, moving: bool) -> list[Mark]:
+    """The discs; none if there are none.
+
+    Chords are sampled and not proved: an animation follows a drag.
+    """
+    if moving:
+        try:
+            return _bodies(product, tuple(each.drawn.untrimmed for each in product.discs))
+        except CamgeoError:  # undercut, for one: what is left of the disc takes longer
+            pass
+    return _bodies(product, parts_of(product))
+
+
+def _bodies(product: Product, parts: tuple[Part, ...]) -> list[Mark]:
+    """The parts of the main disc and of those behind it."""
+    sagitta = CHORDS * product.cam.follower.base_radius
+    marks: list[Mark] = []
+    for part in parts[:1]:
+        marks += disc.whole(part, 1.0, sagitta, sampled=True)[0]
+    for part in parts[1:]:
+        marks += disc.behind(part, 1.0, sagitta, sampled=True)
+    return marks
 
 
 def _farthest(mark: Mark) -> float:

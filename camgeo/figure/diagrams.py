@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
+from camgeo.check.judge import transmission_angle_limit
 from camgeo.figure.layout import Size, limits
 from camgeo.figure.marks import Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure
 from camgeo.figure.style import CURVE, LIMIT, LIMIT_STYLE, ZERO, diagram, diagram_angles
+from camgeo.outline.path import Flank
 from camgeo.product.product import Product
 from camgeo.units import MM_PER
 
 SIZE = (7.0, 3.6)
 
-FINDING = "transmission-angle"
-"""Name of the finding that carries the limit of that angle, in degrees."""
-
-RATIO: Final = {"radius-ratio-inner": 1.0, "radius-ratio-outer": -1.0}
-"""Findings that carry the largest r_R/r_K of a flank, with the sign of the curvature that counts:
-the inner flank is too sharp where the pitch curve is convex."""
+RATIO: Final = {Flank.INNER: 1.0, Flank.OUTER: -1.0}
+"""The sign of the curvature that counts on a flank: the inner flank is too sharp where the pitch
+curve is convex."""
 
 RATIO_STYLE: Final = Style(LIMIT, 1.0, (1.2, 1.6))
 
@@ -43,12 +43,11 @@ def curvature(product: Product, size: Size = SIZE) -> Figure:
     for cusp in cusps:
         label = f"cusp of a flank, ±1/{name}" if cusp > 0.0 else ""
         marks.append(Rule("y", cusp, LIMIT_STYLE, label))
-    ratios = {
-        RATIO[item.name] * item.limit * scale / follower.roller_radius: item.limit
-        for item in product.findings
-        if item.name in RATIO and item.limit is not None and follower.roller_radius > 0.0
-    }
-    for number, (at, limit) in enumerate(ratios.items()):
+    limit, flanks = product.judgement.limits.radius_ratio, product.cam.contact.flanks
+    if follower.roller_radius == 0.0:  # a knife edge or a face, which fits any radius
+        flanks = ()
+    ratios = [RATIO[flank] * limit * scale / follower.roller_radius for flank in flanks]
+    for number, at in enumerate(ratios):
         label = "" if number else f"limit r$_R$/r$_K$ = {limit:g}"
         marks.append(Rule("y", at, RATIO_STYLE, label))
     shown = Axis(limits([kappa], [*cusps, *ratios, 0.0]), f"curvature κ [1/{product.unit}]")
@@ -62,10 +61,9 @@ def transmission_angle(product: Product, size: Size = SIZE) -> Figure:
     phi = diagram_angles(joints)
     angle = np.degrees(product.cam.disc.pitch_curve.transmission_angle(phi))
     marks: list[Mark] = [Line(over(np.degrees(phi), angle), CURVE, "transmission angle")]
-    limit = next((item.limit for item in product.findings if item.name == FINDING), None)
-    if limit is not None:
-        marks.append(Rule("y", limit, LIMIT_STYLE, f"limit {limit:g}°"))
-    low = min(float(angle.min()), limit if limit is not None else 90.0)
+    limit = math.degrees(transmission_angle_limit(product.cam, product.judgement.limits))
+    marks.append(Rule("y", limit, LIMIT_STYLE, f"limit {limit:g}°"))
+    low = min(float(angle.min()), limit)
     floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
     shown = Axis((floor, 95.0), "transmission angle μ [°]")
     return diagram(size, f"{product.name}: transmission angle", shown, marks, joints)

@@ -23,18 +23,18 @@ FINE = 1e-3
 
 
 def whole(
-    part: Part, scale: complex, sagitta: float, *, fast: bool = False
+    part: Part, scale: complex, sagitta: float, *, sampled: bool = False
 ) -> tuple[list[Mark], list[ComplexArray]]:
     """The part and its rings; `scale` units per mm, chords within `sagitta` [mm].
 
-    A complex scale turns the part. If `fast`, the chords are those found soonest, else those of the
-    fewest arcs.
+    A complex scale turns the part. If `sampled`, the chords are within `sagitta` only where flanks
+    were sampled, and are found soonest; else they are those of the fewest arcs, proved.
     """
     marks: list[Mark] = []
     edges: list[Mark] = []
     drawn: list[ComplexArray] = []
     for boundaries, fill in _areas(part):
-        rings = [ring * scale for ring in _rings(boundaries, sagitta, fast=fast)]
+        rings = [ring * scale for ring in _rings(boundaries, sagitta, sampled=sampled)]
         marks.append(_area(rings, fill))
         drawn += rings
         for boundary, ring in zip(boundaries, rings, strict=True):
@@ -48,11 +48,11 @@ def _style(boundary: Boundary) -> Style:
     return LETTER if text_of(boundary.name) else EDGE
 
 
-def behind(part: Part, scale: complex, sagitta: float, *, fast: bool = False) -> list[Mark]:
+def behind(part: Part, scale: complex, sagitta: float, *, sampled: bool = False) -> list[Mark]:
     """The outline of the second disc of a conjugate pair, over the first one; see `whole`."""
     return [
         Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
-        for ring in _rings((part.outermost,), sagitta, fast=fast)
+        for ring in _rings((part.outermost,), sagitta, sampled=sampled)
     ]
 
 
@@ -89,12 +89,11 @@ def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
 
 
 def _rings(
-    boundaries: tuple[Boundary, ...], sagitta: float, *, fast: bool = False
+    boundaries: tuple[Boundary, ...], sagitta: float, *, sampled: bool = False
 ) -> list[ComplexArray]:
     """Points [mm] of each boundary."""
-    if fast:
-        fits = [boundary.polyline(sagitta, "fast") for boundary in boundaries]
-        return [fit.contour.points(sagitta) for fit in fits]
+    if sampled:
+        return [boundary.sampled(sagitta).points(sagitta) for boundary in boundaries]
     return [boundary.arcs(sagitta).contour.points(sagitta) for boundary in boundaries]
 
 

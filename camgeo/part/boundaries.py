@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from camgeo.contour.chords.fast import fit_polyline
+from camgeo.contour.chords.fast import fit_polyline, sampled_polyline
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
 from camgeo.contour.parallel import corner_radius, parallel
@@ -85,6 +85,10 @@ class CurveBoundary(Pickled):
 
         fit = fit_polyline if effort == "fast" else fewest_chords
         return self._fitted("chords", fit, tolerance, lambda found: found.contour)
+
+    def sampled(self, tolerance: float) -> Contour:
+        """See `camgeo.contour.chords.fast.sampled_polyline`."""
+        return sampled_polyline(self.path, tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs; raises like `arcs`."""
@@ -288,6 +292,10 @@ class ExactBoundary(Pickled):
         """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""
         chords = chords_of if effort == "fast" else fewest_chords_of
         return chords(self.exact.counter_clockwise(), tolerance)
+
+    def sampled(self, tolerance: float) -> Contour:
+        """Straight pieces with vertices on the outline."""
+        return self.polyline(tolerance, "fast").contour
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself, at either effort: lines and arcs already are strands."""

@@ -43,6 +43,11 @@ class Boundary(Protocol):
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
+    def sampled(self, tolerance: float) -> Contour:
+        """Straight pieces for pictures, counter-clockwise: where a flank was sampled, they are
+        within `tolerance` [mm] of it. Nothing is proved.
+        """
+
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs within `tolerance` [mm] of the exact boundary,
         counter-clockwise.

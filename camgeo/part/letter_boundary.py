@@ -125,6 +125,10 @@ class LetterBoundary(Pickled):
         """Straight pieces with vertices on the outline, the same at either effort."""
         return self._fit("polyline", tolerance)
 
+    def sampled(self, tolerance: float) -> Contour:
+        """The same straight pieces."""
+        return self.polyline(tolerance).contour
+
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself."""
         self._fit("arcs", tolerance)  # which shows that it does not cross itself

@@ -66,6 +66,10 @@ class ScaledBoundary(Pickled):
         """See `camgeo.part.part.Boundary`."""
         return self._fit(lambda own: self.unscaled.polyline(own, effort), tolerance)
 
+    def sampled(self, tolerance: float) -> Contour:
+        """See `camgeo.part.part.Boundary`."""
+        return scaled_contour(self.unscaled.sampled(tolerance / self.factor), self.factor)
+
     def _fit(self, fit: Callable[[float], Fit], tolerance: float) -> Fit:
         """A fit within what the scaling leaves of the tolerance."""
         lost = self._rounding

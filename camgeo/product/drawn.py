@@ -60,6 +60,16 @@ class DrawnDisc(Pickled):
         """The part; GeometryError if it is inconsistent, UndercutError if none exists."""
         return self._built(self.spec or PartSpec())
 
+    @property
+    def untrimmed(self) -> Part:
+        """The part between whole flanks, of which nothing is cut off, before it is known whether
+        there is such a disc; GeometryError if it is inconsistent.
+        """
+        from camgeo.part.build import build_part
+
+        paths, spec = self.cam.disc.untrimmed_paths, self.spec or PartSpec()
+        return build_part(self.cam.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
+
     def _part_by(self, spec: PartSpec) -> Part:
         """The part by another specification; raises like `part`."""
         return self.part if spec == (self.spec or PartSpec()) else self._built(spec)

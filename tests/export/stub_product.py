@@ -18,6 +18,7 @@ from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.finding import Finding
 from camgeo.check.judge import Judgement
+from camgeo.check.limits import Limits
 from camgeo.contour.contour import Contour, Effort, Fit
 from camgeo.contour.spline import Arc, SplineContour, SplineFit
 from camgeo.effects.effect import Column
@@ -103,6 +104,9 @@ class CircleBoundary:
         points = self.centre + self.radius * np.exp(2j * math.pi * np.arange(count) / count)
         return Fit(Contour(points, np.zeros(count), np.zeros_like(points)), sagitta, tolerance)
 
+    def sampled(self, tolerance: float) -> Contour:
+        return self.polyline(tolerance).contour
+
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         ends = (self.centre + self.radius, self.centre - self.radius)
         halves = (Arc(a, b, math.pi, self.centre) for a, b in (ends, ends[::-1]))
@@ -149,6 +153,7 @@ def there_and_back(stroke: float) -> plan.MotionPlan:
 @dataclass(frozen=True, slots=True)
 class StubScene:
     drawing: DrawingSpec = field(default_factory=DrawingSpec)
+    limits: Limits = field(default_factory=Limits)
 
 
 NO_SCENE: Any = StubScene()

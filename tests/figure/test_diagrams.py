@@ -35,11 +35,11 @@ def test_the_limit_of_the_ratio_of_radii_is_in_the_picture(name: str, sides: set
     (curve,) = [mark for mark in panel.marks if isinstance(mark, Line)]
     low, high = panel.y.limits
     roller = product.cam.follower.roller_radius / MM_PER[product.unit]
-    findings = {item.name: item for item in product.findings if item.name in RATIO}
-    for finding, sign in RATIO.items():
+    findings = {item.name: item for item in product.findings}
+    for flank, sign in RATIO.items():
         if sign not in rules:
             continue
-        item, at = findings[finding], rules[sign]
+        item, at = findings[f"radius-ratio-{flank}"], rules[sign]
         assert item.limit is not None
         assert item.value is not None
         assert low < at < high

@@ -123,10 +123,14 @@ def test_diagrams_show_the_exact_motion(name: str, order: int) -> None:
     assert apart(exact, line.points * scale) <= BOUND + 1.01 * chords
 
 
+@pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize("name", ["setzhub", "groove", "trimmed_ring", "conjugate_lever", "tappet"])
-def test_the_disc_shown_is_the_exact_one(name: str) -> None:
+def test_the_disc_shown_is_the_exact_one(name: str, moving: bool) -> None:
+    """In a drag before it is judged, unless flanks are cut off."""
     of = design(name)
-    turn = animation(of.disc)
+    turn = animation(of.disc, moving=moving)
+    trimmed = any(of.cam.disc.outline(flank).is_trimmed for flank in of.cam.contact.flanks)
+    assert ("findings" in vars(of.judgement)) is (not moving or trimmed)
     extent = turn.high - turn.low
     pixel = 1.25 * SEEN * max(extent.real, extent.imag) / PAPER
     base = of.cam.follower.base_radius

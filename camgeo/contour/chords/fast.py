@@ -10,16 +10,25 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from camgeo.contour.chain import Chain
-from camgeo.contour.contour import Fit
+from camgeo.contour.chain import Chain, contour_of
+from camgeo.contour.contour import Contour, Fit
 from camgeo.contour.counts import least_counts, too_many
 from camgeo.contour.hermite import highest
 from camgeo.contour.joints import CROWDED, Bends, bends_of, evenly_shared, joints_apart
 from camgeo.contour.legs import TurnLeg
-from camgeo.contour.proved import AIM, Group, fit_by_groups, proved_fit
+from camgeo.contour.proved import (
+    AIM,
+    FitPieces,
+    FitTurn,
+    Group,
+    fit_by_groups,
+    fitted,
+    proved_fit,
+)
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -126,12 +135,28 @@ def fit_polyline(path: Path, tolerance: float) -> Fit:
     GeometryError
         If the contour cannot be compared with the path.
     """
+    return proved_fit(path, tolerance, AIM * tolerance, *_fits(tolerance))
 
-    def fit_turn(leg: TurnLeg, aim: float) -> Chain:
-        return _arc_chords(leg, aim, tolerance)
 
-    fit_pieces = fit_by_groups(_group, tolerance)
-    return proved_fit(path, tolerance, AIM * tolerance, fit_pieces, fit_turn)
+def sampled_polyline(path: Path, tolerance: float) -> Contour:
+    """The chords that `fit_polyline` begins with, for pictures: at `PARTS` places of each they are
+    within `tolerance` [mm] of `path`. Nothing is proved of them, which takes longer than to find
+    them.
+
+    Raises
+    ------
+    ToleranceError
+        If the tolerance cannot be reached in double precision.
+    GeometryError
+        If the path has a gap.
+    """
+    fit = fitted(path, tolerance, *_fits(tolerance))
+    return contour_of(fit(AIM * tolerance)).counter_clockwise()
+
+
+def _fits(tolerance: float) -> tuple[FitPieces, FitTurn]:
+    """How the pieces of a path are fitted, and its turns."""
+    return fit_by_groups(_group, tolerance), partial(_arc_chords, tolerance=tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
