@@ -123,7 +123,9 @@ def _is_table(schema: dict[str, Any], node: dict[str, Any]) -> bool:
     """Tables get a heading; an inline table, the keyway, is a row with its keys below it."""
     kind = _resolved(schema, node).get("type")
     return (kind in ("object", "array") and "x-allowed" not in node and "items" not in node) or (
-        kind == "array" and "items" in node and node["items"].get("type") == "object"
+        kind == "array"
+        and "items" in node
+        and _resolved(schema, node["items"]).get("type") == "object"
     )
 
 

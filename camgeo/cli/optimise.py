@@ -70,7 +70,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "NAMES",
         "findings whose limits in the scene do not count, or limits for all of them",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
+    parser.add_argument("--seed", type=int, help="of what is drawn; default 0")
     parser.add_argument(
         "--evaluations", metavar="COUNT", type=int, help="designs that may be tried; default 2000"
     )
@@ -93,7 +93,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the answer, and write what was found."""
     from camgeo.answers.optimise import Optimum
-    from camgeo.optimise.optimise import EVALUATIONS, optimise
+    from camgeo.optimise.optimise import optimise
     from camgeo.optimise.task import task_of
     from camgeo.scene.load import load_scene
     from camgeo.sweep.stated import names_in
@@ -117,7 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
     found = optimise(
         task,
         seed=arguments.seed,
-        evaluations=EVALUATIONS if arguments.evaluations is None else arguments.evaluations,
+        evaluations=arguments.evaluations,
         seconds=arguments.seconds,
         progress=arguments.progress,
     )

@@ -17,9 +17,6 @@ from camgeo.scene.scene import Scene
 from camgeo.sweep.pareto import front
 from camgeo.wording import counted
 
-EVALUATIONS: Final = 2000
-"""Designs that are tried unless another number is stated."""
-
 MOST: Final = 1_000_000
 
 LOST: Final = 2e-6
@@ -73,8 +70,8 @@ class Found:
 def optimise(
     task: Task,
     *,
-    seed: int = 0,
-    evaluations: int = EVALUATIONS,
+    seed: int | None = None,
+    evaluations: int | None = None,
     seconds: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Found:
@@ -82,8 +79,8 @@ def optimise(
 
     Parameters
     ----------
-    evaluations : designs that may be tried; a few more for short numbers.
-    seconds : after which no other is tried; None for no limit.
+    seed, evaluations, seconds : as of `camgeo.optimise.task.Effort`, in place of what the task
+        says; a few more designs are tried for short numbers.
     progress : called with words on how far the search is.
 
     Ctrl-C ends the search; what was found until then is the answer, if there is anything.
@@ -93,6 +90,10 @@ def optimise(
     GeometryError
         For numbers that are none.
     """
+    effort = task.effort
+    seed = effort.seed if seed is None else seed
+    evaluations = effort.evaluations if evaluations is None else evaluations
+    seconds = effort.seconds if seconds is None else seconds
     if not 1 <= evaluations <= MOST:
         message = f"must be from 1 to {MOST:,}"
         raise GeometryError(message, "evaluations", str(evaluations))

@@ -5,19 +5,23 @@ from __future__ import annotations
 import contextlib
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.scene.scene import Scene
+from camgeo.scene.varied import OPTIMISE
 from camgeo.sweep.asked import VERDICT, Asked, asked_of, canonical
 from camgeo.sweep.family import Family, Sample
-from camgeo.sweep.stated import family_of
+from camgeo.sweep.stated import family_of, variables_in
 from camgeo.sweep.variables import Variable
 
 Sense = Literal["least", "largest"]
+
+EVALUATIONS: Final = 2000
+"""Designs that are tried unless another number is stated."""
 
 MOST_GOALS: Final = 5
 """Objectives; of more, nearly every design is on the front."""
@@ -65,6 +69,32 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
+class Effort:
+    """How long is sought, unless the call says otherwise.
+
+    Attributes
+    ----------
+    seed : of what is drawn.
+    evaluations : designs that may be tried.
+    seconds : after which no other is tried; None for no limit.
+    """
+
+    seed: int = 0
+    evaluations: int = EVALUATIONS
+    seconds: float | None = None
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any]) -> Effort:
+        """What a table of a scene states."""
+        seconds = table.get("seconds")
+        return cls(
+            int(table.get("seed", 0)),
+            int(table.get("evaluations", EVALUATIONS)),
+            None if seconds is None else float(seconds),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
     """What is sought, and where.
 
@@ -74,12 +104,14 @@ class Task:
     goals : the objectives.
     limits : stated with the call; one on a finding replaces that of the scene.
     ignored : findings of which a broken limit does not matter.
+    effort : how long is sought.
     """
 
     family: Family
     goals: tuple[Goal, ...]
     limits: tuple[Limit, ...]
     ignored: frozenset[str]
+    effort: Effort
 
     @property
     def asked(self) -> tuple[Asked, ...]:
@@ -111,14 +143,16 @@ def task_of(
     keep: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> Task:
-    """The task from texts as of the command line.
+    """The task from texts as of the command line, and from `[optimise]` in the scene.
 
     Parameters
     ----------
-    vary : variables; if there are none, those that the scene states in `[sweep]`.
-    least, largest : objectives, see `camgeo.sweep.asked`.
-    keep : limits, as "transmission-angle>=50".
-    ignore : findings whose limits in the scene do not count, or "limits" for all of them.
+    vary : variables; if there are none, those that the scene states in `[optimise]`, else in
+        `[sweep]`.
+    least, largest : objectives, see `camgeo.sweep.asked`; if there are none at all, those of the
+        scene.
+    keep : limits, as "transmission-angle>=50"; if there are none, those of `[optimise]`.
+    ignore : findings whose limits in the scene do not count, or "limits" for all of them; likewise.
 
     Raises
     ------
@@ -130,7 +164,12 @@ def task_of(
         For a name that no finding or column has, with the nearest one.
     """
     # Of designs that are drawn, ranges need no count; how many is not used.
-    family = family_of(scene, vary, Sample(1))
+    family = family_of(scene, vary or variables_in(scene, OPTIMISE), Sample(1))
+    table = scene.values.get(OPTIMISE, {})
+    least, largest = tuple(least), tuple(largest)
+    if not least and not largest:
+        least, largest = table.get("least", ()), table.get("largest", ())
+    keep, ignore = tuple(keep) or table.get("keep", ()), tuple(ignore) or table.get("ignore", ())
     design = Design(family.scene)
     goals = (
         *(Goal(_number(design, word), "least") for word in least),
@@ -149,7 +188,7 @@ def task_of(
     named = [word for word in words if word != ALL]
     ignored = [each.name for each in asked_of(design, named)] if named else []
     everything = [ALL] if ALL in words else []
-    return Task(family, goals, limits, frozenset([*ignored, *everything]))
+    return Task(family, goals, limits, frozenset([*ignored, *everything]), Effort.of(table))
 
 
 def _number(design: Design, word: str) -> Asked:

@@ -34,6 +34,7 @@ REPORTED_ONLY: Final = (
     ("part", "material"),
     ("part", "density"),
     ("sweep",),
+    ("optimise",),
 )
 """Tables and keys that affect only what is computed and reported, not drawings, programs or bodies.
 

@@ -12,6 +12,7 @@ from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputS
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
+from camgeo.scene.family_rules import families_vary
 from camgeo.scene.keys import Path
 from camgeo.scene.part_rules import (
     chamfers_have_edges,
@@ -20,7 +21,6 @@ from camgeo.scene.part_rules import (
 )
 from camgeo.scene.print_rules import print_suits_the_part
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
-from camgeo.scene.sweep_rules import sweep_is_a_family
 from camgeo.scene.valid_values import Broken, ValidValues
 
 TURN: Final = Decimal(360)
@@ -369,7 +369,7 @@ RULES: Final[tuple[Rule, ...]] = (
     roller_is_possible,
     part_is_possible,
     print_suits_the_part,
-    sweep_is_a_family,
+    families_vary,
     chamfers_have_edges,
     a_mass_is_known,
     tolerance_is_possible,

@@ -20,7 +20,9 @@ Rows = Sequence[tuple[Value, ...]]
 """Values of a list, each for all keys that are tied together."""
 
 SWEEP: Final = "sweep"
-"""The table of the scene that states a family; no design of the family has it."""
+OPTIMISE: Final = "optimise"
+FAMILIES: Final = (SWEEP, OPTIMISE)
+"""Tables of the scene that state families; no design of a family has them."""
 
 LARGEST_WHOLE: Final = 2**53
 """Whole numbers below it are written without a fraction, as a key for a whole number needs."""
@@ -46,7 +48,7 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> Path:
     from camgeo.scene.paths import value_path  # few scenes state a family
 
     path = value_path(tree, key)
-    if path[0] == SWEEP:
+    if path[0] in FAMILIES:
         raise GeometryError("is no key of a design", key)
     name = spelled(path)
     if name in seen:

@@ -15,7 +15,7 @@ from camgeo.errors import GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.keys import spelled
 from camgeo.scene.scene import Scene
-from camgeo.scene.varied import SWEEP, Value, design_path
+from camgeo.scene.varied import FAMILIES, Value, design_path
 from camgeo.sweep.variables import Listed, Variable
 from camgeo.wording import counted
 
@@ -74,7 +74,7 @@ class Family:
 
     Attributes
     ----------
-    scene : the one in which values are replaced; its own `[sweep]` is left out.
+    scene : the one in which values are replaced; the families that it states are left out.
     variables : what varies; the last one fastest.
     sample : how designs are drawn; None for all combinations.
 
@@ -92,8 +92,9 @@ class Family:
     sample: Sample | None = None
 
     def __post_init__(self) -> None:
-        if SWEEP in self.scene.values:
-            object.__setattr__(self, "scene", self.scene.with_values({SWEEP: None}))
+        stated = dict.fromkeys(name for name in FAMILIES if name in self.scene.values)
+        if stated:
+            object.__setattr__(self, "scene", self.scene.with_values(stated))
         if not self.variables:
             raise GeometryError("states no key: nothing varies", "sweep.vary")
         tree = self.scene.stated.scene.exact

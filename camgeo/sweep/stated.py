@@ -1,4 +1,4 @@
-"""The family that a scene states in `[sweep]`, or a command line in its options."""
+"""The family that a scene states in a table, or a command line in its options."""
 
 from __future__ import annotations
 
@@ -33,8 +33,15 @@ def family_of(
         sample = Sample(
             int(table["samples"]), table.get("method", "sobol"), int(table.get("seed", 0))
         )
-    variables = tuple(_parsed(vary) if vary else _stated(table.get("vary", ())))
+    variables = tuple(_parsed(vary)) if vary else variables_in(scene, SWEEP)
     return Family(scene, variables, sample)
+
+
+def variables_in(scene: Scene, name: str) -> tuple[Variable, ...]:
+    """The variables that the scene states in the table of that name, which its rules have checked;
+    none if there is no such table.
+    """
+    return tuple(_stated(scene.values.get(name, {}).get("vary", ())))
 
 
 def questions_of(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
@@ -55,7 +62,7 @@ def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
 
 
 def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:
-    """The variables of the tables `[[sweep.vary]]`, which the scene's rules have checked."""
+    """The variables of tables as `[[sweep.vary]]`."""
     for table in tables:
         keys = keys_in(table)
         yield Variable(keys, _values(keys, table))

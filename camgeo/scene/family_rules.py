@@ -1,4 +1,4 @@
-"""Rules on the family of designs that a scene states in `[sweep]`."""
+"""Rules on the families of designs that a scene states in `[sweep]` and `[optimise]`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from camgeo.errors import GeometryError, SceneError
 from camgeo.scene.valid_values import Broken, ValidValues
 from camgeo.scene.varied import (
+    FAMILIES,
     SWEEP,
     design_path,
     faults_of_list,
@@ -16,16 +17,17 @@ from camgeo.scene.varied import (
 )
 
 
-def sweep_is_a_family(values: ValidValues) -> Iterator[Broken]:
+def families_vary(values: ValidValues) -> Iterator[Broken]:
     """Each variable has keys that a scene may have, each once, and values for them."""
-    table = values.scene.plain.get(SWEEP)
-    if not isinstance(table, dict) or not isinstance(table.get("vary"), list):
-        return
-    seen: set[str] = set()
-    for index in range(len(table["vary"])):
-        place = (SWEEP, "vary", index)
-        if values.valid(*place):
-            yield from _variable(values, place, seen)
+    for name in FAMILIES:
+        table = values.scene.plain.get(name)
+        if not isinstance(table, dict) or not isinstance(table.get("vary"), list):
+            continue
+        seen: set[str] = set()
+        for index in range(len(table["vary"])):
+            place = (name, "vary", index)
+            if values.valid(*place):
+                yield from _variable(values, place, seen)
 
 
 def _variable(
@@ -72,6 +74,6 @@ def _range(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broken
         return
     count = table.get("count")
     faults = [((*place, key), why) for key, why in faults_of_range(start, stop, count)]
-    if not faults and count is None and not values.has(SWEEP, "samples"):
+    if place[0] == SWEEP and count is None and not faults and not values.has(SWEEP, "samples"):
         yield place, 'needs "count", unless [sweep] has "samples"'
     yield from faults
