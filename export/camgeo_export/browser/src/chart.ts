@@ -3,6 +3,7 @@
 import type { CamAngle } from "./angle";
 import { numeral } from "./axes";
 import type { Charted, Gap } from "./data";
+import { attribute, say } from "./dom";
 import { type Drawn, Drawing } from "./figure";
 import { element, fixed, Node } from "./svg";
 
@@ -87,11 +88,10 @@ export class Chart {
   private point(degrees: number): void {
     for (const { drawn, line, text } of this.cursors) {
       const x = fixed(drawn.plane.x(degrees));
-      line.element.setAttribute("x1", String(x));
-      line.element.setAttribute("x2", String(x));
+      for (const name of ["x1", "x2"]) attribute(line.element, name, String(x));
       const values = drawn.curves.map((mark) => curveAt(mark.points, degrees)).filter((each) => each !== null);
       const numbers = values.map((each) => numeral(Number(each.toPrecision(4)))).join("; ");
-      text.element.textContent = numbers && `${degrees.toFixed(1)}°: ${numbers}`;
+      say(text.element, numbers && `${degrees.toFixed(1)}°: ${numbers}`);
     }
   }
 

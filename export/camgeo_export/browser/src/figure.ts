@@ -2,6 +2,7 @@
 
 import { drawAxes, POINTS, scale, valueAt } from "./axes";
 import type { Figure, Legend, Line, Panel } from "./data";
+import { attribute } from "./dom";
 import { type Box, drawMarks, filled, LETTER, marker, type Plane, stroke, words } from "./marks";
 import { element, fixed, Node } from "./svg";
 
@@ -42,8 +43,8 @@ export class Drawing {
   update(figure: Figure, label: string, held = false): void {
     if (!held) this.corners = [];
     const size = figure.size.map((each) => each * POINTS) as [number, number];
-    set(this.svg, "viewBox", `0 0 ${fixed(size[0])} ${fixed(size[1])}`);
-    set(this.svg, "aria-label", label);
+    attribute(this.svg, "viewBox", `0 0 ${fixed(size[0])} ${fixed(size[1])}`);
+    attribute(this.svg, "aria-label", label);
     const box = { left: 0, right: size[0], top: 0, bottom: size[1] };
     const page: Plane = { x: (value) => value, y: (value) => value, k: 1, box, clip: "" };
     this.picture.redraw((into) => {
@@ -89,10 +90,6 @@ export class Drawing {
     const curves = lines.filter((mark) => mark.points.length > FEWEST);
     return { index, panel, plane, turn, curves, legend: legend?.anchor ? "" : place };
   }
-}
-
-function set(at: Element, name: string, value: string): void {
-  if (at.getAttribute(name) !== value) at.setAttribute(name, value);
 }
 
 // Where a panel is; smaller than its frame if a unit is equally long on both axes.

@@ -3,6 +3,7 @@
 import type { CamAngle } from "./angle";
 import { numeral } from "./axes";
 import type { Animation, Place } from "./data";
+import { attribute } from "./dom";
 import { drawMarks, type Plane } from "./marks";
 import { type Attributes, element, fixed, Node } from "./svg";
 
@@ -68,7 +69,7 @@ export class Mechanism {
     if (!held || !this.view) {
       this.view = viewOf(animation);
       const { low, high, k } = this.view;
-      this.svg.setAttribute("viewBox", `0 0 ${fixed((high[0] - low[0]) * k)} ${fixed((high[1] - low[1]) * k)}`);
+      attribute(this.svg, "viewBox", `0 0 ${fixed((high[0] - low[0]) * k)} ${fixed((high[1] - low[1]) * k)}`);
     }
     const view = this.view;
     this.picture.redraw((into) => this.draw(into, animation, view));
@@ -146,7 +147,7 @@ export class Mechanism {
     const found = this.animation;
     if (!found || !this.disc) return;
     const [ox, oy] = this.toPicture([0, 0]).map(fixed) as Place;
-    this.disc.element.setAttribute("transform", `rotate(${fixed(-found.rotation * degrees)} ${ox} ${oy})`);
+    attribute(this.disc.element, "transform", `rotate(${fixed(-found.rotation * degrees)} ${ox} ${oy})`);
     const [first, second, rest] = between(found.places.length, degrees);
     const [from, to] = [found.places[first] ?? [], found.places[second] ?? []];
     let next = 0;
@@ -163,12 +164,12 @@ type Mover = (take: () => Place) => void;
 
 function link(parent: Node, count: number): Mover {
   const { element: line } = parent.add("polyline", LINK);
-  return (take) => line.setAttribute("points", Array.from({ length: count }, take).join(" "));
+  return (take) => attribute(line, "points", Array.from({ length: count }, take).join(" "));
 }
 
 function face(parent: Node): Mover {
   const { element: line } = parent.add("path", FACE);
-  return (take) => line.setAttribute("d", `M${take().join(" ")}L${take().join(" ")}`);
+  return (take) => attribute(line, "d", `M${take().join(" ")}L${take().join(" ")}`);
 }
 
 function roller(parent: Node, radius: number, joint: number): Mover {
@@ -179,7 +180,7 @@ function roller(parent: Node, radius: number, joint: number): Mover {
 // Parts that are drawn about the origin and moved together.
 function moved(group: Node, parts: [keyof SVGElementTagNameMap, Attributes][]): Mover {
   for (const [name, attributes] of parts) group.add(name, attributes);
-  return (take) => group.element.setAttribute("transform", `translate(${take().join(" ")})`);
+  return (take) => attribute(group.element, "transform", `translate(${take().join(" ")})`);
 }
 
 // A guide: two hatched lines, as far apart as a slider is high or a rod is thick.

@@ -41,6 +41,7 @@ export class Charts {
     let stale = true;
     const draw = (): void => {
       stale = !seen;
+      if (!seen && this.session.held) return; // it follows when the drag ends
       say(sentence, now.sentence);
       extremes.update(now);
       if (!seen) return;

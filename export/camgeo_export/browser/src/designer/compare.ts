@@ -22,16 +22,15 @@ function lines(panel: Panel): Line[] {
   return panel.marks.filter((mark): mark is Line => mark.kind === "line" && mark.style.width > 0 && mark.points.length > 1);
 }
 
-// Limits that hold both, and the second scale stretched with them.
-function wider(panel: Panel, other: Axis): Pick<Panel, "y" | "right"> {
+// A panel with other limits, its second scale stretched with them.
+export function within(panel: Panel, limits: [number, number]): Panel {
   const [low, high] = panel.y.limits;
-  if (panel.y.log || low >= high || other.limits[0] >= other.limits[1]) return panel;
-  const limits: [number, number] = [Math.min(low, other.limits[0]), Math.max(high, other.limits[1])];
+  if (panel.y.log || low >= high || limits[0] >= limits[1]) return panel;
   const y = { ...panel.y, limits };
-  if (!panel.right) return { y, right: null };
+  if (!panel.right) return { ...panel, y };
   const [a, b] = panel.right.limits;
   const right = limits.map((each) => a + ((each - low) / (high - low)) * (b - a)) as [number, number];
-  return { y, right: { ...panel.right, limits: right } };
+  return { ...panel, y, right: { ...panel.right, limits: right } };
 }
 
 const alike = (one: Axis, two: Axis): boolean => one.limits[0] === two.limits[0] && one.limits[1] === two.limits[1];
@@ -42,7 +41,9 @@ export function beside(figure: Figure, pinned: Figure | undefined): Figure {
   const panels = figure.panels.map((panel, k) => {
     const other = pinned.panels[k];
     if (!other || panel.bare || other.bare || panel.equal || !alike(panel.x, other.x) || panel.y.label !== other.y.label) return panel;
-    return { ...panel, ...wider(panel, other.y), marks: [...lines(other).map(ghost), ...panel.marks] };
+    const [one, two] = [panel.y.limits, other.y.limits];
+    const both = within(panel, two[0] < two[1] ? [Math.min(one[0], two[0]), Math.max(one[1], two[1])] : one);
+    return { ...both, marks: [...lines(other).map(ghost), ...panel.marks] };
   });
   return { ...figure, panels };
 }

@@ -26,6 +26,11 @@ function round(size: number): number {
   return ([5, 2, 1].find((each) => each * power <= size * (1 + 1e-9)) ?? 1) * power;
 }
 
+// To whose multiples values are rounded: about a pixel.
+function stepOf(view: View): number {
+  return round(Math.min(...view.pixel().map(Math.abs)));
+}
+
 function fieldOf(value: HandleValue): Field {
   return { key: value.key, title: value.label, type: "number", unit: value.unit ?? "", value: value.value, stated: true };
 }
@@ -49,8 +54,9 @@ export class Handles {
   private handles: Handle[] = [];
   private view: ((handle: Handle) => View | null) | null = null;
   private views = new Map<string, View>(); // at the last drawing
+  private readonly places = new WeakMap<HTMLElement, string>();
   private chosen: string | null = null;
-  private dragged: { name: string; view: View; gesture: string; at: Point; started: boolean; from: Point; offset: Point } | null = null;
+  private dragged: { name: string; view: View; step: number; gesture: string; at: Point; started: boolean; from: Point; offset: Point } | null = null;
   private keyed: { name: string; at: Point; gesture: string; until: number } | null = null;
   private readonly help = el("p", { class: "help", id: fresh() });
   private readonly title = el("p", { class: "chosen" });
@@ -137,12 +143,14 @@ export class Handles {
     const [x, y] = view.part(at);
     const [right, down] = view.shift ?? [0, 0];
     // By a transform, after which nothing is laid out anew; in parts of the layer.
-    element.style.transform = `translate(calc(${(100 * x).toFixed(3)}cqw + ${right.toFixed(1)}px), calc(${(100 * y).toFixed(3)}cqh + ${down.toFixed(1)}px))`;
+    const place = `translate(calc(${(100 * x).toFixed(3)}cqw + ${right.toFixed(1)}px), calc(${(100 * y).toFixed(3)}cqh + ${down.toFixed(1)}px))`;
+    if (this.places.get(element) === place) return;
+    this.places.set(element, place);
+    element.style.transform = place;
     element.classList.toggle("outside", x < -0.02 || x > 1.02 || y < -0.02 || y > 1.02);
   }
 
-  private ask(handle: Handle, to: Point, view: View, gesture: string, input: number): void {
-    const step = round(Math.min(...view.pixel().map(Math.abs)));
+  private ask(handle: Handle, to: Point, step: number, gesture: string, input: number): void {
     this.session.change({ handle: handle.name, to: [Number(to[0].toPrecision(9)), Number(to[1].toPrecision(9))], step }, { gesture, input }, handle.name);
   }
 
@@ -155,7 +163,8 @@ export class Handles {
     if (!view || !at) return;
     element.setPointerCapture(event.pointerId);
     const offset: Point = [handle.at[0] - at[0], handle.at[1] - at[1]];
-    this.dragged = { name: handle.name, view, gesture: this.session.gesture(), at: handle.at, started: false, from: [event.clientX, event.clientY], offset };
+    // The step is that of the picture as it is now: its scale stays, and to measure it lays the page out.
+    this.dragged = { name: handle.name, view, step: stepOf(view), gesture: this.session.gesture(), at: handle.at, started: false, from: [event.clientX, event.clientY], offset };
   }
 
   private move(element: HTMLElement, event: PointerEvent): void {
@@ -174,7 +183,7 @@ export class Handles {
     if (handle.moves === "x") to = [to[0], own.at[1]];
     if (handle.moves === "y") to = [own.at[0], to[1]];
     this.put(element, handle, to);
-    this.ask(handle, to, own.view, own.gesture, event.timeStamp);
+    this.ask(handle, to, own.step, own.gesture, event.timeStamp);
   }
 
   private up(): void {
@@ -206,6 +215,6 @@ export class Handles {
     const steps = event.shiftKey ? 10 : 1;
     const [wide, high] = view.pixel().map((each) => steps * round(Math.abs(each))) as Point;
     own.at = [stepped(own.at[0], handle.moves === "y" ? 0 : way[0] * wide), stepped(own.at[1], handle.moves === "x" ? 0 : way[1] * high)];
-    this.ask(handle, own.at, view, own.gesture, event.timeStamp);
+    this.ask(handle, own.at, stepOf(view), own.gesture, event.timeStamp);
   }
 }

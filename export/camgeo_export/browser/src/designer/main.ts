@@ -4,7 +4,7 @@ import { announcer } from "./announce";
 import { Build } from "./build";
 import { Charts } from "./charts";
 import { Comparison } from "./compare";
-import { button, el, type Panel, panel, say, shown } from "../dom";
+import { attribute, button, el, type Panel, panel, say, shown } from "../dom";
 import { Effects } from "./effects";
 import { Files } from "./files";
 import { Findings } from "./findings";
@@ -37,8 +37,8 @@ function pinning(session: Session): HTMLElement {
   session.on(["pinned", "state"], () => {
     const is = session.pinned !== null;
     say(pin, t(is ? "pin.unpin" : "pin.pin"));
-    pin.setAttribute("aria-pressed", String(is));
-    pin.setAttribute("title", t(is ? "pin.unpin-label" : "pin.pin-label"));
+    attribute(pin, "aria-pressed", String(is));
+    attribute(pin, "title", t(is ? "pin.unpin-label" : "pin.pin-label"));
   });
   return pin;
 }

@@ -84,10 +84,11 @@ export class MechanismView {
     const low = other ? ([0, 1].map((k) => Math.min(found.low[k]!, other.low[k]!)) as [number, number]) : found.low;
     const high = other ? ([0, 1].map((k) => Math.max(found.high[k]!, other.high[k]!)) as [number, number]) : found.high;
     const both = other ? { ...found, low, high, turning: [...found.turning, ...ghosts(other)] } : found;
-    this.mechanism.update(both, held === SPACE);
+    this.mechanism.update(both, held !== "");
     if (!this.player.playing) this.player.tell();
     const { width, height } = this.mechanism.svg.viewBox.baseVal;
-    this.picture.style.setProperty("--aspect", (width / height).toFixed(4));
+    const aspect = (width / height).toFixed(4);
+    if (this.picture.style.getPropertyValue("--aspect") !== aspect) this.picture.style.setProperty("--aspect", aspect);
     this.place();
   }
 

@@ -1,9 +1,9 @@
 // The motion plan and the motion diagrams, with the joints to be dragged.
 
 import { Chart } from "../chart";
-import type { Figure } from "../data";
-import { beside, CHART, chartOf, Extremes } from "./compare";
-import { el, fresh, shown } from "../dom";
+import type { Figure, Panel } from "../data";
+import { beside, CHART, chartOf, Extremes, within } from "./compare";
+import { el, fresh, say, shown } from "../dom";
 import { Handles, type View } from "./handles";
 import { Laws } from "./laws";
 import type { Handle, Chart as Drawable } from "./model";
@@ -12,6 +12,13 @@ import type { Session } from "./session";
 import { t } from "./strings";
 
 const SPACE = "plan";
+const MORE = 0.25; // of the range that is shown, where there was no room for it
+
+// Limits in which what needs `now` has room: those from `before`, or wider ones.
+function roomy(before: [number, number], now: [number, number]): [number, number] {
+  const more = MORE * (now[1] - now[0]);
+  return [now[0] < before[0] ? now[0] - more : before[0], now[1] > before[1] ? now[1] + more : before[1]];
+}
 
 export class MotionView {
   readonly element = el("div", { class: "motion" });
@@ -24,7 +31,7 @@ export class MotionView {
   private readonly none = el("p", { hidden: true }, t("motion.none"));
   private readonly sentence = el("p", { class: "sentence", id: fresh() });
   private shown: Drawable | undefined;
-  private held: { panel: number; x: [number, number]; y: [number, number] } | null = null;
+  private steadied: Panel[] = []; // as they were drawn last
 
   constructor(
     private readonly session: Session,
@@ -59,20 +66,21 @@ export class MotionView {
     const handles = (curves?.handles ?? []).filter((each) => each.space === SPACE);
     const figure = this.steady(beside(found.figure, chartOf(pinned, CHART, "")?.figure), handles, held === SPACE);
     this.chart.update({ figure, sentence: found.sentence || found.title }, held === SPACE);
-    if (this.sentence.textContent !== found.sentence) this.sentence.textContent = found.sentence;
+    if (!held) say(this.sentence, found.sentence);
     this.handles.update(handles, (handle) => this.view(handle));
     this.table.update(found);
   }
 
-  // While a joint is dragged its panel keeps its scales: what is under the pointer stays there.
+  // While a joint is dragged its panel keeps its place and scales: what is under the pointer stays
+  // there. The other panels keep theirs as long as there is room in them.
   private steady(figure: Figure, handles: Handle[], held: boolean): Figure {
-    const index = handles[0]?.panel ?? -1;
-    const panel = figure.panels[index];
-    if (!held || !panel) this.held = panel ? { panel: index, x: panel.x.limits, y: panel.y.limits } : null;
-    const own = this.held;
-    if (!held || !panel || own?.panel !== index) return figure;
-    const kept = { ...panel, x: { ...panel.x, limits: own.x }, y: { ...panel.y, limits: own.y } };
-    return { ...figure, panels: figure.panels.map((each, k) => (k === index ? kept : each)) };
+    const plan = handles[0]?.panel ?? -1;
+    const same = held && this.steadied.length === figure.panels.length;
+    this.steadied = !same ? figure.panels : figure.panels.map((panel, k) => {
+      const { frame, y } = this.steadied[k]!;
+      return { ...within(panel, k === plan ? y.limits : roomy(y.limits, panel.y.limits)), frame };
+    });
+    return { ...figure, panels: this.steadied };
   }
 
   private view(handle: Handle): View | null {

@@ -21,6 +21,7 @@ export class TextEditor {
   private waiting = ""; // what was sent last
   private gesture: string | null = null;
   private lines = -1;
+  private seen = false;
 
   constructor(private readonly session: Session) {
     this.area = el("textarea", { id: "text-area", spellcheck: "false", autocomplete: "off", autocapitalize: "off", wrap: "off", rows: 24, "aria-label": t("text.label"), "aria-describedby": "faults" });
@@ -37,6 +38,9 @@ export class TextEditor {
     this.area.addEventListener("scroll", () => {
       this.gutter.scrollTop = this.area.scrollTop;
     });
+    new IntersectionObserver((entries) => {
+      this.seen = entries.at(-1)?.isIntersecting ?? false;
+    }).observe(this.area);
     this.element.append(this.said, this.list, el("div", { class: "editor" }, this.gutter, this.area));
   }
 
@@ -56,8 +60,9 @@ export class TextEditor {
     this.gesture = null;
   }
 
-  // Follows the scene, though not with each frame of a drag.
+  // Follows the scene, though not with each frame of a drag, and not before its end if it is not seen.
   update(): void {
+    if (this.session.held && !this.seen) return;
     const wait = this.shown + APART - performance.now();
     clearTimeout(this.late);
     if (wait > 0) this.late = window.setTimeout(() => this.follow(), wait);
