@@ -8,6 +8,7 @@ import type { Animation, Charted } from "./data";
 import { el, table } from "./dom";
 import drawingStyle from "./drawing.css";
 import { liftAt, Mechanism } from "./mechanism";
+import { withLists } from "./packing";
 import { Player } from "./player";
 import viewerStyle from "./viewer.css";
 import { WORDS } from "./words";
@@ -77,7 +78,7 @@ function render({ model, el: place }: { model: Model; el: HTMLElement }): () => 
     extremes.replaceChildren(el("summary", {}, WORDS.extremes), tableOf(chosen.readings ?? []));
   };
   const update = () => {
-    data = model.get("data") ?? { animation: null, charts: [] };
+    data = withLists(model.get("data") ?? { animation: null, charts: [] });
     const { animation, charts } = data;
     if (animation) mechanism.update(animation);
     note.textContent = animation?.note ?? "";

@@ -1,10 +1,11 @@
 // What the page knows, and who wants to be told of it. Views ask for changes here, and draw what comes.
 
 import { CamAngle } from "../angle";
+import { withLists } from "../packing";
 import { announce } from "./announce";
 import { type Ask, Connection } from "./connection";
 import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer } from "./model";
-import { moved, withLists } from "./packing";
+import { moved } from "./moved";
 import { t } from "./strings";
 import { painted, timings, took } from "./timings";
 

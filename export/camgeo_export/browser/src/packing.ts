@@ -1,7 +1,6 @@
-// Pictures as they come from the server, their long lists of numbers packed: camgeo.designing.packing.
+// Pictures as they come from Python, their long lists of numbers packed: camgeo.designing.packing.
 
-import type { Animation, Figure } from "../data";
-import type { Chart, Curves } from "./model";
+import type { Animation, Figure } from "./data";
 
 interface Packed {
   packed: "f4" | "f8";
@@ -42,17 +41,8 @@ function unpacked(value: unknown): unknown {
 }
 
 // Charts, and all that has some, with lists in place of what is packed.
-export function withLists<T extends { charts?: Chart[]; animation?: Animation | null }>(found: T): T {
+export function withLists<T extends { charts?: { figure: Figure }[]; animation?: Animation | null }>(found: T): T {
   for (const chart of found.charts ?? []) chart.figure = unpacked(chart.figure) as Figure;
   if (found.animation) found.animation = unpacked(found.animation) as Animation;
   return found;
-}
-
-// The curves with those parts that are newer; diagrams that are not among them stay.
-export function moved(curves: Curves | null, parts: Curves): Curves {
-  const newer = parts.charts ?? [];
-  const same = (one: Chart, other: Chart): boolean => one.name === other.name && one.title === other.title;
-  const charts = (curves?.charts ?? []).map((chart) => newer.find((each) => same(each, chart)) ?? chart);
-  const more = newer.filter((each) => !charts.includes(each));
-  return { ...curves, ...parts, charts: [...charts, ...more] };
 }
