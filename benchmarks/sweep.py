@@ -29,7 +29,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import islice
@@ -98,6 +98,10 @@ class Free:
         """In chunks of 200."""
         while chunk := tuple(islice(points, 200)):
             yield tuple(Row(point, (float(point[0]),), ("deg",)) for point in chunk)
+
+    def held(self) -> AbstractContextManager[None]:
+        """It has no workers."""
+        return nullcontext()
 
 
 def family(count: int) -> Family:

@@ -25,6 +25,9 @@ CRASHED: Final = 70
 """Exit codes: all limits kept; a limit is broken; the scene or the call is wrong; an error in
 camgeo itself, EX_SOFTWARE of BSD's sysexits.h."""
 
+STOPPED: Final = 128
+"""Exit code after a signal, less its number: 130 after Ctrl-C, as shells count it."""
+
 
 class Answer(Displayed):
     """Base of the results, which are frozen dataclasses; lengths in mm, angles in rad.

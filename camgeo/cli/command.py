@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 from collections.abc import Callable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
@@ -16,6 +17,9 @@ from camgeo.cli.streams import notify, say, write
 from camgeo.design import Design
 from camgeo.lazy import Ledger
 from camgeo.wording import counted
+
+if TYPE_CHECKING:
+    from camgeo.sweep.engine import Engine
 
 EARLIER: Final = {
     "crank-slide": "slotted-lever",
@@ -87,6 +91,25 @@ def add_objectives(parser: argparse.ArgumentParser, text: str) -> None:
     """Add `--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
     for option, what in (("--least", "small"), ("--largest", "large")):
         add_repeated(parser, option, "NAMES", text.format(what))
+
+
+def add_workers(parser: argparse._ActionsContainer) -> None:
+    """Add `--workers`, from which `engine_for` makes an engine."""
+    parser.add_argument(
+        "--workers",
+        metavar="COUNT",
+        type=int,
+        default=1,
+        help="processes of this machine that compute; default 1, 0 for one on each core",
+    )
+
+
+def engine_for(workers: int) -> Engine:
+    """The engine of `--workers`: this process, or as many others."""
+    from camgeo.sweep.engine import engine_of  # few commands compute families
+
+    count = workers or os.cpu_count() or 1
+    return engine_of("loop" if count == 1 else "pool", count)
 
 
 def ending_in(suffixes: Sequence[str]) -> Callable[[str], str]:

@@ -16,15 +16,12 @@ from types import FrameType
 from typing import Final, NoReturn
 
 from camgeo._version import __version__
-from camgeo.answers.answer import CRASHED, WRONG
+from camgeo.answers.answer import CRASHED, STOPPED, WRONG
 from camgeo.cli.progress import Progress
 from camgeo.cli.streams import StreamError, discard_output, mend, notify, printable, write
 from camgeo.errors import CamgeoError
 
 # Slower imports are in functions, because a signal may arrive during them.
-
-STOPPED: Final = 128
-"""Exit code after a signal, less its number: 130 after Ctrl-C, as shells count it."""
 
 STOPPING: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals after which a run undoes incomplete work, and ends."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from camgeo.answers.answer import STOPPED
 from camgeo.cli import plot
 from camgeo.cli.command import (
     CallError,
@@ -14,8 +16,10 @@ from camgeo.cli.command import (
     add_objectives,
     add_repeated,
     add_scene,
+    add_workers,
     document,
     ending_in,
+    engine_for,
     number,
     show,
     write_files,
@@ -27,9 +31,6 @@ if TYPE_CHECKING:
     from camgeo.answers.optimise import Optimum
 
 SUFFIXES: Final = (".toml", ".json", ".csv", *plot.SUFFIXES)
-
-INTERRUPTED: Final = 130
-"""Exit code after Ctrl-C, as shells count it."""
 
 SUMMARY: Final = "search for the best design within limits, and write its scene"
 
@@ -77,6 +78,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seconds", type=number, help="after which no other design is tried; default: no limit"
     )
+    add_workers(parser)
     add_repeated(
         parser,
         "-o",
@@ -119,6 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         evaluations=arguments.evaluations,
         seconds=arguments.seconds,
+        engine=engine_for(arguments.workers),
         progress=arguments.progress,
     )
     answer = Optimum(found)
@@ -127,7 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
     elif files:
         notify("nothing was written: no design that was tried keeps all limits")
     code = show(answer, arguments)
-    return INTERRUPTED if found.interrupted else code
+    return STOPPED + signal.SIGINT if found.interrupted else code
 
 
 def _written(answer: Optimum, path: Path) -> Written:

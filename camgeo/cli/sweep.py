@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -15,8 +14,10 @@ from camgeo.cli.command import (
     add_objectives,
     add_repeated,
     add_scene,
+    add_workers,
     document,
     ending_in,
+    engine_for,
     show,
     write_files,
 )
@@ -94,13 +95,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "objectives of the front: what of the answers should be {}",
     )
     where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        metavar="COUNT",
-        type=int,
-        default=1,
-        help="processes of this machine that compute; default 1, 0 for one on each core",
-    )
+    add_workers(where)
     where.add_argument(
         "--cluster",
         metavar="ADDRESS",
@@ -125,11 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
     from camgeo.sweep.sweep import sweep
 
     store, files = _outputs(arguments)
-    workers = arguments.workers or os.cpu_count() or 1
-    if arguments.cluster is not None:
-        engine = engine_of("cluster", arguments.cluster)
-    else:
-        engine = engine_of("loop" if workers == 1 else "pool", workers)
+    cluster = arguments.cluster
+    engine = engine_for(arguments.workers) if cluster is None else engine_of("cluster", cluster)
     sample = None
     if arguments.samples is not None:
         sample = Sample(arguments.samples, arguments.method or "sobol", arguments.seed or 0)

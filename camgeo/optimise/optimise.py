@@ -14,6 +14,7 @@ from camgeo.optimise.search import direction, directions, search
 from camgeo.optimise.task import Task
 from camgeo.optimise.trials import Trial, Trials
 from camgeo.scene.scene import Scene
+from camgeo.sweep.engine import Engine, Loop
 from camgeo.sweep.pareto import front
 from camgeo.wording import counted
 
@@ -73,6 +74,7 @@ def optimise(
     seed: int | None = None,
     evaluations: int | None = None,
     seconds: float | None = None,
+    engine: Engine | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Found:
     """Search for the best design; the same seed finds the same, unless time ends the search.
@@ -81,6 +83,8 @@ def optimise(
     ----------
     seed, evaluations, seconds : as of `camgeo.optimise.task.Effort`, in place of what the task
         says; a few more designs are tried for short numbers.
+    engine : where designs are computed of which several are known at once, those of a generation;
+        None for this process. Where they are computed changes nothing of what is found.
     progress : called with words on how far the search is.
 
     Ctrl-C ends the search; what was found until then is the answer, if there is anything.
@@ -101,24 +105,29 @@ def optimise(
         raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
     if seconds is not None and not seconds > 0.0:
         raise GeometryError("must be above 0", "seconds", f"{seconds:g}")
-    watch = _Watch(task, progress)
-    trials = Trials(task, evaluations, seconds, watch)
+    engine = engine or Loop()
+    trials = Trials(task, evaluations, seconds, _Watch(task, progress), engine)
+    with engine.held():
+        ended = _searched(trials, seed)
+        on_front = _front(trials.made)
+        best = _best(trials, on_front)
+        short = _short(trials, best) if best.feasible else None
+    place = trials.space.place_of(task.family.scene)
+    own = None if place is None else trials.space.point(place)
+    start = next((each for each in trials.made if each.point == own), None)
+    return Found(task, seed, evaluations, trials.made, start, best, short, on_front, ended)
+
+
+def _searched(trials: Trials, seed: int) -> str:
+    """Search; why it ended, if that was not before anything was found."""
     try:
-        ended = search(trials, seed)
+        return search(trials, seed)
     except KeyboardInterrupt as stop:
         if type(stop) is not KeyboardInterrupt and stop.args[:1] != (2,):  # not Ctrl-C
             raise
         if not len(trials):
             raise
-        ended = INTERRUPTED
-    made = trials.made
-    on_front = _front(made)
-    best = _best(trials, on_front)
-    short = _short(trials, best) if best.feasible else None
-    place = trials.space.place_of(task.family.scene)
-    own = None if place is None else trials.space.point(place)
-    start = next((each for each in made if each.point == own), None)
-    return Found(task, seed, evaluations, trials.made, start, best, short, on_front, ended)
+        return INTERRUPTED
 
 
 class _Watch:
@@ -170,7 +179,7 @@ def _short(trials: Trials, best: Trial) -> Trial:
     if best.place is None or not trials.space.continuous.any():
         return best
     for finer in range(FINER):
-        tried = [trials.of(point) for point in trials.space.rounded(best.place, finer)]
+        tried = trials.all_of(trials.space.rounded(best.place, finer))
         kept = [each for each in tried if each.feasible and _equal(each, best)]
         if kept:
             return min(kept, key=lambda each: each.costs)

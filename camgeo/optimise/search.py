@@ -3,9 +3,10 @@
 A design that breaks a limit is worse than any that breaks none, and the less it violates, the
 better (after K. Deb, Comput. Methods Appl. Mech. Engrg. 186, 2000, p. 311). Differential evolution
 (R. Storn and K. Price, J. Global Optim. 11, 1997, p. 341) is that of scipy, with whole numbers
-where there is a list. From its best design COBYQA (T. M. Ragonneau, Model-Based Derivative-Free
-Optimization Methods and Software, 2022) goes on with limits as constraints; then steps along
-each number and in drawn directions become smaller until they are nothing.
+where there is a list; a generation is computed as a whole, so that several processes may share it.
+From its best design COBYQA (T. M. Ragonneau, Model-Based Derivative-Free Optimization Methods and
+Software, 2022) goes on with limits as constraints; then steps along each number and in drawn
+directions become smaller until they are nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, islice
 from typing import Final
 
 import numpy as np
@@ -48,6 +49,9 @@ HALVINGS: Final = 34
 
 POLISHED: Final = 0.3
 """Share of the designs that is kept for local searches."""
+
+BATCH: Final = 1000
+"""Designs that are handed out at once where all are tried."""
 
 LATTICE: Final = {1: 1, 2: 6, 3: 3}
 """Parts into which the weights of so many objectives are divided; else 2."""
@@ -128,11 +132,11 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
     start = _population(trials, towards, sides, seed, size)
     last = len(trials) + most
 
-    def energy(at: FloatArray) -> float:
-        place = np.zeros(len(space.upper))
-        place[sides] = at
-        found = trials.at(place)
-        return towards.energy(found)
+    def energies(_: object, generation: Iterable[FloatArray]) -> list[float]:
+        members = np.array(list(generation))
+        places = np.zeros((len(members), len(space.upper)))
+        places[:, sides] = members
+        return [towards.energy(each) for each in trials.all_at(places)]
 
     def ended(*_: object, **__: object) -> bool:
         return len(trials) + size > last
@@ -142,7 +146,7 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that it did not converge, which is told
         result = differential_evolution(
-            energy,
+            float,  # a generation is computed as a whole
             [(0.0, space.upper[side]) for side in sides],
             integrality=~space.continuous[sides],
             init=start,
@@ -150,6 +154,8 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
             maxiter=10 * most // size + 10,
             tol=CONVERGED,
             polish=False,
+            updating="deferred",
+            workers=energies,
             callback=ended,
         )
     return bool(result.success)
@@ -282,8 +288,9 @@ def search(trials: Trials, seed: int) -> str:
         if start is not None:
             trials.at(start)
         if space.count is not None and space.count <= trials.most:
-            for place in space.everything():
-                trials.at(place)
+            places = space.everything()
+            while batch := list(islice(places, BATCH)):
+                trials.all_at(batch)
             return "all designs were tried"
         ways = directions(len(task.goals))
         whole = True

@@ -95,23 +95,19 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
-    """What is sought, and where.
+class Sought:
+    """What makes a design good or bad.
 
     Attributes
     ----------
-    family : its variables, of which ranges without a count are continuous.
     goals : the objectives.
     limits : stated with the call; one on a finding replaces that of the scene.
     ignored : findings of which a broken limit does not matter.
-    effort : how long is sought.
     """
 
-    family: Family
     goals: tuple[Goal, ...]
     limits: tuple[Limit, ...]
     ignored: frozenset[str]
-    effort: Effort
 
     @property
     def asked(self) -> tuple[Asked, ...]:
@@ -132,6 +128,20 @@ class Task:
     def matters(self, name: str) -> bool:
         """Whether a broken limit of the scene, of the finding of that name, matters."""
         return ALL not in self.ignored and name not in self.ignored | self.replaced
+
+
+@dataclass(frozen=True, slots=True)
+class Task(Sought):
+    """What is sought, and where.
+
+    Attributes
+    ----------
+    family : its variables, of which ranges without a count are continuous.
+    effort : how long is sought.
+    """
+
+    family: Family
+    effort: Effort
 
 
 def task_of(
@@ -188,7 +198,7 @@ def task_of(
     named = [word for word in words if word != ALL]
     ignored = [each.name for each in asked_of(design, named)] if named else []
     everything = [ALL] if ALL in words else []
-    return Task(family, goals, limits, frozenset([*ignored, *everything]), Effort.of(table))
+    return Task(goals, limits, frozenset([*ignored, *everything]), family, Effort.of(table))
 
 
 def _number(design: Design, word: str) -> Asked:

@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
-from camgeo.check.finding import NO_OUTLINE, Finding
-from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray
+from camgeo.optimise.judging import Judge, Verdict
 from camgeo.optimise.space import Space
 from camgeo.optimise.task import Task
+from camgeo.sweep.engine import Engine, Loop
 from camgeo.sweep.family import Point, mark
-from camgeo.sweep.reading import judged, read, reason_of
-from camgeo.sweep.rows import Work
 from camgeo.wording import counted
-
-IMPOSSIBLE: Final = 1e4
-"""Violation of a design that there is not."""
-
-UNANSWERED: Final = 1e2
-"""Of each answer that is missing, far more than of limits."""
-
-REFUSED: Final = 10.0
-"""Of each finding that rules out the disc, besides how far it is beyond its limit."""
 
 DUMB: Final = 20
 """Designs after which an objective that none has answered will have no answer."""
@@ -81,12 +71,13 @@ class Trials:
     Parameters
     ----------
     most : designs that may be computed.
-    seconds : that may pass before another is; None for no limit.
+    seconds : that may pass before others are; None for no limit.
     told : called after each design.
+    engine : where several at once are computed; None for this process.
 
     Attributes
     ----------
-    share : how many there may be before `at` raises SpentError.
+    share : how many there may be before `at` and `all_at` raise SpentError.
     """
 
     def __init__(
@@ -95,13 +86,15 @@ class Trials:
         most: int,
         seconds: float | None = None,
         told: Callable[[Trials], None] = lambda _: None,
+        engine: Engine | None = None,
     ) -> None:
         self.task = task
         self.space = Space.of(task.family)
         self.most = most
         self.share = most
         self.started = time.monotonic()
-        self._work = Work.of(task.family, task.asked)
+        self._judge = Judge.on(task)
+        self._engine = engine or Loop()
         self._seconds = seconds
         self._told = told
         self._known: dict[str, Trial] = {}
@@ -121,131 +114,73 @@ class Trials:
         return len(self._known)
 
     def at(self, place: FloatArray) -> Trial:
-        """The design at a place.
+        """The design at a place; see `all_at`."""
+        return self.all_at([place])[0]
+
+    def all_at(self, places: Iterable[FloatArray]) -> list[Trial]:
+        """The designs at some places, numbered in this order, wherever they are computed.
 
         Raises StoppedError if no more may be computed, or if an objective is never answered,
-        SpentError if no more may be for now.
+        SpentError if no more may be for now; those that still may are computed before.
         """
-        point = self.space.point(place)
-        known = self._known.get(mark(point))
-        if known is not None:
-            return known
-        if len(self._known) >= self.most:
+        points = [(self.space.point(place), np.array(place, dtype=float)) for place in places]
+        new = {mark(point): (point, place) for point, place in reversed(points)}
+        names = dict.fromkeys(mark(point) for point, _ in points)
+        while left := [new[name] for name in names if name not in self._known]:
+            self._compute(left[: self._room()], timed=True)
+        return [self._known[mark(point)] for point, _ in points]
+
+    def all_of(self, points: Iterable[Point]) -> list[Trial]:
+        """The designs with these values, however many were computed before."""
+        wanted = {mark(point): point for point in points}
+        self._compute([(point, None) for name, point in wanted.items() if name not in self._known])
+        return [self._known[name] for name in wanted]
+
+    def _room(self) -> int:
+        """How many designs may be computed before this is asked again; at least 1, or it raises."""
+        count, silent = len(self._known), not self._answered.all()
+        if count >= self.most:
             raise StoppedError(f"{counted(self.most, 'design')} were allowed")
-        if self._seconds is not None and time.monotonic() - self.started > self._seconds:
+        if self._late:
             raise StoppedError(f"{self._seconds:g} s were allowed")
-        if len(self._known) >= DUMB and not self._answered.all():
+        if count >= DUMB and silent:
             goal = self.task.goals[int(np.argmin(self._answered))].asked.word
             told = (words for each in self.made for words in each.broken)
             why = next((words for words in told if words.startswith(f"{goal}: ")), goal)
             raise StoppedError(f"no design has an answer to {why}")
-        if len(self._known) >= self.share:
+        if count >= self.share:
             raise SpentError
-        return self.of(point, np.array(place, dtype=float))
+        return min(self.most, self.share, DUMB if silent else self.most) - count
 
-    def of(self, point: Point, place: FloatArray | None = None) -> Trial:
-        """The design with these values, however many were computed before."""
-        name = mark(point)
-        if name not in self._known:
-            found = self._known[name] = self._tried(point, place)
-            self._answered |= ~np.isnan(found.costs)
-            self._told(self)
-        return self._known[name]
+    @property
+    def _late(self) -> bool:
+        return self._seconds is not None and time.monotonic() - self.started > self._seconds
 
-    def _tried(self, point: Point, place: FloatArray | None) -> Trial:
-        number, asked = len(self._known) + 1, self.task.asked
+    def _compute(
+        self, wanted: list[tuple[Point, FloatArray | None]], *, timed: bool = False
+    ) -> None:
+        """Compute designs; whatever ends it, those that are finished are kept, in their order."""
+        engine = self._engine if len(wanted) > 1 else Loop()
+        found: dict[str, Verdict] = {}
+        left = list(reversed(wanted))
         try:
-            design = Design(self._work.scene_of(point))
-        except MemoryError:
-            raise
-        except Exception as error:
-            none = (None,) * len(asked), ("",) * len(asked)
-            no_costs = (np.nan,) * len(self.task.goals)
-            return Trial(number, point, place, *none, no_costs, {}, IMPOSSIBLE, (reason_of(error),))
-        judging = _Judging(self.task)
-        readings = {each: read(design, each) for each in asked}
-        costs: list[float] = []
-        for goal in self.task.goals:
-            found = readings[goal.asked]
-            if isinstance(found.value, float | int):
-                costs.append(goal.cost(float(found.value)))
-            else:
-                costs.append(np.nan)
-                judging.unanswered(goal.asked.word, found.reason or "it does not arise")
-        for limit in self.task.limits:
-            found = readings[limit.asked]
-            if isinstance(found.value, float | int):
-                judging.limited(str(limit), limit.margin(float(found.value)), float(found.value))
-            elif found.reason:
-                judging.unanswered(limit.asked.word, found.reason)
-        try:
-            for finding in judged(design, machining=self.task.machining):
-                judging.judge(finding)
-        except MemoryError:
-            raise
-        except Exception as error:
-            judging.unanswered("findings", reason_of(error))
-        values = tuple(
-            float(each.value) if isinstance(each.value, float | int) else None
-            for each in readings.values()
-        )
-        units = tuple(each.unit for each in readings.values())
-        return Trial(
-            number, point, place, values, units, tuple(costs), judging.margins,
-            judging.violation, judging.broken, tuple(judging.remarks),
+            with closing(engine.rows(self._judge, iter([point for point, _ in wanted]))) as chunks:
+                for rows in chunks:
+                    found |= {mark(row.point): cast("Verdict", row) for row in rows}
+                    while left and mark(left[-1][0]) in found:
+                        self._add(*left.pop(), found)
+                    if timed and self._late:
+                        break
+        finally:
+            for point, place in reversed(left):
+                if mark(point) in found:
+                    self._add(point, place, found)
+
+    def _add(self, point: Point, place: FloatArray | None, found: Mapping[str, Verdict]) -> None:
+        verdict = found[mark(point)]
+        self._known[mark(point)] = Trial(
+            len(self._known) + 1, point, place, verdict.values, verdict.units,
+            verdict.costs, verdict.margins, verdict.violation, verdict.broken, verdict.remarks,
         )  # fmt: skip
-
-
-class _Judging:
-    """Gathers what one design violates."""
-
-    def __init__(self, task: Task) -> None:
-        self.margins: dict[str, float] = {}
-        self.remarks: list[str] = []
-        self._task = task
-        self._found: list[tuple[float, str]] = []
-
-    @property
-    def violation(self) -> float:
-        return sum((share for share, _ in self._found), 0.0)
-
-    @property
-    def broken(self) -> tuple[str, ...]:
-        return tuple(words for _, words in sorted(self._found, key=lambda each: -each[0]))
-
-    def unanswered(self, word: str, why: str) -> None:
-        self._found.append((UNANSWERED, f"{word}: {why}"))
-
-    def limited(self, name: str, margin: float, value: float) -> None:
-        """A limit stated with the call."""
-        self.margins[name] = margin
-        if margin < 0.0:
-            self._found.append((_share(margin), f"{name}: it is {value:.7g}"))
-
-    def judge(self, finding: Finding) -> None:
-        """A limit of the scene, or what rules out the disc."""
-        margin, name = _margin(finding), "-".join(finding.name.split())
-        if finding.severity in NO_OUTLINE:
-            self._found.append((REFUSED + _share(margin), finding.sentence))
-        elif not self._task.matters(name):
-            if finding.severity == "broken":
-                self.remarks.append(finding.sentence)
-            return
-        elif finding.severity == "broken":
-            self._found.append((_share(margin), finding.sentence))
-        if finding.limit is not None and finding.severity != "warning":
-            self.margins[name] = min(margin, self.margins.get(name, np.inf))
-
-
-def _margin(finding: Finding) -> float:
-    """Relative distance of a value from its limit, negative if that is broken."""
-    if finding.value is None or finding.limit is None:
-        return 1.0 if finding.severity in ("ok", "warning") else -1.0
-    apart = abs(finding.value - finding.limit) / (abs(finding.limit) or 1.0)
-    return apart if finding.severity in ("ok", "warning") else -apart
-
-
-def _share(margin: float) -> float:
-    """A measure above 0 and below 1 of how far a limit is exceeded."""
-    beyond = min(abs(margin), 1e9)
-    return max(beyond / (1.0 + beyond), 1e-12)
+        self._answered |= ~np.isnan(verdict.costs)
+        self._told(self)

@@ -120,6 +120,10 @@ class Cluster:
                 else:
                     suspects.extend((point,) for point in chunk)
 
+    def held(self) -> contextlib.AbstractContextManager[None]:
+        """See `Engine.held`: workers of a cluster stay in any case."""
+        return contextlib.nullcontext()
+
 
 class _Link:
     """A connection to a scheduler, and what was handed out to it.

@@ -12,7 +12,9 @@ from __future__ import annotations
 import pkgutil
 import time
 from collections.abc import Generator, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
+from operator import length_hint
 from typing import Final, Protocol
 
 from camgeo.errors import UnknownNameError
@@ -53,16 +55,27 @@ class Engine(Protocol):
         """
         ...
 
+    def held(self) -> AbstractContextManager[None]:
+        """Within it, the workers of one call of `rows` stay for the next one."""
+        ...
+
 
 class Pace:
-    """How many designs make a chunk of about a second, from the chunks so far."""
+    """How many designs make a chunk of about a second, from the chunks so far.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    workers : that share the designs; where it is known how few are left, each gets some of them.
+    """
+
+    def __init__(self, workers: int = 1) -> None:
         self._size = 1
+        self._workers = workers
 
     def take(self, points: Iterator[Point]) -> tuple[Point, ...]:
         """The points of the next chunk; none if there are none left."""
-        return tuple(islice(points, self._size))
+        share = -(-length_hint(points, MOST_IN_CHUNK * self._workers) // self._workers)
+        return tuple(islice(points, min(self._size, max(share, 1))))
 
     def note(self, count: int, seconds: float, least: float = 0.0) -> None:
         """A chunk of so many designs took so long; the next ones take at least `least` seconds."""
@@ -86,6 +99,10 @@ class Loop:
             found = rows_of(work, chunk)
             pace.note(len(chunk), time.perf_counter() - start)
             yield found
+
+    def held(self) -> AbstractContextManager[None]:
+        """See `Engine.held`: there is no other process."""
+        return nullcontext()
 
 
 ENGINES: Final = {
@@ -111,5 +128,4 @@ def engine_of(name: str, where: int | str = 1) -> Engine:
 
 def dead(work: Work, point: Point, times: int) -> Row:
     """The row of a design that ended its process so many times."""
-    count = len(work.asked)
-    return Row(point, (None,) * count, ("",) * count, DIED.format(times=counted(times, "time")))
+    return work.nothing(point, DIED.format(times=counted(times, "time")))

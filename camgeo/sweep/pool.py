@@ -41,6 +41,9 @@ NO_START: Final = (
 
 Chunk = tuple[Point, ...]
 
+Computed = Future[tuple[tuple[Row, ...], float]]
+"""The rows of a chunk, and the seconds that they took."""
+
 
 class Pool:
     """Computes chunks in processes of this machine; see `camgeo.sweep.engine.Engine`.
@@ -60,6 +63,16 @@ class Pool:
             message = f"must be from 1 to {MOST_WORKERS}"
             raise GeometryError(message, "workers", str(workers))
         self._workers = workers
+        self._held: _Processes | None = None
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """See `Engine.held`."""
+        with contextlib.closing(_Processes(self._workers)) as self._held:
+            try:
+                yield
+            finally:
+                self._held = None
 
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
         """See `Engine.rows`.
@@ -68,21 +81,20 @@ class Pool:
         are computed again one at a time, and a chunk that does it again is taken apart. Raises
         CamgeoError if processes end before they compute anything.
         """
-        pace, suspects = Pace(), deque[Chunk]()
+        pace, suspects = Pace(self._workers), deque[Chunk]()
         deaths: dict[Point, int] = {}
-        context = _Context()
-        executor = _started(self._workers, context)
-        running: dict[Future[tuple[tuple[Row, ...], float]], Chunk] = {}
+        processes = self._held or _Processes(self._workers)
+        running: dict[Computed, Chunk] = {}
         try:
             while True:
                 if suspects and not running:
                     chunk = suspects.popleft()
-                    running[_submitted(executor, work, chunk)] = chunk
+                    running[processes.computed(work, chunk)] = chunk
                 alone = len(running) == 1
                 while not suspects and len(running) < AHEAD * self._workers:
                     if not (chunk := pace.take(points)):
                         break
-                    running[_submitted(executor, work, chunk)] = chunk
+                    running[processes.computed(work, chunk)] = chunk
                     alone = False
                 if not running:
                     return
@@ -100,9 +112,8 @@ class Pool:
                 if lost:
                     lost += running.values()
                     running.clear()
-                    _end(executor, context)
-                    executor = _started(self._workers, context)
-                    _require_to_run(executor)
+                    processes.end()
+                    processes.require_to_run()
                     if not alone:
                         suspects.extendleft(reversed(lost))
                     elif len(lost[0]) > 1:
@@ -116,9 +127,9 @@ class Pool:
                             yield (dead(work, point, deaths[point]),)
         finally:
             if running:
-                _end(executor, context)
-            else:
-                executor.shutdown()
+                processes.end()
+            if processes is not self._held:
+                processes.close()
 
 
 class _Context(SpawnContext):
@@ -134,35 +145,63 @@ class _Context(SpawnContext):
         return self.listed[-1]
 
 
-def _end(executor: ProcessPoolExecutor, context: _Context) -> None:
-    """End the processes of an executor at once.
+class _Processes:
+    """The processes of a pool, started when there is work for them; each has one BLAS thread."""
 
-    One that is broken ends them itself, except one that was being started at that moment: that one
-    stays, and the executor may wait for it for ever.
-    """
-    started = [each for each in context.listed if each.pid is not None]
-    for process in started:
-        process.kill()
-    executor.shutdown(cancel_futures=True)
-    for process in started:
-        process.join()
-    context.listed.clear()
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._context = _Context()
+        self._executor: ProcessPoolExecutor | None = None
 
+    def computed(self, work: Work, chunk: Chunk) -> Computed:
+        """The chunk handed out."""
+        try:
+            with _one_thread():
+                try:
+                    return self._running.submit(_computed, work, chunk)
+                except OSError:  # a process died as another was started; now the pool is broken
+                    return self._running.submit(_computed, work, chunk)
+        except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
+            failed: Computed = Future()
+            failed.set_exception(error)
+            return failed
 
-def _submitted(
-    executor: ProcessPoolExecutor, work: Work, chunk: Chunk
-) -> Future[tuple[tuple[Row, ...], float]]:
-    """The chunk handed out; a process that is started for it has one BLAS thread."""
-    try:
-        with _one_thread():
-            try:
-                return executor.submit(_computed, work, chunk)
-            except OSError:  # a process died as another one was started; now the pool is broken
-                return executor.submit(_computed, work, chunk)
-    except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
-        failed: Future[tuple[tuple[Row, ...], float]] = Future()
-        failed.set_exception(error)
-        return failed
+    def require_to_run(self) -> None:
+        """Raise CamgeoError if a process of the pool ends as it starts: no design is to blame."""
+        try:
+            with _one_thread():
+                started = self._running.submit(os.getpid)
+            started.result()
+        except BrokenProcessPool as error:
+            raise CamgeoError(NO_START) from error
+
+    def end(self) -> None:
+        """End the processes at once; others are started if there is more work.
+
+        An executor that is broken ends them itself, except one that was being started at that
+        moment: that one stays, and the executor may wait for it for ever.
+        """
+        started = [each for each in self._context.listed if each.pid is not None]
+        for process in started:
+            process.kill()
+        self.close(cancelled=True)
+        for process in started:
+            process.join()
+        self._context.listed.clear()
+
+    def close(self, *, cancelled: bool = False) -> None:
+        """End the processes when they have nothing to do."""
+        if self._executor is not None:
+            self._executor.shutdown(cancel_futures=cancelled)
+            self._executor = None
+
+    @property
+    def _running(self) -> ProcessPoolExecutor:
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                self._workers, mp_context=self._context, initializer=_begin
+            )
+        return self._executor
 
 
 @contextlib.contextmanager
@@ -180,25 +219,11 @@ def _one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _require_to_run(executor: ProcessPoolExecutor) -> None:
-    """Raise CamgeoError if a process of the pool ends as it starts: no design is to blame."""
-    try:
-        with _one_thread():
-            started = executor.submit(os.getpid)
-        started.result()
-    except BrokenProcessPool as error:
-        raise CamgeoError(NO_START) from error
-
-
 def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:
     """The rows of a chunk, and the seconds that they took."""
     start = time.perf_counter()
     found = rows_of(work, chunk)
     return found, time.perf_counter() - start
-
-
-def _started(workers: int, context: _Context) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin)
 
 
 def _begin() -> None:

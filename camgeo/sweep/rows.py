@@ -140,8 +140,16 @@ class Work:
         except MemoryError:
             raise  # which is not the design's fault
         except Exception as error:
-            nothing = (None,) * len(self.asked), ("",) * len(self.asked)
-            return Row(point, *nothing, reason_of(error))
+            return self.nothing(point, reason_of(error))
+        return self.answers(design, point)
+
+    def nothing(self, point: Point, reason: str) -> Row:
+        """The row of a design that has no answers at all."""
+        count = len(self.asked)
+        return Row(point, (None,) * count, ("",) * count, reason)
+
+    def answers(self, design: Design, point: Point) -> Row:
+        """The row of a design that there is."""
         found = [read(design, each) for each in self.asked]
         reasons: dict[str, list[str]] = {}
         for asked, reading in zip(self.asked, found, strict=True):

@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 from camgeo.cli.main import main
-from camgeo.optimise.trials import Trials
+from camgeo.lazy import Ledger
+from camgeo.optimise.judging import Judge
+from camgeo.sweep.family import Point
+from camgeo.sweep.rows import Row
 from tests.sweep.families import FIXTURES
 
 Capture = pytest.CaptureFixture[str]
@@ -76,14 +79,16 @@ def test_no_design_that_keeps_the_limits(tmp_path: Path, capsys: Capture) -> Non
 def test_ctrl_c_gives_the_best_so_far(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    at = Trials.at
+    row = Judge.row
 
-    def interrupted(trials: Trials, place: object) -> object:
-        if len(trials) == 4:
+    def interrupted(judge: Judge, point: Point, ledger: Ledger | None = None) -> Row:
+        judged.append(point)
+        if len(judged) == 4:
             raise KeyboardInterrupt
-        return at(trials, place)  # type: ignore[arg-type]  # passed on
+        return row(judge, point, ledger)
 
-    monkeypatch.setattr(Trials, "at", interrupted)
+    judged: list[Point] = []
+    monkeypatch.setattr(Judge, "row", interrupted)
     best = tmp_path / "best.toml"
     assert call(*TASK, "-o", str(best)) == 130
     assert "ended: interrupted" in capsys.readouterr().out
@@ -102,6 +107,7 @@ def test_ctrl_c_gives_the_best_so_far(
         ([*TASK, "--evaluations", "0"], "must be from 1 to 1,000,000"),
         ([*TASK, "--seed", "-1"], "must be a whole number from 0"),
         ([*TASK, "--seconds", "0"], "must be above 0"),
+        ([*TASK, "--workers", "1000"], "workers = 1000: must be from 1 to 512"),
         ([*TASK, "-o", "best.xls"], "'best.xls' must end in one of .toml"),
         ([*TASK, "-o", "a.toml", "-o", "b/a.json"], "must name different files in one folder"),
     ],

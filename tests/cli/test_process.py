@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.answer import CRASHED
+from camgeo.answers.answer import CRASHED, STOPPED
 from camgeo.cli import check
-from camgeo.cli.main import BLAS_THREADS, STOPPED, TRACEBACK, Stopped, main
+from camgeo.cli.main import BLAS_THREADS, TRACEBACK, Stopped, main
 from camgeo.cli.streams import printable
 from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING
 

@@ -21,7 +21,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.main import STOPPED, Stopped, stop_on_signals
+from camgeo.answers.answer import STOPPED
+from camgeo.cli.main import Stopped, stop_on_signals
 from camgeo.writing.transaction import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
 

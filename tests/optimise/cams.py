@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.optimise.trials import Trial, Trials
+from camgeo.optimise.judging import Judge, Verdict
 from camgeo.scene.load import load_scene
 from camgeo.scene.scene import Scene
 from camgeo.sweep.family import Point
@@ -31,12 +31,12 @@ def given(
 ) -> None:
     """Designs answer the costs of a formula of their numbers, and keep a margin from 0 on."""
 
-    def tried(trials: Trials, point: Point, place: FloatArray | None) -> Trial:
+    def row(_: Judge, point: Point, __: object = None) -> Verdict:
         costs, margin = formula(np.array(point, dtype=float))
         broken = ("a margin",) if margin < 0.0 else ()
-        return Trial(
-            len(trials) + 1, point, place, tuple(costs), ("",) * len(costs), tuple(costs),
-            {"a margin": margin}, max(-margin, 0.0), broken,
+        return Verdict(
+            point, tuple(costs), ("",) * len(costs), "", tuple(costs), {"a margin": margin},
+            max(-margin, 0.0), broken,
         )  # fmt: skip
 
-    monkeypatch.setattr(Trials, "_tried", tried)
+    monkeypatch.setattr(Judge, "row", row)

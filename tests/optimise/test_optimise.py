@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import astuple, replace
+from multiprocessing import active_children
+
 import pytest
 
 from camgeo import loads
 from camgeo.answers.size import size
 from camgeo.design import Design
+from camgeo.optimise.judging import IMPOSSIBLE, Judge, Verdict
 from camgeo.optimise.optimise import optimise
 from camgeo.optimise.task import task_of
-from camgeo.optimise.trials import DUMB, IMPOSSIBLE
+from camgeo.optimise.trials import DUMB
 from camgeo.scene.load import load_scene
+from camgeo.sweep.engine import Chunks, dead
+from camgeo.sweep.family import Point
+from camgeo.sweep.pool import Pool
+from camgeo.sweep.rows import Work
 from tests.answers.documents import RING, UNHELD
 from tests.long_form import LONG
 from tests.optimise.cams import PLAIN, bare
@@ -64,6 +73,46 @@ def test_no_design_of_a_grid_is_better() -> None:
     best = min(each.costs[0] for each in kept)
     step = 2.0 * 3.0  # of the diameter for that of the radius
     assert best - step < found.made.costs[0] < best + (0.0 if LONG else 0.2)
+
+
+def test_the_same_designs_are_tried_wherever_they_are_computed() -> None:
+    """Bit for bit, in all phases of a search, by the same processes throughout."""
+    task = task_of(PLAIN, ["follower.base_radius=44:56", "cam.speed=60,90"], least=["peak:a"])
+    pool = Counted(2)
+    found = [optimise(task, seed=4, evaluations=60, engine=each) for each in (None, pool)]
+    one, other = (
+        [(each.place is None or each.place.tobytes(), *astuple(replace(each, place=None)))
+         for each in result.trials]
+        for result in found
+    )  # fmt: skip
+    assert one == other
+    assert found[0].made is not None
+    assert pool.generations > 2
+    assert len(pool.started) == 2
+
+
+class Counted(Pool):
+    """A pool that counts what it is given, and the processes that it starts."""
+
+    def __init__(self, workers: int) -> None:
+        super().__init__(workers)
+        self.generations = 0
+        self.started: set[int] = set()
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        self.generations += 1
+        for rows in super().rows(work, points):
+            self.started |= {each.pid or 0 for each in active_children()}
+            yield rows
+
+
+def test_a_design_that_ends_its_process_is_beyond_all_limits() -> None:
+    judge = Judge.on(task_of(PLAIN, ["follower.base_radius=44:56"], least=["diameter"]))
+    found = dead(judge, (50,), 2)
+    assert isinstance(found, Verdict)
+    assert found.violation == IMPOSSIBLE
+    assert "died, 2 times" in found.broken[0]
+    assert len(found.costs) == 1
 
 
 def test_designs_that_fail_are_beyond_a_limit() -> None:

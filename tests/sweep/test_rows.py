@@ -92,3 +92,14 @@ def test_chunks_grow_to_a_second_and_shrink_again() -> None:
     pace.note(MOST_IN_CHUNK, 1e6)
     assert len(pace.take(points)) == 1
     assert pace.take(iter(())) == ()
+
+
+def test_workers_share_the_last_designs() -> None:
+    pace = Pace(2)
+    pace.note(1, 1e-6)
+    pace.note(8, 1e-6)
+    points = iter([(k,) for k in range(21)])
+    sizes = []
+    while chunk := pace.take(points):
+        sizes.append(len(chunk))
+    assert sizes == [11, 5, 3, 1, 1]

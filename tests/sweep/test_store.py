@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
 import pytest
@@ -40,6 +40,9 @@ class Counting:
                 raise self.error
             self.points += chunk
             yield rows_of(work, chunk)
+
+    def held(self) -> AbstractContextManager[None]:
+        return nullcontext()
 
 
 def run(path: Path | None, engine: Counting | None = None, **given: object) -> Result:
