@@ -31,6 +31,7 @@ from camgeo.effects.contact_pressure.line_contact import SHEAR_DEPTH, SHEAR_SHAR
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
+from camgeo.effects.helical import STABLE
 from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import QUIET, measured
@@ -90,6 +91,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "amplification": AMPLIFICATION,
     "quiet": f"{100.0 * QUIET:g}",
     "most_holes": MOST_HOLES,
+    "stable": STABLE,
     "farthest": FARTHEST,
     "tolerance": TOLERANCE,
     "least": LEAST,

@@ -81,6 +81,7 @@ EFFECT_FRAME = {
     "effect",
     "force",
     "graph",
+    "helical",
     "immovable",
     "materials",
     "premises",

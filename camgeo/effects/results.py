@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from camgeo.effects.effect import Quantity
     from camgeo.effects.force import Force
+    from camgeo.effects.helical import HelicalSpring
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
     from camgeo.numeric.extremes import Extreme, Extremes
 
@@ -84,6 +85,7 @@ class Spring(Acting):
     preload, stiffness : P [N] and k [N/mm]; for a torsion spring [N mm] and [N mm/rad].
     unit_of_preload, unit_of_stiffness : units for display: "N" and "N/mm", or "N m" and "N m/rad",
         which are 1000 times the internal units.
+    helical : the helical spring that has this stiffness; None if the scene states it itself.
     """
 
     way: Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
@@ -91,6 +93,7 @@ class Spring(Acting):
     stiffness: float
     unit_of_preload: str
     unit_of_stiffness: str
+    helical: HelicalSpring | None = None
 
     def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) dx/dq: generalised force per unit of preload."""

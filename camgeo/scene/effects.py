@@ -49,7 +49,7 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
     try:
         effect.parse(table)
     except GeometryError as error:
-        inside.fault((*place, error.key) if error.key else place, error.message)
+        inside.fault((*place, *filter(None, error.key.split("."))), error.message)
     if lacks("follower") and not effect.of_drive:
         inside.fault(place, "needs [follower]")
         return

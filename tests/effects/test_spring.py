@@ -44,6 +44,9 @@ SPRINGS: Final = {
     "compression with a linkage": ("schnitt", LINEAR + ENDS),
 }
 
+WOUND: Final = {"diameter": 3.0, "coil_diameter": 24.0, "active_coils": 6.0, "free_length": 60.0}
+"""Its coils touch at 24 mm."""
+
 ROUNDING: Final = 1e-13
 """Some hundred roundings of the numbers at hand."""
 
@@ -255,6 +258,13 @@ def test_torque_is_in_newton_metres() -> None:
         ),
         ({"stiffness": 1.0, "preload": 1.0, "anchor": (0.0, 1.0)}, "attachment"),
         ({"stiffness": 1.0, "preload": 1.0, "attachment": (0.0, 1.0)}, "anchor"),
+        ({"wire": WOUND}, "preload"),
+        ({"wire": WOUND, "preload": 1.0, "stiffness": 1.0}, "stiffness"),
+        ({"wire": WOUND, "preload": 1.0, "kind": "extension"}, "wire"),
+        ({"wire": WOUND, "preload_torque": 1.0, "kind": "torsion"}, "wire"),
+        ({"wire": WOUND | {"coil_diameter": 3.0}, "preload": 1.0}, "wire.coil_diameter"),
+        ({"wire": WOUND | {"total_coils": 5.5}, "preload": 1.0}, "wire.total_coils"),
+        ({"wire": WOUND | {"free_length": 24.0}, "preload": 1.0}, "wire.free_length"),
     ],
 )
 def test_missing_and_foreign_keys(table: dict[str, Any], key: str) -> None:
@@ -309,6 +319,65 @@ def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     with pytest.raises(GeometryError, match="line of centres") as error:
         along_slider(subject, linkage)
     assert error.value.key == "effects.spring"
+
+
+def helical(**changed: float | str) -> tuple[Any, dict[str, Any]]:
+    """The spring `WOUND` along a guide with a lift of 20 mm, and its findings."""
+    keys = "\n".join(f"{key} = {value!r}" for key, value in (WOUND | changed).items())
+    table = f"[effects.spring]\npreload = 50\n[effects.spring.wire]\n{keys}\n"
+    spring = design("plate_translating", table).effect("spring")
+    return spring, {each.name: each for each in spring.findings}
+
+
+def test_a_helical_spring_acts_as_one_of_its_stiffness() -> None:
+    """And its stress is what its force does, all round."""
+    spring, found = helical()
+    stated = design(
+        "plate_translating", f"[effects.spring]\npreload = 50\nstiffness = {spring.stiffness!r}\n"
+    )
+    phi = grid(stated)
+    plain = stated.effect("spring")
+    for side in ("right", "left"):
+        same = plain.force.coefficients(phi, side)
+        assert np.array_equal(spring.force.coefficients(phi, side), same)
+    assert spring.findings[:3] == plain.findings
+    force, stress = (column.values(phi, "right") for column in spring.columns)
+    # C = 8, so K = 31/28 + 0.615/8.
+    per_force = (31.0 / 28.0 + 0.615 / 8.0) * 8.0 * 24.0 / (math.pi * 27.0)
+    assert stress == pytest.approx(per_force * force, rel=ROUNDING)
+    assert found["largest-spring-stress"].value == pytest.approx(float(np.max(stress)))
+    assert {each.severity for each in spring.findings} == {"ok"}
+
+
+def test_what_a_helical_spring_cannot_bear_is_said() -> None:
+    """Limits on either side of the values found."""
+    _, found = helical()
+    largest, solid = found["largest-spring-stress"].value, found["solid-spring-stress"].value
+    assert solid > largest
+    for strength, judged in (
+        (0.999 * largest, ("broken", "warning")),
+        (0.999 * solid, ("ok", "warning")),
+        (1.001 * solid, ("ok", "ok")),
+    ):
+        _, told = helical(strength=strength)
+        names = ("largest-spring-stress", "solid-spring-stress")
+        assert tuple(told[name].severity for name in names) == judged
+    force = found["largest-spring-force"].value
+    for deflections, severity in ((0.99, "broken"), (1.14, "warning"), (1.16, "ok")):
+        length = 24.0 + deflections * force / helical()[0].stiffness
+        assert helical(free_length=length)[1]["spring-closure"].severity == severity
+    # 2.63 times 24 mm, divided by the effective length of each pair of seats.
+    for seats, alpha in (
+        ("flat", 0.5),
+        ("flat-hinged", 0.707),
+        ("hinged", 1.0),
+        ("flat-free", 2.0),
+    ):
+        for share, severity in ((0.999, "ok"), (1.001, "warning")):
+            length = share * 2.63 * 24.0 / alpha
+            told = helical(free_length=length, seats=seats)[1]
+            assert told["spring-buckling"].severity == severity
+    assert helical(coil_diameter=37.0)[1]["spring-index"].severity == "warning"
 
 
 def test_asked_again_it_answers_the_same() -> None:

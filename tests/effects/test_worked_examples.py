@@ -29,8 +29,14 @@ POUND = 0.45359237
 POUND_FORCE = POUND * 9.80665
 """N (with the standard acceleration of free fall)."""
 
+PSI = POUND_FORCE / INCH**2
+"""MPa."""
+
 ROUNDING = 1e-9
 """Share of half a unit that is left to the rounding of the test."""
+
+SLOW = 60.0
+"""rev/min, where the speed does not matter."""
 
 PLATE = "base_radius = 100\nroller_radius = 15"
 GROOVE = PLATE + '\ncontact = "groove"'
@@ -406,3 +412,56 @@ def test_no_vibration_remains_after_a_versed_sine_pulse() -> None:
     assert left(lowest) <= 1e-9
     lower = lowest * np.arange(0.1, 1.0, 0.1)
     assert all(left(ratio) > 1e-2 for ratio in (*lower.tolist(), lowest - 0.05))
+
+
+# -- helical springs -----------------------------------------------------------------------------
+
+
+def helical(case: dict[str, Any], preload: float, largest: float, more: str = "") -> Design:
+    """A spring that is `preload` to `largest` [lbf] on the way up and down again."""
+    wire = {
+        "diameter": INCH * number(case, "wire"),
+        "coil_diameter": INCH * number(case, "coil"),
+        "active_coils": number(case, "active"),
+        "total_coils": number(case, "total"),
+        "free_length": INCH * number(case, "free_length"),
+        "shear_modulus": PSI * number(case, "shear_modulus"),
+    }
+    if "weight_density" in case:
+        wire["density"] = POUND * number(case, "weight_density") / (1e-3 * INCH) ** 3
+    keys = "\n".join(f"{key} = {value!r}" for key, value in wire.items())
+    lift = INCH * (largest - preload) / number(case, "rate")
+    motion = move("modified-sine", 180.0, lift) + move("modified-sine", 180.0, 0.0)
+    table = (
+        f"[effects.spring]\npreload = {POUND_FORCE * preload!r}\n[effects.spring.wire]\n{keys}\n"
+    )
+    return made(SLOW, PLATE, motion, table + more)
+
+
+def test_stress_and_solid_length_of_a_helical_spring() -> None:
+    case = example("spring_stress")
+    design = helical(case, 4.0, number(case, "force"))
+    spring = design.effect("spring")
+    assert_printed(case, "rate", spring.stiffness / POUND_FORCE * INCH)
+    force = finding(design, "spring", "largest-spring-force").value / POUND_FORCE
+    stress = finding(design, "spring", "largest-spring-stress").value / PSI
+    # The rate of rounded coils leaves a little of the force.
+    assert_printed(case, "force", force)
+    assert_printed(case, "stress", stress * number(case, "force") / force)
+    assert_printed(case, "solid_length", spring.helical.solid_length / INCH)
+    assert_printed(case, "solid_force", spring.helical.solid_force / POUND_FORCE)
+    assert_printed(
+        case, "solid_stress", finding(design, "spring", "solid-spring-stress").value / PSI
+    )
+
+
+def test_a_helical_spring_that_may_buckle() -> None:
+    case = example("spring_that_buckles")
+    design = helical(case, number(case, "smallest_force"), number(case, "largest_force"))
+    assert_printed(case, "rate", design.effect("spring").stiffness / POUND_FORCE * INCH)
+    assert_printed(case, "index", finding(design, "spring", "spring-index").value)
+    assert_printed(case, "solid_length", design.effect("spring").helical.solid_length / INCH)
+    assert_printed(case, "overrun", finding(design, "spring", "spring-closure").value)
+    buckling = finding(design, "spring", "spring-buckling")
+    assert buckling.severity == "warning"
+    assert_printed(case, "stable_length", buckling.limit / INCH)

@@ -11,6 +11,7 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Subject, driving_slider
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.results import Spring
+from camgeo.effects.spring.coils import of_wire
 from camgeo.effects.spring.table import SpringData
 from camgeo.effects.spring.travel import (
     Travel,
@@ -24,7 +25,7 @@ from camgeo.effects.spring.travel import (
 from camgeo.effects.wording import at, between, placed
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import Extreme, piecewise_extremes, stretch_below
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, stretch_below
 from camgeo.numeric.rounding import SHARE
 from camgeo.units import TURN
 
@@ -66,19 +67,26 @@ def compute(request: Request[SpringData]) -> Spring:
     def shown(phi: FloatArray, side: Side) -> FloatArray:
         return magnitude(phi, side) / scale
 
+    found = piecewise_extremes(shown, subject.state.smooth_angles)
+    wound = None if data.helical is None else of_wire(data.helical, magnitude, found)
     return Spring(
         findings=(
-            *force_findings(shown, subject, unit),
+            *force_findings(shown, found, subject, unit),
             deflection(way, subject, torsion=torsion),
             *opening(way, subject),
+            *(() if wound is None else wound.findings),
         ),
-        columns=(Column("spring torque" if torsion else "spring force", unit, shown),),
+        columns=(
+            Column("spring torque" if torsion else "spring force", unit, shown),
+            *(() if wound is None else wound.columns),
+        ),
         force=Force("spring", unmoved(on_follower), potential),
         way=way,
         preload=preload,
         stiffness=stiffness,
         unit_of_preload=unit,
         unit_of_stiffness="N m/rad" if torsion else "N/mm",
+        helical=data.helical,
     )
 
 
@@ -112,10 +120,8 @@ def travel_of(subject: Subject, data: SpringData) -> Travel:
     return along_slider(subject, linkage)
 
 
-def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding]:
-    """Largest and smallest force [`unit`], and where it is below 0."""
-    edges = subject.state.smooth_angles
-    found = piecewise_extremes(force, edges)
+def force_findings(force: Quantity, found: Extremes, subject: Subject, unit: str) -> list[Finding]:
+    """Largest and smallest force [`unit`], `found`, and where it is below 0."""
     name = "torque" if unit == "N m" else "force"
     findings = [
         placed(
@@ -128,7 +134,7 @@ def force_findings(force: Quantity, subject: Subject, unit: str) -> list[Finding
     ]
     lowest = found.lowest
     if lowest.value < -SHARE * found.magnitude:
-        slack = _below(force, edges, lowest.place)
+        slack = _below(force, subject.state.smooth_angles, lowest.place)
         findings.append(
             Finding(
                 name="slack-spring",
