@@ -35,6 +35,8 @@ from camgeo.effects.helical import STABLE
 from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import QUIET, measured
+from camgeo.effects.spring_surge.result import CLEAR
+from camgeo.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
 from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
@@ -92,6 +94,8 @@ NUMBERS: Final[dict[str, Any]] = {
     "quiet": f"{100.0 * QUIET:g}",
     "most_holes": MOST_HOLES,
     "stable": STABLE,
+    "clear": CLEAR,
+    "farthest_surge": FARTHEST_SURGE,
     "farthest": FARTHEST,
     "tolerance": TOLERANCE,
     "least": LEAST,

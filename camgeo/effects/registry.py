@@ -17,6 +17,7 @@ EFFECTS: Final[tuple[str, ...]] = (
     "gravity",
     "load",
     "spring",
+    "spring-surge",
     "friction",
     "contact-force",
     "lift-off",

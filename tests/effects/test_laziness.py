@@ -29,7 +29,11 @@ TABLES = {
     "inertia": "mass = 0.8",
     "gravity": "",
     "load": "constant = 20",
-    "spring": "stiffness = 4\npreload = 80",
+    "spring": (
+        "preload = 80\n"
+        "wire = { diameter = 2, coil_diameter = 20, active_coils = 5, free_length = 90 }"
+    ),
+    "spring-surge": "",
     "friction": "guide = 0.1",
     "contact-force": "",
     "lift-off": "",
@@ -164,7 +168,7 @@ def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_pa
     text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
     scene.write_text(f"{text}\n{text_of(EFFECTS)}\n", "utf-8")
     packages = {name.replace("-", "_") for name in EFFECTS}
-    declaring = {"effect", "registry", "results", "rules", "materials", *packages}
+    declaring = {"effect", "registry", "results", "rules", "materials", "helical", *packages}
     declaring |= {f"{name}.table" for name in packages}
     loaded = modules_of(scene)
     found = {each.partition("effects.")[2] for each in loaded if each.startswith("camgeo.effects.")}

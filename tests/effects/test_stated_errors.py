@@ -51,8 +51,10 @@ def drawn(rng: Random) -> Design:
         kind = 'kind = "torsion"\ntorsional_stiffness = '
         tables.append(f"[effects.spring]\n{kind}{number(1, 50)}\npreload_torque = {number(1, 100)}")
     else:
+        wire = f"diameter = 0.1\ncoil_diameter = 1\nactive_coils = {number(1, 20)}"
         tables.append(
-            f"[effects.spring]\nstiffness = {number(0.1, 20)}\npreload = {number(10, 1e3)}"
+            f"[effects.spring]\npreload = {number(10, 1e3)}\n[effects.spring.wire]\n{wire}\n"
+            f"free_length = 90\ndensity = {number(1e-3, 1e5)}\n[effects.spring-surge]"
         )
     if rng.random() < 0.6:
         tables.append("[effects.friction]\nrolling = 0.02")
@@ -92,7 +94,7 @@ def assert_true(of: Design, name: str, tolerance: float) -> None:
 @given(st.randoms(use_true_random=False))
 def test_no_figure_of_any_scene_is_off_by_more_than_stated(rng: Random) -> None:
     found = drawn(rng)
-    for name in NUMERICAL:
+    for name in set(NUMERICAL) & found.scene.effects.keys():
         for tolerance in TOLERANCES:
             assert_true(found, name, tolerance)
 
@@ -146,7 +148,7 @@ def test_each_figure_that_depends_on_the_tolerance_has_its_error() -> None:
     assert set(press.effect("contact-pressure").errors) == {
         "roller-life", "equivalent-roller-load", "roller-speed",
     }  # fmt: skip
-    for name in NUMERICAL:
+    for name in set(NUMERICAL) & press.scene.effects.keys():
         result = press.effect(name)
         figures = {each.name for each in (*result.findings, *result.columns)}
         known = {"largest-impact-speed", "impact-speed", "residual-vibration"}

@@ -455,9 +455,12 @@ def test_stress_and_solid_length_of_a_helical_spring() -> None:
     )
 
 
-def test_a_helical_spring_that_may_buckle() -> None:
+def test_a_slender_helical_spring_with_its_surge() -> None:
     case = example("spring_that_buckles")
-    design = helical(case, number(case, "smallest_force"), number(case, "largest_force"))
+    forces = number(case, "smallest_force"), number(case, "largest_force")
+    design = helical(case, *forces, "[effects.spring-surge]\n")
+    frequency = finding(design, "spring-surge", "surge-frequency").value
+    assert_printed(case, "frequency", frequency)
     assert_printed(case, "rate", design.effect("spring").stiffness / POUND_FORCE * INCH)
     assert_printed(case, "index", finding(design, "spring", "spring-index").value)
     assert_printed(case, "solid_length", design.effect("spring").helical.solid_length / INCH)
