@@ -28,7 +28,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from importlib import import_module
@@ -74,19 +74,19 @@ OTHERS: Final = ("cluster",)
 class Pausing(Work):
     """Work whose designs take their time and nothing else."""
 
-    def row(self, point: Point, _ledger: Any = None) -> Row:
-        """After a pause."""
-        time.sleep(PAUSE)
-        return Row(point, (1.0,), ("deg",))
+    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[Row]:
+        """After a pause for each."""
+        time.sleep(PAUSE * len(points))
+        return [Row(point, (1.0,), ("deg",)) for point in points]
 
 
 @dataclass(frozen=True)
 class Idle(Work):
     """Work whose designs cost nothing."""
 
-    def row(self, point: Point, _ledger: Any = None) -> Row:
+    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[Row]:
         """At once."""
-        return Row(point, (1.0,), ("deg",))
+        return [Row(point, (1.0,), ("deg",)) for point in points]
 
 
 class Free:

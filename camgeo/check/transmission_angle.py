@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding, held
-from camgeo.curve.extremes import Extremes, Quantity, extremes
+from camgeo.curve.extremes import Extremes, extremes_of_each
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.together import curves_together
+from camgeo.motion.kept import kept_with_each
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.many import Quantity
 from camgeo.wording import at_cam_angles
 
 
-def transmission_angle_extremes(curve: PitchCurve) -> Extremes:
-    """All local extremes of the transmission angle [rad]; Z' must not vanish."""
-    return extremes(curve, curve.transmission_angle, SLOPES[curve.follower.touching](curve))
+@kept_with_each
+def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
+    """All local extremes of the transmission angle [rad]; Z' must not vanish.
+
+    Of curves with the same motion and sense, and followers that are `alike`.
+    """
+    first, many = curves[0], curves_together(curves)
+    return extremes_of_each(
+        first, many, lambda curve: curve.transmission_angle, SLOPES[first.follower.touching]
+    )
 
 
 def _of_roller(curve: PitchCurve) -> Quantity:

@@ -5,7 +5,6 @@ Among them those of the curvature of a pitch curve, which decide the size of the
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +12,9 @@ import numpy as np
 from camgeo.curve.pieces import HasBreaks, smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.displayed import Brief
-from camgeo.numeric.arrays import FloatArray, Side, frozen
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.numeric.many import ONE, Asked, Many, Quantity
+from camgeo.numeric.roots import roots_in_rows
 from camgeo.units import TURN
 
 SAMPLES = 257
@@ -23,8 +23,6 @@ SAMPLES = 257
 INSIDE = 1e-8
 """How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
 of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
-
-Quantity = Callable[[FloatArray, Side], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,28 +60,55 @@ def extremes(curve: HasBreaks, value: Quantity, slopes: Quantity) -> Extremes:
     slopes : what vanishes inside the pieces at the candidates, besides the ends of the pieces seen
         from inside: (n,), or (k, n) for several such quantities.
     """
-    pieces = smooth_pieces(curve)
+    return extremes_of_each(curve, ONE, value, slopes)[0]
+
+
+def extremes_of_each(
+    breaks: HasBreaks, many: Many[Asked], value: Asked, slopes: Asked
+) -> list[Extremes]:
+    """The `extremes` of each of `many`, which all have the same `breaks`."""
+    pieces = smooth_pieces(breaks)
     starts = np.array([piece.start for piece in pieces])
     ends = np.array([piece.end for piece in pieces])
     moving = np.array([not piece.dwell for piece in pieces])
-    found = [np.empty(0)]
+    middle, which = np.empty(0), np.empty(0, dtype=np.intp)
     if np.any(moving):
         grid = np.linspace(starts[moving], ends[moving], SAMPLES, axis=1)
         inside = INSIDE * (ends - starts)[moving]
         grid[:, 0] += inside  # from inside, where a slope may jump
         grid[:, -1] -= inside
-        found.append(roots_on_grid(lambda phi: slopes(phi, "right"), grid))
-    middle = np.sort(np.concatenate(found))
-    phi = np.concatenate((starts, middle, ends))
-    values = [value(starts, "right"), value(middle, "right"), value(ends, "left")]
+        middle, which = _turning(many, slopes, grid)
+    at_starts = many.everywhere(value, starts, "right")
+    at_ends = many.everywhere(value, ends, "left")
+    between = many.at(value, middle, "right", which)
     # At a break the end of one piece comes before the start of the next.
     owner = np.searchsorted(starts, middle, side="right") - 1
     each = np.arange(len(pieces))
-    rank = np.repeat([0, 1, 2], [len(starts), len(middle), len(ends)])
-    order = np.lexsort((phi, rank, np.concatenate((each, owner, each))))
-    return Extremes(
-        frozen(phi[order], np.float64), frozen(np.concatenate(values)[order], np.float64)
-    )
+    found = []
+    for one in range(many.count):
+        own = which == one
+        phi = np.concatenate((starts, middle[own], ends))
+        values = np.concatenate((at_starts[one], between[own], at_ends[one]))
+        rank = np.repeat([0, 1, 2], [len(starts), int(np.count_nonzero(own)), len(ends)])
+        order = np.lexsort((phi, rank, np.concatenate((each, owner[own], each))))
+        found.append(Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64)))
+    return found
+
+
+def _turning(many: Many[Asked], slopes: Asked, grid: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Where one of the `slopes` of one of `many` vanishes, ascending, and of which."""
+    values = many.everywhere(slopes, grid.ravel(), "right")
+    kinds = values.reshape(-1, many.count, *grid.shape)
+
+    def of_row(phi: FloatArray, row: IntArray) -> FloatArray:
+        kind, one, _ = np.unravel_index(row, kinds.shape[:-1])
+        found = many.at(slopes, phi, "right", one)
+        return found if found.ndim == 1 else found[kind, np.arange(len(phi))]
+
+    roots, row = roots_in_rows(of_row, grid, kinds)
+    _, which, _ = np.unravel_index(row, kinds.shape[:-1])
+    order = np.argsort(roots, kind="stable")
+    return roots[order], which[order]
 
 
 def curvature_extremes(curve: PitchCurve) -> Extremes:

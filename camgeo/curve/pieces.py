@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.together import curves_together
 from camgeo.errors import GeometryError
-from camgeo.motion.kept import kept_with_owner
+from camgeo.motion.kept import kept_with_each, kept_with_owner
 from camgeo.motion.motion import Dwell
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, ascending, read_only
 from camgeo.units import TURN
@@ -66,11 +68,18 @@ def turn_cells(pitch: PitchCurve) -> tuple[FloatArray, FloatArray]:
     return ends[:-1], ends[1:]
 
 
-@kept_with_owner
-def turn_enclosed(pitch: PitchCurve) -> tuple[ComplexArray, FloatArray]:
-    """`PitchCurve.jet_and_bounds` of the cells of the turn."""
-    jet, bounds = pitch.jet_and_bounds(*turn_cells(pitch))
-    return read_only(jet), read_only(bounds)
+@kept_with_each
+def turn_enclosed(pitches: Sequence[PitchCurve]) -> list[tuple[ComplexArray, FloatArray]]:
+    """`PitchCurve.jet_and_bounds` of the cells of the turn, of curves for `curves_together`."""
+    low, high = turn_cells(pitches[0])
+    found = []
+    for curve, times in curves_together(pitches).blocks(len(low)):
+        enclosed = curve.jet_and_bounds(np.tile(low, times), np.tile(high, times))
+        for one in range(times):
+            own = slice(one * len(low), (one + 1) * len(low))
+            jet, bounds = enclosed[0][:, own].copy(), enclosed[1][:, own].copy()
+            found.append((read_only(jet), read_only(bounds)))
+    return found
 
 
 def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:

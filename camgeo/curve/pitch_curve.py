@@ -166,7 +166,7 @@ class PitchCurve(Pickled):
             does.
         """
         size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
-        if len(size) and np.min(size) <= STANDSTILL * self.follower.base_radius:
+        if np.any(size <= STANDSTILL * self.follower.base_radius):
             raise GeometryError(self.follower.standstill)
         return size
 

@@ -14,7 +14,7 @@ import numpy as np
 from camgeo.mechanism.follower import Follower, RelativeJet, bend_of_path
 from camgeo.mechanism.sketch import Dimension, Guide, MechanismSketch, Places
 from camgeo.motion.motion import Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 
 GUIDE = 0.8
 """Distance from a carriage in its farthest position to its guide, in base radii."""
@@ -119,6 +119,11 @@ class Rocking(Follower):
     def centre_distance(self) -> float:
         """l_1, cam axis to pivot [mm]."""
         return abs(self.pivot)
+
+    @property
+    def line_angle(self) -> float:
+        """Direction of the line pivot -> cam axis, from the x axis [rad]."""
+        return phase(-self.pivot)
 
     @property
     def swing_sense(self) -> int:

@@ -15,7 +15,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Coordinate, Length, Place, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 
 
@@ -121,7 +121,7 @@ class OscillatingFlat(Rocking, FlatFollower):
 
     def normal(self, lift: FloatArray) -> ComplexArray:
         """See `FlatFollower.normal`."""
-        angle = phase(-self.pivot) + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
+        angle = self.line_angle + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
         normals: ComplexArray = np.exp(1j * angle)
         return normals
 
@@ -180,7 +180,7 @@ class OscillatingFlat(Rocking, FlatFollower):
         return RelativeJet(
             along,
             across,
-            phase(-self.pivot),
+            self.line_angle,
             side * pace[0] * share,
             pace[0] * rest,
             self.swing_sense * jet[1],

@@ -16,7 +16,7 @@ from camgeo.mechanism.follower import RelativeJet, TangentJet
 from camgeo.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.mechanism.values import Length, Place, Radius, Sense
 from camgeo.motion.motion import FULL_ORDER, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.doubled import hypot_rest
 
@@ -91,7 +91,7 @@ class OscillatingRoller(Rocking, WithRoller):
     @property
     def start_arm(self) -> complex:
         """See `Follower`."""
-        return cmath.rect(self.arm, phase(-self.pivot) + self.arm_side * self.start_angle)
+        return cmath.rect(self.arm, self.line_angle + self.arm_side * self.start_angle)
 
     @property
     def reach(self) -> float:
@@ -145,7 +145,7 @@ class OscillatingRoller(Rocking, WithRoller):
             rest = chi3 - turning * (turning * (turning - 3.0 * rotation) + 3.0)
             across[3] = tip_across * real + tip_along * rest
             across[3] += rotation * along[0]
-        return RelativeJet(along, across, phase(-self.pivot), u, v, turning, self.reach)
+        return RelativeJet(along, across, self.line_angle, u, v, turning, self.reach)
 
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
         """See `Follower.tangent_jet`."""
@@ -164,7 +164,7 @@ class OscillatingRoller(Rocking, WithRoller):
         """See `Follower.speed_bounds`: R_k as of `camgeo.mechanism.follower`, W' = i chi' tip."""
         l1, l3 = self.centre_distance, self.arm
         middle = np.hypot(
-            self.excess, 2.0 * math.sqrt(l1 * l3) * np.sin(0.5 * self.rocker_angle(jet[0]))
+            self.excess, 2.0 * np.sqrt(l1 * l3) * np.sin(0.5 * self.rocker_angle(jet[0]))
         )
         reach = np.minimum(middle + l3 * bounds[0], l1 + l3)  # |W|
         chi1, chi2, chi3 = bounds[1:]

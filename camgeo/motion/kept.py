@@ -1,12 +1,13 @@
 """What is computed once and kept with the immutable object that it depends on.
 
 `Answers` keep the values of a motion at the cam angles of the latest requests. `kept_with_owner`
-keeps the last result of a function of an object with the object.
+keeps the last result of a function of an object with the object, `kept_with_each` what is computed
+for many objects at once with each of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from functools import wraps
 from threading import Lock
 from typing import Any, Concatenate, Final, Generic, ParamSpec, Protocol, TypeVar
@@ -83,3 +84,30 @@ def kept_with_owner(
         return found
 
     return once
+
+
+class kept_with_each(Generic[Owner, Out]):
+    """A function of one owner that is computed for many at once; the results are kept with each.
+
+    The result of an owner must not depend, not even in its last bit, on those that are computed
+    together with it.
+    """
+
+    def __init__(self, make: Callable[[Sequence[Owner]], Sequence[Out]]) -> None:
+        self._make = make
+        self.__doc__ = make.__doc__
+
+    def __call__(self, owner: Owner) -> Out:
+        """The result of one owner."""
+        kept = owner.kept.get(self._make)
+        if kept is None:
+            self.settle((owner,))
+            kept = owner.kept[self._make]
+        found: Out = kept[1]
+        return found
+
+    def settle(self, owners: Sequence[Owner]) -> None:
+        """Compute the results of those `owners` that have none, all at once."""
+        missing = [each for each in owners if self._make not in each.kept]
+        for owner, found in zip(missing, self._make(missing) if missing else (), strict=True):
+            owner.kept[self._make] = None, found

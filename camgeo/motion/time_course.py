@@ -271,13 +271,10 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     roots = bracketed_roots(timed, low, high, rows + 1)
     velocity, acceleration = (extremes(row, roots[rows == row]) for row in SMOOTH)
 
-    turning = [tops(inside, grid[row]) for row in SHARP]
-    rows = np.repeat(SHARP, [len(sign) for sign, *_ in turning])
+    *turning, which = tops(inside, grid[list(SHARP)])
+    rows = np.array(SHARP)[which]
     each = np.arange(len(rows))
-    places = climbed(
-        lambda phi: timed(phi).reshape(5, len(rows), -1)[rows, each].ravel(),
-        *(np.concatenate(part) for part in zip(*turning, strict=True)),
-    )
+    places = climbed(lambda phi: timed(phi).reshape(5, len(rows), -1)[rows, each].ravel(), *turning)
     jerk, torque = (extremes(row, places[rows == row]) for row in SHARP)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 

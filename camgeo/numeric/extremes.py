@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, FloatArray, Side, merged
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, merged
+from camgeo.numeric.many import ONE, Asked, Many, Quantity
 from camgeo.numeric.roots import Function, roots_on_grid
 from camgeo.units import TURN
 
@@ -85,9 +86,7 @@ def grid_of(edges: FloatArray) -> FloatArray:
     return grid
 
 
-def piecewise_extremes(
-    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
-) -> Extremes:
+def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     """Smallest and largest value of `function` from the first of `edges` to the last.
 
     Parameters
@@ -103,75 +102,96 @@ def piecewise_extremes(
     return _extremes(function, edges, BOTH)
 
 
-def piecewise_lowest(
-    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
-) -> Extreme:
+def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
     """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
     refined.
     """
     return _extremes(function, edges, BOTTOMS).lowest
 
 
-def piecewise_highest(
-    function: Callable[[FloatArray, Side], FloatArray], edges: FloatArray
-) -> Extreme:
+def piecewise_highest(function: Quantity, edges: FloatArray) -> Extreme:
     """The largest value alone, see `piecewise_lowest`."""
     return _extremes(function, edges, TOPS).highest
 
 
-def _extremes(
-    function: Callable[[FloatArray, Side], FloatArray],
-    edges: FloatArray,
-    signs: tuple[float, ...],
-) -> Extremes:
+def _extremes(function: Quantity, edges: FloatArray, signs: tuple[float, ...]) -> Extremes:
     """Both values; only those selected by `signs` are refined."""
+    return extremes_of_each(ONE, function, edges, signs)[0]
+
+
+def extremes_of_each(
+    many: Many[Asked], quantity: Asked, edges: FloatArray, signs: tuple[float, ...] = BOTH
+) -> list[Extremes]:
+    """`piecewise_extremes` of a quantity of each of `many`, which jumps at the same `edges`.
+
+    Of those that `signs` do not select, no turning point is refined.
+    """
     inside = grid_of(edges)
-    flat = function(inside.ravel(), "right")
-    sought = tops(inside, flat.reshape(inside.shape), signs)
-    turning = climbed(lambda x: function(x, "right"), *sought)
-    places = np.concatenate((edges[:-1], edges[1:]))
-    at_edges = np.concatenate((function(edges[:-1], "right"), function(edges[1:], "left")))
-    found = extremes_of(
-        np.concatenate((places, inside.ravel(), turning)),
-        np.concatenate((at_edges, flat, function(turning, "right"))),
-    )
+    x, ends = inside.ravel(), np.concatenate((edges[:-1], edges[1:]))
+    flat = many.everywhere(quantity, x, "right")
+    *sought, which = tops(inside, flat.reshape(many.count, *inside.shape), signs)
+
+    def on_grid(places: FloatArray) -> FloatArray:
+        each = len(places) // max(len(which), 1)
+        return many.at(quantity, places, "right", np.repeat(which, each))
+
+    turning = climbed(on_grid, *sought)
+    after = many.everywhere(quantity, edges[:-1], "right")
+    before = many.everywhere(quantity, edges[1:], "left")
+    at_ends, there = np.concatenate((after, before), axis=1), on_grid(turning)
+    found = []
+    for one in range(many.count):
+        own = which == one
+        places = np.concatenate((ends, x, turning[own]))
+        values = np.concatenate((at_ends[one], flat[one], there[own]))
+        found.append(_at_edges(extremes_of(places, values), ends, at_ends[one]))
+    return found
+
+
+def _at_edges(found: Extremes, edges: FloatArray, values: FloatArray) -> Extremes:
+    """The same extremes, at an edge if it has such a value but for rounding."""
     rounding = ROUNDING * found.magnitude
 
     def placed(extreme: Extreme) -> Extreme:
-        same = np.abs(at_edges - extreme.value) <= rounding
+        same = np.abs(values - extreme.value) <= rounding
         if not np.any(same):
             return extreme
-        place = float(np.min(places[same]))
-        return Extreme(float(at_edges[same & (places == place)][0]), place)
+        place = float(np.min(edges[same]))
+        return Extreme(float(values[same & (edges == place)][0]), place)
 
     return Extremes(placed(found.lowest), placed(found.highest))
 
 
 def tops(
     grid: FloatArray, values: FloatArray, signs: tuple[float, ...] = BOTH
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Sign, +1 of a top and -1 of a bottom, and bracket of each turning point, (k,) each.
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Sign, +1 of a top and -1 of a bottom, bracket, and the quantity of each turning point,
+    (k,) each.
 
-    Of `values` along the rows of `grid`, those of the `signs`; those that cannot be the largest or
-    the smallest are omitted.
+    Of the `values` (q, m, n) of q quantities along the rows of `grid` (m, n), those of the `signs`;
+    those that cannot be the largest or the smallest of their quantity are omitted.
     """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
-    moving = np.ptp(values, axis=1, keepdims=True) > 0.0
+    lows, highs = (np.broadcast_to(each, values.shape) for each in (padded[:, :-2], padded[:, 2:]))
+    moving = np.ptp(values, axis=-1, keepdims=True) > 0.0
     found = []
     for sign in signs:
         heights = sign * values
-        inner = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
-        top = (heights >= inner[:, :-2]) & (heights >= inner[:, 2:])
-        top &= (heights > inner[:, :-2]) | (heights > inner[:, 2:])
+        inner = np.pad(heights, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
+        before, after = inner[..., :-2], inner[..., 2:]
+        top = (heights >= before) & (heights >= after)
+        top &= (heights > before) | (heights > after)
         # A parabola through three points rises above the middle one by at most an eighth of the
         # larger difference; what cannot reach the largest value even with that is omitted.
-        falls = np.abs(np.diff(heights, axis=1, prepend=heights[:, :1], append=heights[:, -1:]))
-        top &= heights + np.maximum(falls[:, :-1], falls[:, 1:]) >= np.max(heights)
+        ends = heights[..., :1], heights[..., -1:]
+        falls = np.abs(np.diff(heights, axis=-1, prepend=ends[0], append=ends[1]))
+        highest = np.max(heights, axis=(-2, -1), keepdims=True)
+        top &= heights + np.maximum(falls[..., :-1], falls[..., 1:]) >= highest
         top &= moving
-        low = padded[:, :-2][top]
-        found.append((np.full(len(low), sign), low, padded[:, 2:][top]))
-    sign_of, lows, highs = (np.concatenate(each) for each in zip(*found, strict=True))
-    return sign_of, lows, highs
+        of = np.nonzero(top)[0]
+        found.append((np.full(len(of), sign), lows[top], highs[top], of))
+    sign_of, low, high, which = (np.concatenate(each) for each in zip(*found, strict=True))
+    return sign_of, low, high, which
 
 
 def climbed(

@@ -6,6 +6,7 @@ this gives the same guarantee (the root never leaves its bracket) over arrays.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -134,12 +135,32 @@ def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
     """
     found = function(grid.ravel())
     values = found.reshape(found.shape[:-1] + grid.shape)
+    of_each = math.prod(grid.shape[:-1])
+
+    def in_row(x: FloatArray, row: IntArray) -> FloatArray:
+        found = function(x)
+        return found if found.ndim == 1 else found[row // of_each, np.arange(len(x))]
+
+    return roots_in_rows(in_row, grid, values)[0]
+
+
+def roots_in_rows(
+    function: Callable[[FloatArray, IntArray], FloatArray], grid: FloatArray, values: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """(k,), (k,) roots indicated by a sign change along a row of `values` (..., m), and the numbers
+    of their rows, counted over all rows.
+
+    Parameters
+    ----------
+    function : (n,), (n,) -> (n,), the values at n arguments, given the numbers of their rows.
+    grid : (m,), or (..., m) for the last of the rows, the arguments of `values`.
+    """
     change = _changing(values)
     sides = (slice(None, -1), slice(1, None))
     low, high = (np.broadcast_to(grid[..., each], change.shape)[change] for each in sides)
     ends = np.stack([values[..., each][change] for each in sides])
-    rows = np.nonzero(change)[0] if found.ndim > 1 else None
-    return bracketed_roots(function, low, high, rows, ends)
+    row = np.flatnonzero(change) // change.shape[-1]
+    return indexed_roots(lambda x, which: function(x, row[which]), low, high, ends), row
 
 
 MOST_STEPS: Final = 80

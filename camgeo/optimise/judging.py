@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -12,7 +12,7 @@ from camgeo.check.finding import NO_OUTLINE, Finding
 from camgeo.design import Design
 from camgeo.optimise.task import Sought, Task
 from camgeo.sweep.family import Point
-from camgeo.sweep.reading import judged, read, reason_of
+from camgeo.sweep.reading import Reading, judged, reason_of
 from camgeo.sweep.rows import Row, Work
 
 IMPOSSIBLE: Final = 1e4
@@ -72,24 +72,25 @@ class Judge(Work):
             point, (None,) * count, ("",) * count, reason, costs, {}, IMPOSSIBLE, (reason,)
         )
 
-    def answers(self, design: Design, point: Point) -> Verdict:
+    def answers(self, design: Design, point: Point, found: Sequence[Reading]) -> Verdict:
         """See `Work.answers`."""
         judging = _Judging(self.sought)
-        readings = {each: read(design, each) for each in self.asked}
+        readings = dict(zip(self.asked, found, strict=True))
         costs: list[float] = []
         for goal in self.sought.goals:
-            found = readings[goal.asked]
-            if isinstance(found.value, float | int):
-                costs.append(goal.cost(float(found.value)))
+            reading = readings[goal.asked]
+            if isinstance(reading.value, float | int):
+                costs.append(goal.cost(float(reading.value)))
             else:
                 costs.append(np.nan)
-                judging.unanswered(goal.asked.word, found.reason or "it does not arise")
+                judging.unanswered(goal.asked.word, reading.reason or "it does not arise")
         for limit in self.sought.limits:
-            found = readings[limit.asked]
-            if isinstance(found.value, float | int):
-                judging.limited(str(limit), limit.margin(float(found.value)), float(found.value))
-            elif found.reason:
-                judging.unanswered(limit.asked.word, found.reason)
+            reading = readings[limit.asked]
+            if isinstance(reading.value, float | int):
+                value = float(reading.value)
+                judging.limited(str(limit), limit.margin(value), value)
+            elif reading.reason:
+                judging.unanswered(limit.asked.word, reading.reason)
         try:
             for finding in judged(design, machining=self.sought.machining):
                 judging.judge(finding)

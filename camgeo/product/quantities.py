@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Demanded, Drive
 from camgeo.curve.extremes import radius_of_curvature
 from camgeo.motion.motion import Jet
@@ -52,14 +53,17 @@ def quantities(drive: Drive, lift_unit: LiftUnit, cam: Cam | None, unit: LengthU
 
     Right and left values differ where something jumps, which is at borders of the motion only.
     """
+    columns = quantities_of_drive(drive, lift_unit, unit)
+    return columns if cam is None else columns + quantities_of_disc(cam.disc, unit)
+
+
+def quantities_of_drive(drive: Drive, lift_unit: LiftUnit, unit: LengthUnit) -> Columns:
+    """Motions over the cam angle and in time."""
     motions = _motions(drive, lift_unit)
     columns: Columns = []
     for name, motion in motions:
         columns += _angle(name, motion) if name else _length(unit, motion)
-    columns += _in_time(drive, motions, unit)
-    if cam is not None:
-        columns += _of_cam(cam, unit)
-    return columns
+    return columns + _in_time(drive, motions, unit)
 
 
 def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray, Side], Value]:
@@ -74,20 +78,20 @@ def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray,
     return values
 
 
-def _of_cam(cam: Cam, unit: LengthUnit) -> Columns:
+def quantities_of_disc(disc: Disc, unit: LengthUnit) -> Columns:
     """Curves, transmission angle and curvature.
 
     A flat face has one curve, the outline on which its contact runs, and the position of the
     contact on the face.
     """
-    disc, mm = cam.disc, MM_PER[unit]
+    mm = MM_PER[unit]
 
     def pitch() -> PitchCurve:
         return disc.pitch_curve
 
     points: dict[str, Callable[[FloatArray, Side], ComplexArray]]
     points = {"contact": lambda phi, side: pitch().point(phi, side)}
-    if cam.follower.has_pitch_curve:
+    if disc.follower.has_pitch_curve:
         points = {
             "pitch": lambda phi, side: pitch().point(phi, side),
             "inner": lambda phi, side: disc.inner_curve.point(phi, side),
@@ -98,7 +102,7 @@ def _of_cam(cam: Cam, unit: LengthUnit) -> Columns:
         point = _once(compute)
         columns.append((f"{name} x [{unit}]", _coordinate(point, np.real, mm)))
         columns.append((f"{name} y [{unit}]", _coordinate(point, np.imag, mm)))
-    if not cam.follower.has_pitch_curve:
+    if not disc.follower.has_pitch_curve:
 
         def on_face(phi: FloatArray, side: Side) -> FloatArray:
             found: FloatArray = touch(pitch(), phi, side).contact[0] / mm

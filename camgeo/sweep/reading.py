@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from camgeo.cam.disc import Disc, discs_together
 from camgeo.check.finding import Finding, forbidding
 from camgeo.check.judge import (
     linkage_findings,
@@ -16,12 +18,21 @@ from camgeo.check.judge import (
     transmission_angle_limit,
     worst,
 )
+from camgeo.check.standstill import check_standstill
+from camgeo.check.transmission_angle import (
+    check_transmission_angle,
+    transmission_angle_extremes,
+)
+from camgeo.curve.pieces import turn_enclosed
 from camgeo.errors import CamgeoError, EffectError, SceneError
+from camgeo.mechanism.several import alike
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import Extremes, piecewise_extremes
-from camgeo.product.quantities import Quantity, of_effect, quantities
+from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extremes
+from camgeo.numeric.many import Quantity
+from camgeo.product.quantities import of_effect, quantities_of_disc, quantities_of_drive
 from camgeo.product.value_table import bare
 from camgeo.sweep.asked import DIAMETER, Asked, Group, hyphened
+from camgeo.units import LengthUnit
 from camgeo.wording import shortened
 
 if TYPE_CHECKING:
@@ -56,11 +67,44 @@ def read(design: Design, asked: Asked) -> Reading:
         raise  # which is not the design's fault
     except Exception as error:
         return Reading(None, reason=reason_of(error))
+    return _settled(found)
+
+
+def _settled(found: Reading) -> Reading:
+    """The same, if it is finite."""
     if isinstance(found.value, float):
         if not math.isfinite(found.value):
             return Reading(None, found.unit, found.reason or "is infinite")
         return Reading(found.value + 0.0, found.unit, in_a_line(found.reason))  # no -0.0
     return found
+
+
+def read_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """What each of the designs answers, with the same bits as `read`: those that are alike at once.
+
+    Where that fails, one of them has no answer: halves are tried, down to a design alone.
+    """
+    if len(designs) == 1:
+        return [read(designs[0], asked)]
+    try:
+        found = TOGETHER[asked.group](designs, asked)
+    except MemoryError:
+        raise  # which is not the designs' fault
+    except Exception:
+        half = len(designs) // 2
+        return read_each(designs[:half], asked) + read_each(designs[half:], asked)
+    return [_settled(each) for each in found]
+
+
+def alike_designs(design: Design) -> Hashable:
+    """Equal for designs that differ in numbers of the follower only, and in what nothing that is
+    `TOGETHER` depends on.
+    """
+    scene, follower = design.scene, design.scene.follower
+    drive = id(scene.plan), id(scene.linkage), scene.speed, id(scene.speed_curve)
+    units = scene.unit, scene.lift_unit
+    disc = scene.rotation, scene.contact, scene.side_clearance
+    return drive, units, disc, None if follower is None else alike(follower)
 
 
 def reason_of(error: Exception) -> str:
@@ -96,9 +140,6 @@ def _refused(findings: Iterable[Finding]) -> str:
 
 def _angle(design: Design, asked: Asked) -> Reading:
     """The transmission angle alone, as the findings have it."""
-    from camgeo.check.standstill import check_standstill
-    from camgeo.check.transmission_angle import check_transmission_angle
-
     cam, limits = design.cam, design.scene.limits
     if not cam.follower.has_pitch_curve:  # of an undercut flat face there is none
         return _disc(design, asked)
@@ -110,6 +151,15 @@ def _angle(design: Design, asked: Asked) -> Reading:
             found = check_transmission_angle(curve, transmission_angle_limit(cam, limits))
             return _of([found], asked.name)
     raise NoValueError(_refused(before))
+
+
+def _angles(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """The same for designs that are alike: what the answer takes is computed for all at once."""
+    if designs[0].cam.follower.has_pitch_curve:
+        curves = [design.cam.disc.pitch_curve for design in designs]
+        turn_enclosed.settle(curves)
+        transmission_angle_extremes.settle(curves)
+    return [read(design, asked) for design in designs]
 
 
 def _linkage(design: Design, asked: Asked) -> Reading:
@@ -179,12 +229,30 @@ def judged(design: Design, *, machining: bool = False) -> list[Finding]:
 
 
 def _curves(design: Design, asked: Asked) -> Reading:
-    scene = design.scene
-    cam = None if scene.follower is None else design.cam
-    for heading, quantity in quantities(design.drive, scene.lift_unit, cam, scene.unit):
+    return _curves_of_each([design], asked)[0]
+
+
+def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """The extreme of a column for designs that are alike; one of the motion is the same for all."""
+    first = designs[0]
+    drive, scene = first.drive, first.scene
+    for heading, quantity in quantities_of_drive(drive, scene.lift_unit, scene.unit):
         if hyphened(bare(heading)) == asked.name:
-            return _extreme(design, asked, heading, quantity)
+            return [_extreme(first, asked, heading, quantity)] * len(designs)
+    if scene.follower is not None:
+        disc = first.cam.disc
+        for place, (heading, _) in enumerate(quantities_of_disc(disc, scene.unit)):
+            if hyphened(bare(heading)) == asked.name:
+                many = discs_together([design.cam.disc for design in designs])
+                of_disc = partial(_quantity, place, scene.unit)
+                with np.errstate(all="ignore"):  # a value that is not finite has a reason
+                    found = extremes_of_each(many, of_disc, drive.smooth_angles)
+                return [_read(each, asked, heading) for each in found]
     raise NoValueError(f'has no column "{asked.name}"')
+
+
+def _quantity(place: int, unit: LengthUnit, disc: Disc) -> Quantity:
+    return quantities_of_disc(disc, unit)[place][1]
 
 
 def _effects(design: Design, asked: Asked) -> Reading:
@@ -224,6 +292,10 @@ def _extreme(
         edges = merged(np.concatenate((edges, borders)))
     with np.errstate(all="ignore"):  # a value that is not finite has a reason
         found = piecewise_extremes(quantity, edges)
+    return _read(found, asked, heading)
+
+
+def _read(found: Extremes, asked: Asked, heading: str) -> Reading:
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
     return Reading(EXTREME[asked.how](found), unit)
 
@@ -245,3 +317,9 @@ ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
     "curves": _curves,
     "effects": _effects,
 }
+
+TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Asked], list[Reading]]]] = {
+    "angle": _angles,
+    "curves": _curves_of_each,
+}
+"""What is answered for many designs at once, if these are alike."""

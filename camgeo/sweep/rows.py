@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,7 +20,7 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.tree import edited
 from camgeo.sweep.asked import Asked
 from camgeo.sweep.family import Family, Point
-from camgeo.sweep.reading import read, reason_of
+from camgeo.sweep.reading import TOGETHER, Reading, alike_designs, read, read_each, reason_of
 
 if TYPE_CHECKING:
     from camgeo.lazy import Ledger
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
 """Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
 not read another file of its own machine under the same name."""
+
+MOST_TOGETHER: Final = 64
+"""Designs that are computed at once: of twice as many each would cost as much."""
 
 LISTED: Final = "; "
 """Between the reasons of one row."""
@@ -132,25 +136,56 @@ class Work:
 
     def row(self, point: Point, ledger: Ledger | None = None) -> Row:
         """The row of a design; if its scene is wrong, a row with the reason."""
+        return self.rows((point,), ledger)[0]
+
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+        """The rows of designs, each with the bits that it has alone.
+
+        What can be answered for many designs at once is.
+        """
         base = self.base
         assert base is not None  # its errors are not those of one design
-        try:
-            scene = self.scene_of(point)
-            design = Design(scene) if ledger is None else Design(scene, ledger)
-        except MemoryError:
-            raise  # which is not the design's fault
-        except Exception as error:
-            return self.nothing(point, reason_of(error))
-        return self.answers(design, point)
+        found: dict[int, Row] = {}
+        designs: dict[int, Design] = {}
+        for number, point in enumerate(points):
+            try:
+                scene = self.scene_of(point)
+                designs[number] = Design(scene) if ledger is None else Design(scene, ledger)
+            except MemoryError:
+                raise  # which is not the design's fault
+            except Exception as error:
+                found[number] = self.nothing(point, reason_of(error))
+        answers = self._together(designs)
+        for number in [*designs]:
+            design = designs.pop(number)  # which has computed much, and is needed no longer
+            readings = [
+                answers.get((number, asked.word)) or read(design, asked) for asked in self.asked
+            ]
+            found[number] = self.answers(design, points[number], readings)
+        return [found[number] for number in range(len(points))]
 
     def nothing(self, point: Point, reason: str) -> Row:
         """The row of a design that has no answers at all."""
         count = len(self.asked)
         return Row(point, (None,) * count, ("",) * count, reason)
 
-    def answers(self, design: Design, point: Point) -> Row:
-        """The row of a design that there is."""
-        found = [read(design, each) for each in self.asked]
+    def _together(self, designs: Mapping[int, Design]) -> dict[tuple[int, str], Reading]:
+        """What can be answered for many designs at once, by their numbers and what is asked."""
+        words = [asked for asked in self.asked if asked.group in TOGETHER]
+        groups: dict[Hashable, list[int]] = {}
+        for number, design in designs.items() if words else ():
+            groups.setdefault(alike_designs(design), []).append(number)
+        return {
+            (number, asked.word): reading
+            for numbers in groups.values()
+            for asked in words
+            for number, reading in zip(
+                numbers, read_each([designs[each] for each in numbers], asked), strict=True
+            )
+        }
+
+    def answers(self, design: Design, point: Point, found: Sequence[Reading]) -> Row:
+        """The row of a design, of which `found` is what is asked."""
         reasons: dict[str, list[str]] = {}
         for asked, reading in zip(self.asked, found, strict=True):
             if reading.reason:
@@ -166,8 +201,11 @@ class Work:
 
 def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:
     """The rows of several designs, as a worker computes them."""
-    known = _known(work)
-    return tuple(known.row(point) for point in points)
+    known, rest = _known(work), iter(points)
+    found: list[Row] = []
+    while some := tuple(islice(rest, MOST_TOGETHER)):
+        found += known.rows(some)
+    return tuple(found)
 
 
 @lru_cache(maxsize=1)

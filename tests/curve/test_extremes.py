@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 
 from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import Extremes, Quantity, curvature_extremes, extremes
+from camgeo.curve.extremes import Extremes, curvature_extremes, extremes
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.many import Quantity
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.strategies import BENT, attack, pitch_curves

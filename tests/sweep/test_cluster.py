@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +20,7 @@ import pytest
 
 from camgeo.cli.main import main
 from camgeo.errors import CamgeoError, GeometryError, VersionError
+from camgeo.lazy import Ledger
 from camgeo.sweep import cluster, engine
 from camgeo.sweep.cluster import Cluster
 from camgeo.sweep.engine import Chunks, Loop
@@ -147,15 +148,16 @@ class Deadly(Work):
 
     mark: str = ""
 
-    def row(self, point: Point, ledger: object = None) -> Row:
-        if point[0] == 47:
-            os.kill(os.getpid(), signal.SIGKILL)
-        if point[0] == 50:
-            with suppress(FileExistsError), Path(self.mark).open("x") as file:
-                file.write(str(os.getpid()))
-                file.flush()
-                time.sleep(60)
-        return super().row(point)
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+        for point in points:
+            if point[0] == 47:
+                os.kill(os.getpid(), signal.SIGKILL)
+            if point[0] == 50:
+                with suppress(FileExistsError), Path(self.mark).open("x") as file:
+                    file.write(str(os.getpid()))
+                    file.flush()
+                    time.sleep(60)
+        return super().rows(points, ledger)
 
 
 def deadly(plain: Work, mark: Path) -> Deadly:

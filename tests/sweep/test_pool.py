@@ -10,6 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from multiprocessing.context import SpawnProcess
@@ -18,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.lazy import Ledger
 from camgeo.sweep.engine import ENGINES, Loop, engine_of
 from camgeo.sweep.family import Point
 from camgeo.sweep.pool import DEADLY, THREADS, Pool
@@ -46,13 +48,13 @@ class Deadly(Work):
 
     mark: str = ""
 
-    def row(self, point: Point, ledger: object = None) -> Row:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
         mark = Path(self.mark)
         first = not mark.exists()
-        if point[0] == 47 or (point[0] == 50 and first):
+        if any(point[0] == 47 or (point[0] == 50 and first) for point in points):
             mark.touch()
             os.kill(os.getpid(), signal.SIGKILL)
-        return super().row(point)
+        return super().rows(points, ledger)
 
 
 def starting_as_another_dies(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,10 +98,11 @@ def test_the_rows_of_the_loop_whatever_dies(
 class Telling(Work):
     """Work whose rows tell how the process is set up."""
 
-    def row(self, point: Point, ledger: object = None) -> Row:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
         threads = ",".join(os.environ.get(name, "") for name in THREADS)
         ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-        return Row(point, (threads, str(ignored), float(os.getpid())), ("", "", ""))
+        told = threads, str(ignored), float(os.getpid())
+        return [Row(point, told, ("", "", "")) for point in points]
 
 
 def test_a_worker_has_one_thread_and_leaves_ctrl_c_to_the_driver() -> None:

@@ -1,0 +1,195 @@
+"""Designs that are answered at once: each has the bits that it has alone, whatever its mates."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.design import Design
+from camgeo.errors import GeometryError
+from camgeo.lazy import Ledger
+from camgeo.mechanism.declared.registry import FOLLOWERS
+from camgeo.mechanism.follower import RelativeJet
+from camgeo.mechanism.several import alike, several
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import load_scene
+from camgeo.scene.scene import Scene
+from camgeo.sweep.asked import asked_of
+from camgeo.sweep.family import Family, Point
+from camgeo.sweep.reading import TOGETHER, Reading, alike_designs, read, read_each
+from camgeo.sweep.rows import Row, Work, rows_of
+from tests.long_form import some
+from tests.strategies import attack
+from tests.sweep.families import FIXTURES, family
+from tests.sweep.test_rows import work_on
+
+TEMPLATES: Final = Path(camgeo.__file__).parent / "scene" / "templates"
+
+ASKED: Final = ("transmission-angle", "min:mu", "peak:kappa")
+
+BY_CURVE: Final = {True: ("max:outer-x", "min:pitch-y"), False: ("max:contact-x", "peak:on-face")}
+"""Columns that only some followers have, by whether they have a pitch curve."""
+
+STEPS: Final = (1.0, 1.0005, 1.003, 0.9996, 1.001)
+"""Small enough for every scene; large enough for other roots, and as many steps to them."""
+
+
+def numbers_of(scene: Scene) -> list[str]:
+    """Keys of the numbers in [follower]."""
+    found = []
+    for key, value in scene.values["follower"].items():
+        if key == "pivot":
+            found += ["follower.pivot[1]", "follower.pivot[2]"]
+        elif isinstance(value, int | Decimal) and key != "side_clearance":  # of the groove
+            found.append(f"follower.{key}")
+    return found
+
+
+CONTACTS: Final = "follower.contact=inner,outer"
+
+SCENES: Final = {path.stem: load_scene(path) for path in sorted(TEMPLATES.glob("*.toml"))}
+
+VARIED: Final = [(name, key) for name, scene in SCENES.items() for key in numbers_of(scene)]
+
+
+def varied(scene: Scene, *keys: str) -> list[Design]:
+    """Designs with other numbers at all `keys`, as far as the scene admits them."""
+    found = []
+    for step in STEPS:
+        edits = {}
+        for key in keys:
+            name, _, place = key.removeprefix("follower.").partition("[")
+            value = scene.values["follower"][name]
+            value = value[int(place.removesuffix("]")) - 1] if place else value
+            edits[key] = float(value) * step
+        found.append(Design(scene.with_values(edits)))
+    return found
+
+
+def check_alike(scene: Scene, *keys: str) -> None:
+    """All are answered at once, nothing falls back, and with the bits of each alone."""
+    first = Design(scene)
+    own: tuple[str, ...] = BY_CURVE[first.cam.follower.has_pitch_curve]
+    if "follower.roller_radius" in keys:
+        own = own[1:]  # parallels at several distances are not one curve
+    for asked in asked_of(first, (*ASKED, *own)):
+        designs = varied(scene, *keys)
+        assert len({alike_designs(design) for design in designs}) == 1
+        together = TOGETHER[asked.group](designs, asked)
+        alone = [read(design, asked) for design in varied(scene, *keys)]
+        assert repr(together) == repr(alone), (asked.word, keys)
+        assert all(reading.value is not None for reading in alone)
+
+
+def test_every_follower_has_a_scene() -> None:
+    assert {scene.values["follower"]["kind"] for scene in SCENES.values()} == set(FOLLOWERS)
+
+
+@pytest.mark.parametrize(("name", "key"), some(VARIED, of=6))
+def test_one_number_of_the_follower(name: str, key: str) -> None:
+    check_alike(SCENES[name], key)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_all_numbers_of_the_follower(name: str) -> None:
+    check_alike(SCENES[name], *numbers_of(SCENES[name]))
+
+
+@cache
+def mixed() -> tuple[Work, dict[Point, Row]]:
+    """Designs of two contacts, some of them impossible: work, and rows alone."""
+    found = family("follower.base_radius=-1,1.2,44,50,50.199,53.7,61,130", CONTACTS)
+    work = work_on(found, "transmission-angle", "peak:kappa", "peak:a", "linkage-back-angle")
+    alone = {point: work.row(point) for point in found.points()}
+    assert {row.failed for row in alone.values()} == {True, False}
+    return work, alone
+
+
+@attack
+@given(st.data())
+def test_mates_do_not_matter(data: st.DataObject) -> None:
+    """Any designs in any order, again and again, among them such as have no answer."""
+    work, alone = mixed()
+    points = data.draw(st.lists(st.sampled_from([*alone]), min_size=2, max_size=20))
+    assert repr(rows_of(work, points)) == repr(tuple(alone[point] for point in points))
+
+
+def test_a_design_without_an_answer_leaves_the_others_theirs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    speed = PitchCurve.speed
+
+    def standing(curve: PitchCurve, relative: RelativeJet) -> FloatArray:
+        if np.any(np.equal(curve.follower.base_radius, 52.0)):
+            raise GeometryError("the roller centre stands still")
+        return speed(curve, relative)
+
+    found = family("follower.base_radius=50:54:5")
+    (asked,) = asked_of(Design(found.scene), ["min:mu"])
+    points = list(found.points())
+    whole = [read(Design(found.scene_of(point)), asked) for point in points]
+    monkeypatch.setattr(PitchCurve, "speed", standing)
+    together = read_each([Design(found.scene_of(point)) for point in points], asked)
+    assert together[2] == Reading(None, "", "the roller centre stands still")
+    assert together[:2] + together[3:] == whole[:2] + whole[3:]
+
+
+def test_designs_that_are_not_alike() -> None:
+    """Whatever decides between formulas, or belongs to the drive, separates them."""
+    lever, linked = SCENES["oscillating-roller"], family().scene
+    for base, edits in (
+        (lever, {"follower.direction": "inward"}),
+        (lever, {"follower.arm_side": "cw"}),
+        (lever, {"cam.rotation": "ccw"}),
+        (lever, {"cam.speed": 91}),
+        (lever, {"motion[2].to": 11}),
+        (linked, {"linkage.coupler": 123}),
+    ):
+        other = base.with_values(edits)
+        assert alike_designs(Design(other)) != alike_designs(Design(base)), edits
+    same = linked.with_values({"follower.arm": 61.3, "limits.transmission_angle": 40})
+    assert alike_designs(Design(same)) == alike_designs(Design(linked))
+
+
+def test_many_compute_what_is_asked_and_nothing_else() -> None:
+    found = family("follower.base_radius=45:60:5")
+    for ask, names in {
+        "transmission-angle": {"motion", "pitch_curve"},
+        "peak:a": {"time_course", "motion", "smooth_angles"},
+        "min:mu": {"time_course", "motion", "smooth_angles", "pitch_curve"},
+        "largest-acceleration": {"time_course"},
+    }.items():
+        ledger = Ledger()
+        work = Work.of(found, asked_of(Design(found.scene), [ask]))
+        work.rows([*found.points()], ledger)
+        assert {run.name for run in ledger.runs} <= names
+
+
+def test_zeros_of_both_signs_are_different_numbers() -> None:
+    """A column is one number only if all its bits are the same."""
+    guided = Design(load_scene(FIXTURES / "scenes" / "knife_edge.toml")).cam.follower
+    signs = [type(guided)(50.0, 0.0, offset) for offset in (0.0, -0.0)]  # type: ignore[call-arg]  # a translating roller
+    assert alike(signs[0]) == alike(signs[1])
+    one = several(signs, np.array([1, 0, 1]))
+    assert [math.copysign(1.0, each) for each in np.atleast_1d(one.offset)] == [-1.0, 1.0, -1.0]
+
+
+def test_families_of_any_size() -> None:
+    """More designs than are computed at once."""
+    found: Family = family("follower.base_radius=45:60:67")
+    work = work_on(found, "transmission-angle")
+    points = list(found.points())
+    rows = rows_of(work, points)
+    assert [row.point for row in rows] == points
+    for place in (0, 63, 64, 66):
+        assert rows[place] == work.row(points[place])
