@@ -52,6 +52,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("design",),
     ("sweep",),
     ("optimise",),
+    ("tolerancing",),
     ("stability",),
     ("accuracy",),
     ("figure",),

@@ -64,6 +64,7 @@ COMMANDS = (
     "compare",
     "sweep",
     "optimise",
+    "tolerance",
     "explain",
     "stability",
 )

@@ -35,6 +35,7 @@ REPORTED_ONLY: Final = (
     ("part", "density"),
     ("sweep",),
     ("optimise",),
+    ("tolerance",),
 )
 """Tables and keys that affect only what is computed and reported, not drawings, programs or bodies.
 

@@ -21,6 +21,7 @@ from camgeo.scene.part_rules import (
 )
 from camgeo.scene.print_rules import print_suits_the_part
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
+from camgeo.scene.tolerance_rules import tolerances_are_stated_once
 from camgeo.scene.valid_values import Broken, ValidValues
 
 TURN: Final = Decimal(360)
@@ -370,6 +371,7 @@ RULES: Final[tuple[Rule, ...]] = (
     part_is_possible,
     print_suits_the_part,
     families_vary,
+    tolerances_are_stated_once,
     chamfers_have_edges,
     a_mass_is_known,
     tolerance_is_possible,

@@ -33,6 +33,7 @@ NAMES = (
     "new", "check", "build", "verify", "lint", "table", "plot", "setup", "replay", "accuracy",
     "laws", "explain", "stability", "slotted-lever", "import", "size",
     "machines", "probe", "inspect", "watch", "report", "design", "sweep", "compare", "optimise",
+    "tolerance",
 )  # fmt: skip
 
 Capture = pytest.CaptureFixture[str]

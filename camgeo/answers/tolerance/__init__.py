@@ -1,0 +1,160 @@
+"""What `camgeo tolerance` finds: how far the position errs, and which dimension is to blame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from camgeo.answers.answer import BROKEN, FINE, Answer
+from camgeo.design import Design
+from camgeo.numeric.extremes import Extreme
+from camgeo.outline.path import Flank
+from camgeo.scene.scene import Scene
+from camgeo.tolerancing.linear import Contribution, Linear
+from camgeo.tolerancing.stated import stated_of
+from camgeo.units import MM_PER
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """What one source does; errors in the unit of the position.
+
+    Attributes
+    ----------
+    name, sense : of the source, and what a positive deviation of it is.
+    limits, unit, distribution : of its own deviation.
+    sensitivity : of the largest magnitude, error per deviation; see `Contribution`.
+    sensitivity_unit : as "deg/mm".
+    spread, mean, remainder : see `Contribution`.
+    share, share_at_worst : of the variance, over the turn and where it is largest.
+    """
+
+    name: str
+    sense: str
+    limits: tuple[float, float]
+    unit: str
+    distribution: str
+    sensitivity: Extreme
+    sensitivity_unit: str
+    spread: Extreme
+    mean: Extreme
+    remainder: Extreme
+    share: float
+    share_at_worst: float
+
+
+@dataclass(frozen=True, eq=False)
+class ToleranceAnalysis(Answer):
+    """What the tolerances of a scene do to the position.
+
+    Attributes
+    ----------
+    scene : that states them.
+    linear : the analysis by sensitivities.
+    contributions : of the sources to it.
+    """
+
+    command: ClassVar[str] = "tolerance"
+
+    scene: Scene
+    linear: Linear
+    contributions: tuple[Contribution, ...]
+
+    @property
+    def of(self) -> str:
+        """Whose position it is: the follower's, or that of the far end of the linkage."""
+        return str(self.linear.stated.machine.cam.drive.demanded_of)
+
+    @property
+    def flank(self) -> Flank:
+        """That carries the follower."""
+        return self.linear.stated.machine.flank
+
+    @property
+    def unit(self) -> str:
+        """Of the position: that of the scene, or "deg"."""
+        return "deg" if self._turns else self.scene.unit
+
+    @property
+    def _turns(self) -> bool:
+        return self.linear.stated.machine.cam.drive.unit == "rad"
+
+    @property
+    def factor(self) -> float:
+        """`unit` per mm or rad."""
+        return self._own(is_angle=self._turns)
+
+    def _own(self, *, is_angle: bool) -> float:
+        """Units of the scene per rad or mm."""
+        return math.degrees(1.0) if is_angle else 1.0 / MM_PER[self.scene.unit]
+
+    @property
+    def limit(self) -> float | None:
+        """Of the error; None if none is stated."""
+        limit = self.linear.stated.limit
+        return None if limit is None else limit * self.factor
+
+    @property
+    def set_at(self) -> float | None:
+        """Cam angle [rad] at which the error is set to 0; None if it is not."""
+        return self.linear.stated.set_at
+
+    @property
+    def worst(self) -> Extreme:
+        """The largest error, of mean and three standard deviations."""
+        return self.scaled(self.linear.worst)
+
+    @property
+    def sources(self) -> tuple[Share, ...]:
+        """In the order of the scene."""
+        return tuple(self._share(each) for each in self.contributions)
+
+    def scaled(self, extreme: Extreme) -> Extreme:
+        """An error [mm or rad] in the unit of the position."""
+        return Extreme(extreme.value * self.factor, extreme.place)
+
+    def _share(self, found: Contribution) -> Share:
+        source = found.source
+        own = self._own(is_angle=source.is_angle)
+        unit = "deg" if source.is_angle else self.scene.unit
+        low, high = source.limits
+        per = Extreme(found.sensitivity.value * self.factor / own, found.sensitivity.place)
+        return Share(
+            name=source.name,
+            sense=source.sense,
+            limits=(low * own, high * own),
+            unit=unit,
+            distribution=source.shape,
+            sensitivity=per,
+            sensitivity_unit=f"{self.unit}/{unit}",
+            spread=self.scaled(found.spread),
+            mean=self.scaled(found.mean),
+            remainder=self.scaled(found.remainder),
+            share=found.share,
+            share_at_worst=found.share_at_worst,
+        )
+
+    @property
+    def within(self) -> bool | None:
+        """Whether mean and three standard deviations keep the limit; None if there is none."""
+        return None if self.limit is None else abs(self.worst.value) <= self.limit
+
+    @property
+    def exit_code(self) -> int:
+        """1 if they do not."""
+        return BROKEN if self.within is False else FINE
+
+
+def tolerance(design: Design) -> ToleranceAnalysis:
+    """What the tolerances that a design's scene states do to the position.
+
+    Raises
+    ------
+    SceneError
+        If it states none, or tolerances of what the machine does not have.
+    GeometryError
+        If its kind of machine, or its flank, cannot be analysed.
+    """
+    linear = Linear(stated_of(design))
+    return ToleranceAnalysis(design.scene, linear, linear.contributions)

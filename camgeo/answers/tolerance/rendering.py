@@ -1,0 +1,89 @@
+"""What `camgeo tolerance` finds, in words, as a table and as a picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.answers.sweep.rendering import aligned
+from camgeo.answers.tolerance import Share, ToleranceAnalysis
+from camgeo.numeric.extremes import Extreme
+from camgeo.product.value_table import Table
+from camgeo.tolerancing.distribution import SIGMAS
+from camgeo.wording import at_cam_angles, cam_angle, counted, small
+
+if TYPE_CHECKING:
+    from camgeo.figure.model import Figure
+
+NOTE: Final = (
+    "share of the variance, over the turn and where it is largest;\n"
+    "not linear: by how much the exact motion with 3 sigma of the source is off the linear one"
+)
+
+
+def text(answer: ToleranceAnalysis) -> str:
+    """The largest error, and a line for each source."""
+    sources = counted(len(answer.sources), "source")
+    lines = [
+        f"{answer.scene.name}: position of the {answer.of} on the {answer.flank} flank, {sources}",
+        f"largest error, mean and 3 sigma: {_at(answer.worst, answer.unit)}{_verdict(answer)}",
+    ]
+    if answer.set_at is not None:
+        lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
+    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "at", "share", "worst",
+             "not linear"]]  # fmt: skip
+    rows += [_row(each) for each in answer.sources]
+    lines += ["", *aligned(rows), ""]
+    lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
+    lines += [f"{each.name}: {each.sense}" for each in answer.sources]
+    return "\n".join(lines)
+
+
+def _verdict(answer: ToleranceAnalysis) -> str:
+    if answer.limit is None:
+        return ""
+    kept = "kept" if answer.within else "BROKEN"
+    return f"; limit {small(answer.limit, answer.unit)}: {kept}"
+
+
+def _at(extreme: Extreme, unit: str) -> str:
+    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"
+
+
+def _row(each: Share) -> list[str]:
+    low, high = each.limits
+    return [
+        each.name,
+        f"{low:+.4g} to {high:+.4g} {each.unit}",
+        small(each.sensitivity.value, each.sensitivity_unit, signed=True),
+        cam_angle(each.sensitivity.place),
+        f"{each.mean.value:+.3g}",
+        f"{each.spread.value:.3g}",
+        cam_angle(each.spread.place),
+        f"{100.0 * each.share:.1f} %",
+        f"{100.0 * each.share_at_worst:.1f} %",
+        f"{each.remainder.value:.1g}",
+    ]
+
+
+def table(answer: ToleranceAnalysis) -> Table:
+    """A row for each degree of the cam angle: mean, band, and what each source does."""
+    linear, factor, unit = answer.linear, answer.factor, answer.unit
+    low, high = linear.band
+    columns = {
+        "phi [deg]": np.degrees(linear.angles),
+        f"mean [{unit}]": linear.mean * factor,
+        f"mean - 3 sigma [{unit}]": low * factor,
+        f"mean + 3 sigma [{unit}]": high * factor,
+    }
+    for source, variance in zip(linear.stated.sources, linear.variances, strict=True):
+        columns[f"3 sigma of {source.name} [{unit}]"] = SIGMAS * np.sqrt(variance) * factor
+    return Table(tuple(columns), np.column_stack(list(columns.values())))
+
+
+def figure(answer: ToleranceAnalysis) -> Figure:
+    """The band of errors, and the variance by source, over the cam angle."""
+    from camgeo.figure.tolerance import of_analysis
+
+    return of_analysis(answer.linear, answer.scene.name, answer.unit, answer.factor)

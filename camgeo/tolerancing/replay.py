@@ -1,0 +1,270 @@
+"""The motion of machines that deviate, on the flank that their cam was made with.
+
+At each cam angle two equations are solved by Newton's method, for the parameter u of the place on
+the flank and the lift q: the centre of a roller lies on the curve of `FlankCurve`, R(u) = W(q); a
+flat face, a line through W(q) with the normal n(q), touches it,
+
+    n . (R(u) - W(q)) = 0, n . R'(u) = 0.
+
+Velocity and acceleration follow by differentiating these along the cam angle.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.face import FlatFollower
+from camgeo.mechanism.families import WithRoller
+from camgeo.mechanism.follower import Follower
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
+from camgeo.tolerancing.flank_curve import FlankCurve
+from camgeo.tolerancing.freedoms import Deviations, Way
+from camgeo.tolerancing.pose import Pose
+from camgeo.tolerancing.sensitivity import Sensitivities
+
+STEPS: Final = 20
+"""Of Newton's method, which needs three or four."""
+
+SETTLED: Final = 1e-13
+"""Last step of the lift, relative to the base radius or to 1 rad; what remains is its square."""
+
+FARTHEST: Final = 0.5
+"""How far [rad] the contact may move along the flank: beyond, it is another one."""
+
+BLOCK: Final = 16384
+"""Machines times cam angles that are computed together."""
+
+LOST: Final = (
+    "a machine within the tolerances has no contact near the nominal one, at cam angle {:.6g} deg:"
+    " the tolerances are too large, or a flat face touches a flank that waves make hollow"
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """The cam at cam angles: R and its derivatives along the flank, and with the cam angle.
+
+    Attributes
+    ----------
+    place, along, bend : (m, n) R, dR/du and d^2R/du^2 [mm].
+    spin : i sigma, with which the cam turns.
+    axis : (m, 1) the cam axis [mm].
+    """
+
+    place: ComplexArray
+    along: ComplexArray
+    bend: ComplexArray
+    spin: complex
+    axis: ComplexArray
+
+    @property
+    def sweep(self) -> ComplexArray:
+        """(m, n) dR/dphi [mm/rad]."""
+        return self.spin * (self.place - self.axis)
+
+
+class Touching(ABC):
+    """How a follower touches the curve.
+
+    Attributes
+    ----------
+    pose : of the roller centre, or of a point on the face.
+    normal : (1, 1) or (m, 1) of a flat face at lift 0, away from the cam axis.
+    """
+
+    def __init__(self, pose: Pose, normal: ComplexArray) -> None:
+        self.pose = pose
+        self.normal = normal
+
+    @abstractmethod
+    def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Newton's steps of u and q (m, n)."""
+
+    @abstractmethod
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(m, n) velocity and acceleration of the lift, per unit of the cam angle."""
+
+    @abstractmethod
+    def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distance [mm] from the origin, as of the base radius, and its rate with the lift."""
+
+
+class Rolling(Touching):
+    """A roller's centre lies on the curve."""
+
+    def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        place = self.pose.at(q)
+        speed = self.pose.velocity(place)
+        apart = cam.place - place
+        normal, pace = _normal(cam.along)
+        dq = dot(normal, apart) / dot(normal, speed)
+        du = dot(cam.along, dq * speed - apart) / (pace * pace)
+        return du, dq
+
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        place = self.pose.at(q)
+        speed, swerve = self.pose.velocity(place), self.pose.acceleration(place)
+        normal, pace = _normal(cam.along)
+        steep = dot(normal, speed)
+        first = dot(normal, cam.sweep) / steep
+        du = dot(cam.along, first * speed - cam.sweep) / (pace * pace)
+        rest = -(cam.place - cam.axis) + 2.0 * cam.spin * cam.along * du + cam.bend * du * du
+        return first, dot(normal, rest - swerve * first * first) / steep
+
+    def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        place = self.pose.at(q)
+        size = np.abs(place)
+        return size, dot(place, self.pose.velocity(place)) / size
+
+
+class Flat(Touching):
+    """A flat face is tangent to the curve."""
+
+    def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        normal = self.normal * self.pose.turned(q)
+        turning = 1j * self.pose.spin * normal
+        apart = dot(normal, cam.place - self.pose.at(q))
+        closing = -dot(normal, self.pose.velocity(cam.place))
+        slope, tilt = dot(normal, cam.along), dot(turning, cam.along)
+        bend = dot(normal, cam.bend)
+        det = slope * tilt - closing * bend
+        du = (closing * slope - tilt * apart) / det
+        dq = (bend * apart - slope * slope) / det
+        return du, dq
+
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        normal = self.normal * self.pose.turned(q)
+        turning = 1j * self.pose.spin * normal
+        closing = -dot(normal, self.pose.velocity(cam.place))
+        first = -dot(normal, cam.sweep) / closing
+        tilt = dot(turning, cam.along)
+        swept = dot(normal, cam.spin * cam.along)
+        du = -(swept + tilt * first) / dot(normal, cam.bend)
+        pull = dot(turning, self.pose.velocity(cam.place))
+        second = -dot(normal, cam.place - cam.axis) + swept * du
+        second += 2.0 * dot(turning, cam.sweep) * first + tilt * du * first - pull * first * first
+        return first, -second / closing
+
+    def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `Touching`."""
+        normal = self.normal * self.pose.turned(q)
+        place = self.pose.at(q)
+        rate = dot(normal, self.pose.velocity(place))
+        return dot(normal, place), rate + dot(1j * self.pose.spin * normal, place)
+
+
+@singledispatch
+def touching(follower: Follower, pose: Pose, deviations: Deviations) -> Touching:
+    """How the followers (m, ...) of machines touch the cam; `pose` is that of the nominal one."""
+    del pose, deviations  # used by the registered ones
+    message = f'of the kind "{follower.kind}" is not known to the analysis of tolerances'
+    raise GeometryError(message, key="follower.kind")
+
+
+@touching.register
+def _(_: WithRoller, pose: Pose, deviations: Deviations) -> Touching:
+    return Rolling(_placed(pose, deviations), np.ones((1, 1), complex))
+
+
+@touching.register
+def _(follower: FlatFollower, pose: Pose, deviations: Deviations) -> Touching:
+    normal = follower.normal(np.zeros(1))[np.newaxis]
+    turn = np.exp(1j * deviations.real(Way.TILT))
+    return Flat(_placed(pose, deviations), normal * turn)
+
+
+def _placed(pose: Pose, deviations: Deviations) -> Pose:
+    held = pose.moved(deviations.of(Way.PIVOT), whole=True).moved(deviations.of(Way.BODY))
+    return held.rotated(np.exp(1j * deviations.real(Way.TILT)))
+
+
+def replayed(nominal: Sensitivities, deviations: Deviations) -> FloatArray:
+    """(3, m, n) position of m machines at n cam angles [mm or rad], and two derivatives per rad.
+
+    Of the far end of a linkage, or of the follower if there is none.
+
+    Raises
+    ------
+    GeometryError
+        If a machine has no contact near the nominal one, undercuts, or its linkage does not close.
+    """
+    size = max(1, BLOCK // len(nominal.phi))
+    parts = []
+    for first in range(0, deviations.count, size):
+        some = {key: each[first : first + size] for key, each in deviations.values.items()}
+        count = min(size, deviations.count - first)
+        parts.append(_block(nominal, Deviations(count, some)))
+    return np.concatenate(parts, axis=1)
+
+
+def _block(nominal: Sensitivities, deviations: Deviations) -> FloatArray:
+    machine = nominal.machine
+    follower = machine.cam.follower
+    found = touching(follower, machine.pose, deviations)
+    lifts = _follower(nominal, deviations, found)
+    lifts[0] -= _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
+    if nominal.far_end is None:
+        return lifts
+    start = np.broadcast_to(nominal.positions[0], lifts[0].shape)
+    return nominal.far_end.deviating(deviations).follow(lifts, start)
+
+
+def _follower(nominal: Sensitivities, deviations: Deviations, found: Touching) -> FloatArray:
+    """(3, m, n) lift and two derivatives, counted from the nominal zero."""
+    machine, phi = nominal.machine, nominal.phi
+    disc = machine.cam.disc
+    curve = FlankCurve(disc.pitch_curve, deviations)
+    spin = 1j * disc.rotation
+    turn = np.exp(spin * (phi + deviations.real(Way.TIMING)))
+    seat, axis = deviations.of(Way.SEAT), deviations.of(Way.SHAFT)
+    shape = (deviations.count, len(phi))
+    u = np.broadcast_to(phi, shape) + deviations.real(Way.TIMING)
+    q = np.broadcast_to(nominal.lifts[0], shape).copy()
+    scale = SETTLED * machine.cam.follower.lift_scale
+    last = np.inf
+    for _ in range(STEPS):
+        point, along, bend = curve.at(u)
+        cam = Placed(axis + turn * (point + seat), turn * along, turn * bend, spin, axis)
+        if last <= scale:
+            return np.stack((q, *found.rates(cam, q)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            du, dq = found.step(cam, q)
+        u, q = u + du, q + dq
+        lost = ~(np.abs(u - phi) < FARTHEST)
+        if np.any(lost):
+            break
+        last = max(float(np.max(np.abs(dq))), float(np.max(np.abs(du))) ** 2)
+    place = float(np.degrees(phi[int(np.argmax(np.any(lost, axis=0)))]))
+    raise GeometryError(LOST.format(place))
+
+
+def _setting(nominal: Touching, deviations: Deviations, follower: Follower) -> FloatArray:
+    """(m, 1) lifts of the nominal follower at which the radii are the deviating base radii."""
+    aimed = follower.base_radius + deviations.real(Way.SETTING)
+    q = np.zeros_like(aimed)
+    if not np.any(deviations.real(Way.SETTING)):
+        return q
+    for _ in range(STEPS):
+        radius, rate = nominal.radius(q)
+        step = (aimed - radius) / rate
+        q = q + step
+        if np.all(np.abs(step) <= SETTLED * follower.lift_scale):
+            return q
+    raise GeometryError("no machine has such a base radius", key="follower.base_radius")
+
+
+def _normal(along: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Unit normals of a curve, to either side, and its pace."""
+    pace = np.abs(along)
+    return 1j * along / pace, pace

@@ -1,0 +1,182 @@
+"""The tolerances that a scene states in `[tolerance]`, with its units converted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from camgeo.design import Design
+from camgeo.errors import Fault, GeometryError, SceneError, meant
+from camgeo.outline.path import Flank
+from camgeo.scene.scene import Scene
+from camgeo.scene.tolerance_rules import TOLERANCE
+from camgeo.tolerancing.dimensions import Dimension, dimensions_of
+from camgeo.tolerancing.distribution import Distribution, Shape
+from camgeo.tolerancing.iso286 import is_hole, limits_of
+from camgeo.tolerancing.machine import Machine
+from camgeo.tolerancing.sources import (
+    Fit,
+    FormError,
+    LooseClearance,
+    PressedClearance,
+    Source,
+    ToleratedDimension,
+)
+from camgeo.units import MM_PER
+from camgeo.wording import listed
+
+Table = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What a scene states.
+
+    Attributes
+    ----------
+    machine : the nominal one.
+    sources : of deviations, in the order of the scene.
+    limit : largest error of the position that is allowed [mm or rad]; None if there is none.
+    set_at : cam angle [rad] at which the error is set to 0; None if it is not.
+    """
+
+    machine: Machine
+    sources: tuple[Source, ...]
+    limit: float | None
+    set_at: float | None
+
+
+def stated_of(design: Design) -> Stated:
+    """The tolerances of a design's scene.
+
+    Raises
+    ------
+    SceneError
+        If it states none, a key that is no dimension of the machine, with the nearest one, an
+        unknown tolerance class, or a fit without clearance.
+    GeometryError
+        If its kind of machine, or its flank, cannot be analysed.
+    """
+    scene = design.scene
+    table: Table | None = scene.values.get(TOLERANCE)
+    if table is None:
+        message = "is missing: it states the tolerances, see docs/tolerance.md"
+        raise _refused(scene, TOLERANCE, "", message)
+    if len(design.cams) > 1:
+        raise GeometryError(
+            "the two rollers of a conjugate pair are squeezed or have play where dimensions"
+            " deviate, so that no single flank says where the follower is: tolerances are analysed"
+            " for plate cams with one follower, and for one flank of a groove",
+            "follower.return",
+        )
+    machine = Machine(design.cam, Flank(table.get("flank", design.cam.contact.main)))
+    machine.require_whole()
+    sources = (*_dimensions(scene, machine, table), *_fits(scene, machine, table),
+               *_forms(scene, table))  # fmt: skip
+    limit, set_at = table.get("limit"), table.get("set_at")
+    per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
+    return Stated(
+        machine,
+        sources,
+        None if limit is None else float(limit) * per,
+        None if set_at is None else math.radians(set_at),
+    )
+
+
+def _refused(scene: Scene, key: str, value: str, message: str, hint: str = "") -> SceneError:
+    return SceneError([Fault(key, value, message, hint)], scene.source.file)
+
+
+def _dimensions(scene: Scene, machine: Machine, table: Table) -> Iterator[Source]:
+    known = dimensions_of(machine)
+    for index, each in enumerate(table.get("dimension", ())):
+        key, place = each["key"], f"{TOLERANCE}.dimension[{index + 1}]"
+        if key not in known:
+            kind = machine.cam.follower.kind
+            message = f"is no dimension of this {kind} machine; it has {listed(sorted(known))}"
+            raise _refused(scene, f"{place}.key", key, message, meant(key, known))
+        dimension = known[key]
+        distribution = _distribution(scene, place, each, dimension)
+        yield ToleratedDimension(
+            key, dimension.sense, dimension.unit, distribution, dimension.is_angle
+        )
+
+
+def _distribution(scene: Scene, place: str, table: Table, dimension: Dimension) -> Distribution:
+    mm = MM_PER[scene.unit]
+    per = math.radians(1.0) if dimension.is_angle else mm
+    if "class" in table:
+        if dimension.size is None:
+            message = "belongs to lengths: this dimension takes plus_minus or limits"
+            raise _refused(scene, f"{place}.class", table["class"], message)
+        low, high = (
+            each * dimension.per_size
+            for each in _class(scene, f"{place}.class", table["class"], dimension.size)
+        )
+    elif "limits" in table:
+        low, high = (float(each) * per for each in table["limits"])
+    else:
+        high = float(table["plus_minus"]) * per
+        low = -high
+    shape: Shape = table.get("distribution", "normal")
+    sigma = table.get("sigma")
+    return Distribution(low, high, shape, None if sigma is None else float(sigma) * per)
+
+
+def _class(scene: Scene, key: str, name: str, size: float) -> tuple[float, float]:
+    try:
+        return limits_of(name, size)
+    except GeometryError as error:
+        raise _refused(scene, key, name, error.message) from error
+
+
+def _fits(scene: Scene, machine: Machine, table: Table) -> Iterator[Source]:
+    for index, each in enumerate(table.get("clearance", ())):
+        place = f"{TOLERANCE}.clearance[{index + 1}]"
+        size = _size(scene, place, each)
+        limits = {}
+        for key, hole in (("hole", True), ("shaft", False)):
+            if is_hole(each[key]) is not hole:
+                letters = "a capital letter" if hole else "a small letter"
+                raise _refused(scene, f"{place}.{key}", each[key], f"must begin with {letters}")
+            limits[key] = _class(scene, f"{place}.{key}", each[key], size)
+        if limits["hole"][0] < limits["shaft"][1]:
+            over = 1000.0 * (limits["shaft"][1] - limits["hole"][0])
+            message = (
+                f"is no fit with clearance: {each['hole']}/{each['shaft']} may interfere by"
+                f" {over:.4g} micrometres; leave it out, or state a looser fit"
+            )
+            raise _refused(scene, place, "", message)
+        yield _clearance(place, each, machine, limits)
+
+
+def _size(scene: Scene, place: str, table: Table) -> float:
+    """The nominal diameter [mm]."""
+    if "size" in table:
+        return float(table["size"]) * MM_PER[scene.unit]
+    if scene.part is None or scene.part.bore is None:
+        message = "is missing: the scene has no part.bore, whose diameter is the default"
+        raise _refused(scene, f"{place}.size", "", message)
+    return scene.part.bore
+
+
+def _clearance(
+    place: str, table: Table, machine: Machine, limits: Mapping[str, tuple[float, float]]
+) -> Source:
+    shape: Shape = table.get("distribution", "normal")
+    fit = Fit(*(Distribution(*limits[key], shape) for key in ("hole", "shaft")))
+    name = f"{place.removeprefix(f'{TOLERANCE}.')} {table['hole']}/{table['shaft']}"
+    at_cam = table["at"] == "cam"
+    if at_cam and table.get("shifted", "anywhere") == "anywhere":
+        return LooseClearance(name, "the cam lies anywhere in its clearance", fit)
+    what = "cam" if at_cam else "roller"
+    return PressedClearance(name, f"the load pushes the {what} back", fit, machine.flank.sign)
+
+
+def _forms(scene: Scene, table: Table) -> Iterator[Source]:
+    for index, each in enumerate(table.get("form", ())):
+        height = float(each["plus_minus"]) * MM_PER[scene.unit]
+        waves = int(each["waves"])
+        yield FormError(f"form[{index + 1}]", f"{waves} waves on the flank", height, waves)

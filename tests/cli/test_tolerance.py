@@ -1,0 +1,97 @@
+"""`camgeo tolerance`: files, messages, wrong input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camgeo.cli.main import main
+from tests.tolerancing.machines import FIXTURES, LEVER
+
+Capture = pytest.CaptureFixture[str]
+
+
+def test_table_and_picture_are_the_same_bytes_again(tmp_path: Path, capsys: Capture) -> None:
+    for name in ("errors.csv", "errors.svg"):
+        files = [tmp_path / each / name for each in ("one", "two")]
+        for file in files:
+            file.parent.mkdir(exist_ok=True)
+            assert main(["tolerance", str(LEVER), "-o", str(file)]) == 0
+        assert files[0].read_bytes() == files[1].read_bytes()
+    out, err = capsys.readouterr()
+    assert out.startswith("lever: position of the follower on the inner flank, 7 sources\n")
+    assert "errors.csv: 360 rows" in err
+
+
+def replaced(tmp_path: Path, old: str, new: str) -> str:
+    path = tmp_path / "other.toml"
+    text = LEVER.read_text("utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), "utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            '"follower.arm"', '"follower.am"',
+            "follower.am: is no dimension of this oscillating-roller machine; it has follower.arm,",
+        ),
+        ('"follower.arm"', '"follower.am"', "(did you mean follower.arm?)"),
+        ('"follower.arm"', '"linkage.crank"', "is no dimension of this oscillating-roller machine"),
+        ('class = "h6"', 'class = "h4"', 'grade from IT5 to IT11, e.g. "H7"'),
+        ('class = "h6"', 'clas = "h6"', "did you mean class?"),
+        ('class = "h6"', "", 'must have one of "plus_minus", "limits" and "class"'),
+        ('"mounting.angle"\nplus_minus = 0.05', '"mounting.angle"\nclass = "h6"',
+         "belongs to lengths: this dimension takes plus_minus or limits"),
+        ("plus_minus = 0.03", "plus_minus = -0.03", "must be a number above 0 to 1000"),
+        ("plus_minus = 0.03", "limits = [0.02, 0.01]", "must end above where it begins"),
+        ('"follower.pivot[2]"', '"follower.pivot[1]"', "has a tolerance already"),
+        ('distribution = "uniform"', 'distribution = "gauss"', 'must be one of "normal"'),
+        ('distribution = "uniform"', 'distribution = "uniform"\nsigma = 0.01',
+         'belongs to distribution "normal"'),
+        ('shaft = "g6"', 'shaft = "n6"', "is no fit with clearance: H7/n6 may interfere by 28 mic"),
+        ('shaft = "g6"', 'shaft = "G6"', "must begin with a small letter"),
+        ('at = "cam"', 'at = "roller"', 'needs "size", the nominal diameter of the pin'),
+        ("waves = 12", "waves = 0", "must be a whole number from 1 to 1000"),
+        ("plus_minus = 0.01\nwaves = 12", "plus_minus = 5\nwaves = 60", "form[1]: "),
+    ],
+)  # fmt: skip
+def test_what_a_machine_does_not_have(
+    tmp_path: Path, capsys: Capture, old: str, new: str, said: str
+) -> None:
+    file = tmp_path / "errors.csv"
+    assert main(["tolerance", replaced(tmp_path, old, new), "-o", str(file)]) == 2
+    assert said in capsys.readouterr().err
+    assert not file.exists()
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        ("setzhub", "tolerance: is missing: it states the tolerances, see docs/tolerance.md"),
+        ("conjugate_lever", "the two rollers of a conjugate pair"),
+        ("constant_breadth", "a follower that two sides of a body hold"),
+        ("cut_lobe", "the inner flank of this translating-roller follower has corners"),
+    ],
+)
+def test_machines_that_are_not_analysed(
+    tmp_path: Path, capsys: Capture, scene: str, said: str
+) -> None:
+    path = tmp_path / "scene.toml"
+    text = (FIXTURES / "scenes" / f"{scene}.toml").read_text("utf-8")
+    if "is missing" not in said:
+        text += '\n[[tolerance.dimension]]\nkey = "mounting.x"\nplus_minus = 0.01\n'
+    path.write_text(text, "utf-8")
+    assert main(["tolerance", str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_flank_that_carries_nothing(tmp_path: Path, capsys: Capture) -> None:
+    scene = replaced(tmp_path, "limit = 0.06  # degrees", 'flank = "outer"')
+    assert main(["tolerance", scene]) == 2
+    assert 'tolerance.flank = outer: is not where the follower runs; must be "inner"' in (
+        capsys.readouterr().err
+    )

@@ -1,0 +1,70 @@
+"""Machines whose tolerances are analysed in tests."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgeo.design import Design
+from camgeo.outline.path import Flank
+from camgeo.scene.load import load_scene
+from camgeo.scene.scene import Scene
+from camgeo.tolerancing.freedoms import Deviations, Unit
+from camgeo.tolerancing.machine import Machine
+from camgeo.tolerancing.replay import replayed
+from camgeo.tolerancing.sensitivity import Sensitivities
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+LEVER = FIXTURES / "tolerance" / "lever.toml"
+
+ANGLES = np.radians(np.arange(0.37, 360.0, 6.0))
+"""Off the joints of the motions."""
+
+ROUND = 40.0
+"""Base radius [mm] of the round cams."""
+
+FOLLOWERS: dict[str, dict[str, Any]] = {
+    "translating-roller": {"roller_radius": 8, "offset": 6, "guide_angle": 70},
+    "oscillating-roller": {"roller_radius": 8, "pivot": [70, 20], "arm": 60, "arm_side": "cw"},
+    "translating-flat": {"guide_angle": 70},
+    "oscillating-flat": {"pivot": [-75, 10], "face_offset": 5, "arm_side": "cw"},
+}
+"""A follower of each kind."""
+
+
+def sensitivities(scene: Scene, phi: np.ndarray[Any, Any] = ANGLES) -> Sensitivities:
+    """Of a scene's machine, on its main flank."""
+    cam = Design(scene).cam
+    return Sensitivities(Machine(cam, Flank(cam.contact.main)), phi)
+
+
+def fixture(name: str) -> Sensitivities:
+    """The same of a scene in fixtures/scenes."""
+    return sensitivities(load_scene(FIXTURES / "scenes" / f"{name}.toml"))
+
+
+def round_cam(kind: str) -> Sensitivities:
+    """A round disc, whose follower of that kind rests all round."""
+    return sensitivities(
+        Scene({
+            "camgeo": 1,
+            "name": "round",
+            "cam": {"rotation": "cw"},
+            "follower": {"kind": kind, "base_radius": ROUND, **FOLLOWERS[kind]},
+            "motion": [{"dwell": 360}],
+        })
+    )  # fmt: skip
+
+
+def errors(nominal: Sensitivities, unit: Unit, *sizes: float) -> np.ndarray[Any, Any]:
+    """(machines, angles) of the position, of machines that deviate by `sizes` of a dimension."""
+    deviations = Deviations(len(sizes), {unit.freedom: np.array(sizes) * unit.factor})
+    return np.asarray(replayed(nominal, deviations)[0] - nominal.positions[0])
+
+
+def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:
+    """(angles,) a place on the cam, in the frame."""
+    return np.asarray(place * np.exp(1j * nominal.machine.cam.rotation * nominal.phi))

@@ -1,0 +1,104 @@
+"""A round disc on a bore that is off its middle, in closed form for each kind of follower.
+
+The disc is a circle of the radius R about C, which turns about the cam axis with C = E exp(i sigma
+phi). Elementary geometry gives the lift; nothing of camgeo computes here.
+"""
+
+from __future__ import annotations
+
+import cmath
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.mechanism.declared.registry import FOLLOWERS as KINDS
+from camgeo.tolerancing.dimensions import dimensions_of
+from camgeo.tolerancing.freedoms import Deviations, Freedom, Way
+from camgeo.tolerancing.replay import replayed
+from tests.tolerancing.machines import FOLLOWERS, ROUND, errors, round_cam, turned
+
+OFF = 1.5 - 0.8j
+"""E [mm]: large, so that nothing is nearly linear."""
+
+GROWN = 0.3
+"""By which a roller is too large [mm]."""
+
+Array = np.ndarray[Any, Any]
+
+
+def on_guide(follower: dict[str, Any], centre: Array, radius: float) -> Array:
+    """Height of a roller's centre on its guide."""
+    local = centre * cmath.exp(1j * np.radians(90 - follower["guide_angle"]))
+    return np.asarray(local.imag + np.sqrt(radius**2 - (follower["offset"] - local.real) ** 2))
+
+
+def on_arm(follower: dict[str, Any], centre: Array, radius: float) -> Array:
+    """Angle of an arm from its pivot, counter-clockwise, by the law of cosines."""
+    to_centre = centre - complex(*follower["pivot"])
+    arm, away = follower["arm"], np.abs(to_centre)
+    angle = np.arccos((arm**2 + away**2 - radius**2) / (2.0 * arm * away))
+    return np.asarray(np.angle(to_centre) - angle)
+
+
+def under_face(follower: dict[str, Any], centre: Array, radius: float) -> Array:
+    """Height of a face square to its guide."""
+    along = centre * cmath.exp(-1j * np.radians(follower["guide_angle"]))
+    return np.asarray(along.real + radius)
+
+
+def under_rocker(follower: dict[str, Any], centre: Array, radius: float) -> Array:
+    """Angle of a face that is tangent, `face_offset` beyond its pivot."""
+    to_centre = centre - complex(*follower["pivot"])
+    rest = np.arcsin((radius - follower["face_offset"]) / np.abs(to_centre))
+    return np.asarray(np.angle(to_centre) - rest)
+
+
+CLOSED = {
+    "translating-roller": (on_guide, 1),
+    "oscillating-roller": (on_arm, -1),
+    "translating-flat": (under_face, 1),
+    "oscillating-flat": (under_rocker, -1),
+}
+"""The position, and its sign in the lift: rockers with their arm clockwise swing so outward."""
+
+
+def test_there_is_a_closed_form_of_each_kind() -> None:
+    assert set(CLOSED) == set(FOLLOWERS) == set(KINDS)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_eccentric_bore(kind: str) -> None:
+    """The exact motion is the closed form to rounding, and the linear one to the square of E."""
+    nominal = round_cam(kind)
+    position, sign = CLOSED[kind]
+    follower = FOLLOWERS[kind]
+    rest = position(follower, np.zeros(1, complex), ROUND)
+    middle = turned(OFF, nominal)
+    grown = GROWN if "roller_radius" in follower else 0.0
+    values = {Freedom(Way.SEAT): np.array([OFF])}
+    if grown:
+        values[Freedom(Way.GROWTH)] = np.array([grown + 0j])
+    found = replayed(nominal, Deviations(1, values))[0, 0]
+    expected = sign * (position(follower, middle, ROUND + grown) - rest)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+
+    known = dimensions_of(nominal.machine)
+    linear = sum(
+        size * nominal.of(known[f"mounting.{axis}"].unit)
+        for axis, size in (("x", OFF.real), ("y", OFF.imag))
+    )
+
+    def left(scale: float) -> float:
+        exact = sign * (position(follower, scale * middle, ROUND) - rest)
+        return float(np.max(np.abs(exact - scale * linear)))
+
+    assert left(1e-2) <= 1.1e-2 * left(1e-1) + 1e-14
+
+
+def test_a_shaft_that_is_displaced_is_a_bore_that_does_not_turn() -> None:
+    """Of a face: the height of the cam axis along the guide, at every cam angle."""
+    nominal = round_cam("translating-flat")
+    known = dimensions_of(nominal.machine)
+    (found,) = errors(nominal, known["shaft.y"].unit, 0.25)
+    np.testing.assert_allclose(found, 0.25 * np.sin(np.radians(70)), rtol=0, atol=1e-14)
