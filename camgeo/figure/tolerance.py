@@ -9,9 +9,19 @@ import numpy as np
 from camgeo.figure.layout import grid, limits
 from camgeo.figure.marks import Band, Fill, Line, Mark, Rule, Style, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
-from camgeo.figure.style import LEFT, LIMIT_STYLE, LINE, MARGINS, ZERO, joint_marks, turn_axis
+from camgeo.figure.style import (
+    AUXILIARY,
+    LEFT,
+    LIMIT_STYLE,
+    LINE,
+    MARGINS,
+    ZERO,
+    joint_marks,
+    turn_axis,
+)
 from camgeo.numeric.arrays import FloatArray
 from camgeo.tolerancing.linear import Linear
+from camgeo.tolerancing.sampled import QUANTILES, Sampled
 
 SIZE: Final = (8.6, 6.4)
 
@@ -20,6 +30,7 @@ RIGHT: Final = 2.2
 
 WITHIN: Final = Fill(LINE, LINE, 0.0, opacity=0.2)
 MEAN: Final = Style(LINE, 1.2)
+EDGE: Final = Style(AUXILIARY, 1.0, (1.0, 1.5))
 
 FACES: Final = (
     "#12365c", "#e0a458", "#5b8e7d", "#b3541e", "#8cb4d6", "#7a5195", "#c9c27a", "#a0a0a0",
@@ -30,17 +41,20 @@ HATCHED: Final = len(FACES)
 """Sources from this one on are hatched."""
 
 
-def of_analysis(linear: Linear, name: str, unit: str, factor: float) -> Figure:
+def of_analysis(
+    linear: Linear, sampled: Sampled | None, name: str, *, unit: str, factor: float
+) -> Figure:
     """Mean error with three standard deviations, and below the share of each source.
 
     Parameters
     ----------
+    sampled : random machines, of which quantiles are drawn, if there are any.
     unit, factor : of the drawn errors, and units per mm or rad.
     """
     upper, lower = grid(SIZE, (LEFT, RIGHT, *MARGINS[2:]), 2, gaps=(0.12, 0.0))
     joints = linear.stated.machine.cam.drive.joints
     sign = "°" if unit == "deg" else unit
-    shown, marks = _errors(linear, factor)
+    shown, marks = _errors(linear, sampled, factor)
     errors = Panel(
         upper, turn_axis(numbered=False), Axis(shown, f"error of the position [{sign}]"),
         (*marks, *joint_marks(joints)), f"{name}: tolerances", title_size=10.0,
@@ -63,7 +77,9 @@ def _round(values: FloatArray) -> FloatArray:
     return np.append(values, values[0])
 
 
-def _errors(linear: Linear, factor: float) -> tuple[tuple[float, float], list[Mark]]:
+def _errors(
+    linear: Linear, sampled: Sampled | None, factor: float
+) -> tuple[tuple[float, float], list[Mark]]:
     phi = np.append(np.degrees(linear.angles), 360.0)
     mean, low, high = (_round(each) * factor for each in (linear.mean, *linear.band))
     marks: list[Mark] = [
@@ -71,6 +87,14 @@ def _errors(linear: Linear, factor: float) -> tuple[tuple[float, float], list[Ma
         Band("x", phi, low, high, WITHIN, "mean ± 3 sigma"),
         Line(over(phi, mean), MEAN, "mean"),
     ]
+    if sampled is not None:
+        low_share, _, high_share = QUANTILES
+        for values, label in zip(
+            sampled.quantiles[[0, -1]],
+            (f"{low_share:.0%} and {high_share:.0%} of {sampled.count:,} machines", ""),
+            strict=True,
+        ):
+            marks.append(Line(over(phi, _round(values) * factor), EDGE, label))
     limit = linear.stated.limit
     rules = [] if limit is None else [-limit * factor, limit * factor]
     for place, label in zip(rules, ("limit", ""), strict=False):

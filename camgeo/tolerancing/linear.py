@@ -170,7 +170,7 @@ class Linear:
         for unit, size, row in zip(source.units, sizes, rows, strict=True):
             deviations = Deviations(2, {unit.freedom: size * unit.factor})
             try:
-                position = replayed(self.nominal, deviations)[0]
+                position = replayed(self.nominal, deviations).position[0]
             except GeometryError as error:
                 raise GeometryError(f"{source.name}: {error.message}", error.key) from error
             errors = self.as_set(position - self.nominal.positions[0])

@@ -189,10 +189,22 @@ def _placed(pose: Pose, deviations: Deviations) -> Pose:
     return held.rotated(np.exp(1j * deviations.real(Way.TILT)))
 
 
-def replayed(nominal: Sensitivities, deviations: Deviations) -> FloatArray:
-    """(3, m, n) position of m machines at n cam angles [mm or rad], and two derivatives per rad.
+@dataclass(frozen=True, slots=True, eq=False)
+class Replayed:
+    """The motions of m machines at n cam angles; derivatives per rad of the cam angle.
 
-    Of the far end of a linkage, or of the follower if there is none.
+    Attributes
+    ----------
+    follower : (3, m, n) its lift [mm or rad], counted from the nominal zero, and two derivatives.
+    position : (3, m, n) of the far end of a linkage, or of the follower if there is none.
+    """
+
+    follower: FloatArray
+    position: FloatArray
+
+
+def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
+    """The motions of machines that deviate.
 
     Raises
     ------
@@ -205,19 +217,22 @@ def replayed(nominal: Sensitivities, deviations: Deviations) -> FloatArray:
         some = {key: each[first : first + size] for key, each in deviations.values.items()}
         count = min(size, deviations.count - first)
         parts.append(_block(nominal, Deviations(count, some)))
-    return np.concatenate(parts, axis=1)
+    return Replayed(
+        np.concatenate([each.follower for each in parts], axis=1),
+        np.concatenate([each.position for each in parts], axis=1),
+    )
 
 
-def _block(nominal: Sensitivities, deviations: Deviations) -> FloatArray:
+def _block(nominal: Sensitivities, deviations: Deviations) -> Replayed:
     machine = nominal.machine
     follower = machine.cam.follower
     found = touching(follower, machine.pose, deviations)
     lifts = _follower(nominal, deviations, found)
     lifts[0] -= _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
     if nominal.far_end is None:
-        return lifts
+        return Replayed(lifts, lifts)
     start = np.broadcast_to(nominal.positions[0], lifts[0].shape)
-    return nominal.far_end.deviating(deviations).follow(lifts, start)
+    return Replayed(lifts, nominal.far_end.deviating(deviations).follow(lifts, start))
 
 
 def _follower(nominal: Sensitivities, deviations: Deviations, found: Touching) -> FloatArray:

@@ -15,10 +15,12 @@ from camgeo.units import MM_PER
 from tests.answers.documents import document
 from tests.tolerancing.machines import LEVER
 
+COUNT = 128
+
 
 @pytest.fixture(scope="module")
 def answer() -> ToleranceAnalysis:
-    return tolerance(Design(load_scene(LEVER)))
+    return tolerance(Design(load_scene(LEVER)), count=COUNT)
 
 
 def test_all_renderings_say_the_same(answer: ToleranceAnalysis) -> None:
@@ -28,6 +30,11 @@ def test_all_renderings_say_the_same(answer: ToleranceAnalysis) -> None:
     assert f"{worst['value']:+.4g} deg at cam angle {worst['cam_angle_deg']:g}" in words
     assert reported["within"] is True
     assert answer.exit_code == 0
+    machines = reported["machines"]
+    assert machines["count"] == COUNT
+    assert f"{machines['kept']:.2%} keep the limit all round" in words
+    quantiles = np.abs([rows.columns[f"{each} quantile [deg]"] for each in ("1%", "99%")])
+    assert np.max(quantiles) == pytest.approx(abs(machines["quantile"]["value"]), rel=1e-12)
     edges = np.abs([rows.columns[f"mean {sign} 3 sigma [deg]"] for sign in "+-"])
     assert np.max(edges) == pytest.approx(abs(worst["value"]), rel=1e-12)
     assert sum(each["share"] for each in reported["sources"]) == pytest.approx(1.0)
@@ -59,7 +66,7 @@ def test_a_scene_in_inches_means_the_same() -> None:
            "tolerance.form[1].plus_minus": 0.01}  # fmt: skip
     inches = {key: each / MM_PER["inch"] for key, each in own.items()}
     other = metric.with_values({"units.length": "inch", **inches})
-    found = [tolerance(Design(each)).linear.sigma for each in (metric, other)]
+    found = [tolerance(Design(each), count=0).linear.sigma for each in (metric, other)]
     np.testing.assert_allclose(found[0], found[1], rtol=1e-12)
 
 
@@ -69,7 +76,7 @@ def test_setting_takes_away_what_is_the_same_all_round() -> None:
     setting = {"tolerance.set_at": 0, "tolerance.dimension[1].key": "follower.base_radius",
                "tolerance.dimension[1].plus_minus": 0.1,
                "tolerance.dimension[1].class": None}  # fmt: skip
-    found = tolerance(Design(scene.with_values(setting))).linear
+    found = tolerance(Design(scene.with_values(setting)), count=0).linear
     assert found.sigma[0] == 0.0
     assert np.max(found.sigma) > 0.0
     assert np.max(found.variances[0]) == 0.0

@@ -9,19 +9,49 @@ import pytest
 from camgeo.cli.main import main
 from tests.tolerancing.machines import FIXTURES, LEVER
 
+FEW = ("--count", "128")
+
 Capture = pytest.CaptureFixture[str]
 
 
-def test_table_and_picture_are_the_same_bytes_again(tmp_path: Path, capsys: Capture) -> None:
-    for name in ("errors.csv", "errors.svg"):
+def test_table_and_record_are_the_same_bytes_again(tmp_path: Path, capsys: Capture) -> None:
+    for name in ("errors.csv", "errors.json"):
         files = [tmp_path / each / name for each in ("one", "two")]
         for file in files:
             file.parent.mkdir(exist_ok=True)
-            assert main(["tolerance", str(LEVER), "-o", str(file)]) == 0
+            assert main(["tolerance", str(LEVER), *FEW, "-o", str(file)]) == 0
         assert files[0].read_bytes() == files[1].read_bytes()
     out, err = capsys.readouterr()
     assert out.startswith("lever: position of the follower on the inner flank, 7 sources\n")
     assert "errors.csv: 360 rows" in err
+    other = tmp_path / "errors.csv"
+    assert main(["tolerance", str(LEVER), *FEW, "--seed", "2", "-o", str(other)]) == 0
+    assert other.read_bytes() != (tmp_path / "one" / "errors.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--count", "127"), "count = 127: must be from 128 to 65,536"),
+        (("--count", "1000000000"), "must be from 128 to 65,536"),
+        (("--seed", "-1"), "seed = -1: must be a whole number from 0"),
+        (("-o", "errors.toml"), "must end in one of .csv, .json, .png"),
+    ],
+)
+def test_what_cannot_be_drawn(words: tuple[str, str], said: str, capsys: Capture) -> None:
+    try:
+        code = main(["tolerance", str(LEVER), *words])
+    except SystemExit as stopped:  # a wrong option
+        code = int(stopped.code or 0)
+    assert code == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_picture(tmp_path: Path, capsys: Capture) -> None:
+    picture = tmp_path / "errors.png"
+    assert main(["tolerance", str(LEVER), *FEW, "-o", str(picture)]) == 0
+    assert capsys.readouterr().err == f"{picture}: errors over the cam angle\n"
+    assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 def replaced(tmp_path: Path, old: str, new: str) -> str:
@@ -90,7 +120,7 @@ def test_machines_that_are_not_analysed(
 
 
 def test_a_flank_that_carries_nothing(tmp_path: Path, capsys: Capture) -> None:
-    scene = replaced(tmp_path, "limit = 0.06  # degrees", 'flank = "outer"')
+    scene = replaced(tmp_path, "limit = 0.055  # degrees", 'flank = "outer"')
     assert main(["tolerance", scene]) == 2
     assert 'tolerance.flank = outer: is not where the follower runs; must be "inner"' in (
         capsys.readouterr().err

@@ -62,7 +62,7 @@ def round_cam(kind: str) -> Sensitivities:
 def errors(nominal: Sensitivities, unit: Unit, *sizes: float) -> np.ndarray[Any, Any]:
     """(machines, angles) of the position, of machines that deviate by `sizes` of a dimension."""
     deviations = Deviations(len(sizes), {unit.freedom: np.array(sizes) * unit.factor})
-    return np.asarray(replayed(nominal, deviations)[0] - nominal.positions[0])
+    return np.asarray(replayed(nominal, deviations).position[0] - nominal.positions[0])
 
 
 def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:

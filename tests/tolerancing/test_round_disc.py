@@ -79,7 +79,7 @@ def test_an_eccentric_bore(kind: str) -> None:
     values = {Freedom(Way.SEAT): np.array([OFF])}
     if grown:
         values[Freedom(Way.GROWTH)] = np.array([grown + 0j])
-    found = replayed(nominal, Deviations(1, values))[0, 0]
+    found = replayed(nominal, Deviations(1, values)).position[0, 0]
     expected = sign * (position(follower, middle, ROUND + grown) - rest)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 

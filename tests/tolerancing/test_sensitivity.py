@@ -68,7 +68,7 @@ def test_exact_sensitivities_are_the_limits_of_differences(name: str) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_without_deviations_makes_the_nominal_motion(name: str) -> None:
     nominal = fixture(name)
-    found = replayed(nominal, Deviations(1, {}))[:, 0]
+    found = replayed(nominal, Deviations(1, {})).position[:, 0]
     demanded = nominal.positions[:3]
     scale = np.max(np.abs(demanded), axis=1, keepdims=True)
     np.testing.assert_allclose(found / scale, demanded / scale, rtol=0, atol=1e-11)
@@ -94,7 +94,7 @@ def test_velocity_and_acceleration_are_derivatives(name: str) -> None:
     angles = ANGLES[apart > 0.05]  # the contact does not pass a border within a step
 
     def motion(shift: float) -> FloatArray:
-        return replayed(replace(nominal, phi=angles + shift), deviations)[:, 0]
+        return replayed(replace(nominal, phi=angles + shift), deviations).position[:, 0]
 
     here = motion(0.0)
     slopes = (motion(step) - motion(-step)) / (2.0 * step)

@@ -6,12 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.path import Flank
 from camgeo.scene.scene import Scene
+from camgeo.tolerancing.distribution import SIGMAS
 from camgeo.tolerancing.linear import Contribution, Linear
+from camgeo.tolerancing.sampled import COUNT, QUANTILES, Sampled, sampled
 from camgeo.tolerancing.stated import stated_of
 from camgeo.units import MM_PER
 
@@ -44,6 +48,33 @@ class Share:
     share_at_worst: float
 
 
+@dataclass(frozen=True, slots=True)
+class Machines:
+    """What random machines do; errors in the unit of the position.
+
+    Attributes
+    ----------
+    count, seed : of the machines, and of what was drawn.
+    quantile : that of `QUANTILES` with the largest magnitude.
+    three_sigma : three times the largest standard deviation over the cam angle.
+    largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
+    kept, kept_error : share of machines that keep the limit all round, and its standard error;
+        None if there is no limit.
+    acceleration : largest magnitude, of the nominal machine [unit/rad^2].
+    accelerations : the same that 1 %, 50 % and 99 % of machines do not exceed.
+    """
+
+    count: int
+    seed: int
+    quantile: Extreme
+    three_sigma: Extreme
+    largest: float
+    kept: float | None
+    kept_error: float | None
+    acceleration: float
+    accelerations: tuple[float, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class ToleranceAnalysis(Answer):
     """What the tolerances of a scene do to the position.
@@ -53,6 +84,7 @@ class ToleranceAnalysis(Answer):
     scene : that states them.
     linear : the analysis by sensitivities.
     contributions : of the sources to it.
+    sampled : random machines; None if there are none.
     """
 
     command: ClassVar[str] = "tolerance"
@@ -60,6 +92,7 @@ class ToleranceAnalysis(Answer):
     scene: Scene
     linear: Linear
     contributions: tuple[Contribution, ...]
+    sampled: Sampled | None
 
     @property
     def of(self) -> str:
@@ -136,6 +169,27 @@ class ToleranceAnalysis(Answer):
         )
 
     @property
+    def machines(self) -> Machines | None:
+        """What random machines do; None if there are none."""
+        found, factor = self.sampled, self.factor
+        if found is None:
+            return None
+        sigma = self.scaled(found.sigma)
+        return Machines(
+            count=found.count,
+            seed=found.seed,
+            quantile=self.scaled(found.worst),
+            three_sigma=Extreme(SIGMAS * sigma.value, sigma.place),
+            largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
+            kept=found.kept,
+            kept_error=found.kept_error,
+            acceleration=found.acceleration * factor,
+            accelerations=tuple(
+                float(each) * factor for each in np.quantile(found.accelerations, QUANTILES)
+            ),
+        )
+
+    @property
     def within(self) -> bool | None:
         """Whether mean and three standard deviations keep the limit; None if there is none."""
         return None if self.limit is None else abs(self.worst.value) <= self.limit
@@ -146,15 +200,23 @@ class ToleranceAnalysis(Answer):
         return BROKEN if self.within is False else FINE
 
 
-def tolerance(design: Design) -> ToleranceAnalysis:
+def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
     """What the tolerances that a design's scene states do to the position.
+
+    Parameters
+    ----------
+    count : random machines; 0 for the linear analysis alone.
+    seed : the same one draws the same machines.
 
     Raises
     ------
     SceneError
         If it states none, or tolerances of what the machine does not have.
     GeometryError
-        If its kind of machine, or its flank, cannot be analysed.
+        If its kind of machine, or its flank, cannot be analysed; if there are too few or too many
+        machines, or one has no contact near the nominal one.
     """
     linear = Linear(stated_of(design))
-    return ToleranceAnalysis(design.scene, linear, linear.contributions)
+    contributions = linear.contributions
+    found = sampled(linear, count, seed) if count else None
+    return ToleranceAnalysis(design.scene, linear, contributions, found)

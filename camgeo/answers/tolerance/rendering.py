@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.answers.sweep.rendering import aligned
-from camgeo.answers.tolerance import Share, ToleranceAnalysis
+from camgeo.answers.tolerance import Machines, Share, ToleranceAnalysis
 from camgeo.numeric.extremes import Extreme
 from camgeo.product.value_table import Table
 from camgeo.tolerancing.distribution import SIGMAS
+from camgeo.tolerancing.sampled import QUANTILES
 from camgeo.wording import at_cam_angles, cam_angle, counted, small
 
 if TYPE_CHECKING:
@@ -36,8 +37,25 @@ def text(answer: ToleranceAnalysis) -> str:
     rows += [_row(each) for each in answer.sources]
     lines += ["", *aligned(rows), ""]
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
+    if answer.machines is not None:
+        lines += ["", *_machines(answer.machines, answer.unit), ""]
     lines += [f"{each.name}: {each.sense}" for each in answer.sources]
     return "\n".join(lines)
+
+
+def _machines(found: Machines, unit: str) -> list[str]:
+    low, middle, high = (f"{each:.5g}" for each in found.accelerations)
+    lines = [
+        f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
+        f"  1 % or 99 % of the errors are beyond {_at(found.quantile, unit)}",
+        f"  3 sigma {_at(found.three_sigma, unit)}",
+        f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
+        f"  largest acceleration by the scene {found.acceleration:.5g} {unit}/rad^2",
+        f"  of 1 %, 50 % and 99 % of machines at most {low}, {middle} and {high}",
+    ]
+    if found.kept is not None:
+        lines.append(f"  {found.kept:.2%} keep the limit all round, +- {found.kept_error:.1%}")
+    return lines
 
 
 def _verdict(answer: ToleranceAnalysis) -> str:
@@ -79,6 +97,9 @@ def table(answer: ToleranceAnalysis) -> Table:
     }
     for source, variance in zip(linear.stated.sources, linear.variances, strict=True):
         columns[f"3 sigma of {source.name} [{unit}]"] = SIGMAS * np.sqrt(variance) * factor
+    if answer.sampled is not None:
+        for share, values in zip(QUANTILES, answer.sampled.quantiles, strict=True):
+            columns[f"{share:.0%} quantile [{unit}]"] = values * factor
     return Table(tuple(columns), np.column_stack(list(columns.values())))
 
 
@@ -86,4 +107,6 @@ def figure(answer: ToleranceAnalysis) -> Figure:
     """The band of errors, and the variance by source, over the cam angle."""
     from camgeo.figure.tolerance import of_analysis
 
-    return of_analysis(answer.linear, answer.scene.name, answer.unit, answer.factor)
+    return of_analysis(
+        answer.linear, answer.sampled, answer.scene.name, unit=answer.unit, factor=answer.factor
+    )

@@ -1,0 +1,133 @@
+"""Random machines, each replayed exactly: quantiles of the error, and how many keep the limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.sweep.family import Sample
+from camgeo.tolerancing.freedoms import Deviations
+from camgeo.tolerancing.linear import ANGLES, Linear, deviations_of
+from camgeo.tolerancing.replay import replayed
+from camgeo.tolerancing.sources import Source
+
+COUNT: Final = 1024
+"""Machines unless another number is stated: the quantiles of 1 % have ten machines beyond them."""
+
+FEWEST: Final = 128
+MOST: Final = 65536
+
+QUANTILES: Final = (0.01, 0.5, 0.99)
+
+INSIDE: Final = 2.0**-54
+"""Shares are at least this far from 0 and 1, where a normal distribution is infinite."""
+
+BLOCK: Final = 1024
+"""Machines of which all motions are held at once."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sampled:
+    """Random machines.
+
+    Attributes
+    ----------
+    linear : the analysis that they are compared with.
+    seed : of what was drawn.
+    errors : (machines, ANGLES) of the position [mm or rad].
+    accelerations : (machines,) largest magnitude of the position's second derivative [mm or rad per
+        rad^2] at the cam angles of the analysis.
+    acceleration : that of the nominal machine.
+    """
+
+    linear: Linear
+    seed: int
+    errors: FloatArray
+    accelerations: FloatArray
+    acceleration: float
+
+    @property
+    def count(self) -> int:
+        """Machines."""
+        return len(self.errors)
+
+    @property
+    def quantiles(self) -> FloatArray:
+        """(3, ANGLES) errors below which the shares `QUANTILES` of all machines are."""
+        found: FloatArray = np.quantile(self.errors, QUANTILES, axis=0)
+        return found
+
+    @property
+    def worst(self) -> Extreme:
+        """The quantile of the largest magnitude."""
+        low, _, high = self.quantiles
+        return self.linear.largest(np.where(np.abs(low) > np.abs(high), low, high))
+
+    @property
+    def sigma(self) -> Extreme:
+        """The largest standard deviation over the cam angle."""
+        return self.linear.largest(np.std(self.errors, axis=0))
+
+    @property
+    def largest(self) -> FloatArray:
+        """(machines,) magnitudes of the largest error over the turn."""
+        return np.asarray(np.max(np.abs(self.errors), axis=1))
+
+    @property
+    def kept(self) -> float | None:
+        """Share of machines that keep the limit at all cam angles; None if there is no limit."""
+        limit = self.linear.stated.limit
+        return None if limit is None else float(np.mean(self.largest <= limit))
+
+    @property
+    def kept_error(self) -> float | None:
+        """Standard error of that share, as if machines were drawn independently.
+
+        By Laplace's rule of succession, so that a sample without failures has one too.
+        """
+        kept = self.kept
+        if kept is None:
+            return None
+        share = (kept * self.count + 1.0) / (self.count + 2.0)
+        return math.sqrt(share * (1.0 - share) / self.count)
+
+
+def sampled(linear: Linear, count: int = COUNT, seed: int = 0) -> Sampled:
+    """Random machines by a scrambled Sobol sequence; the same seed draws the same ones.
+
+    Raises
+    ------
+    GeometryError
+        For a count or seed out of range; if a machine has no contact near the nominal one.
+    """
+    if not FEWEST <= count <= MOST:
+        raise GeometryError(f"must be from {FEWEST} to {MOST:,}", "count", str(count))
+    if not 0 <= seed < 2**63:
+        raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
+    errors, accelerations = [], []
+    for machines in _machines(linear.stated.sources, count, seed):
+        position = replayed(linear.nominal, machines).position
+        errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
+        accelerations.append(np.max(np.abs(position[2][:, :ANGLES]), axis=1))
+    nominal = float(np.max(np.abs(linear.nominal.positions[2][:ANGLES])))
+    return Sampled(linear, seed, np.concatenate(errors), np.concatenate(accelerations), nominal)
+
+
+def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[Deviations]:
+    draws = [each.draws for each in sources]
+    shares = Sample(count, "sobol", seed).shares(sum(draws)).T
+    shares = np.clip(shares, INSIDE, 1.0 - INSIDE)
+    ends = np.cumsum([0, *draws])
+    for first in range(0, count, BLOCK):
+        numbers = [
+            each.numbers(shares[start:end, first : first + BLOCK])
+            for each, start, end in zip(sources, ends, ends[1:], strict=False)
+        ]
+        yield deviations_of(sources, numbers)
