@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from camgeo.product.product import Product
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
+    from camgeo.state.state import Model
     from camgeo.writing.write import Report
 
 
@@ -127,15 +128,13 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
-        from camgeo.state.demanded import Demanded
 
         scene = self.scene
-        state = Demanded(self.drive)
-        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, state)
+        model: Model = "outline" if scene.limits.undercut == "trim" else "demanded"
+        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model)
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
-            own = replace(state, cam=each.cam)
-            subject = replace(moved, state=own, disc=each.drawn, returning=subject)
+            subject = replace(moved, disc=each.drawn, returning=subject)
         return Effects(subject or moved, scene.effects, self.ledger)
 
     def effect(self, name: str) -> Any:

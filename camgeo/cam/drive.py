@@ -103,13 +103,7 @@ class Drive(Pickled):
         Between two neighbours all derivatives of the motion and of the time course are smooth, and
         the follower's velocity keeps its sign.
         """
-        from camgeo.motion.extremes import turning_angles
-
-        course = self.time_course
-        edges = [self.motion.borders, turning_angles(self.motion), np.array([0.0, TURN])]
-        if course is not None:
-            edges.append(course.borders)
-        return merged(np.concatenate(edges))
+        return smooth_angles(self.motion, self.time_course)
 
     @property
     def joints(self) -> tuple[float, ...]:
@@ -123,3 +117,13 @@ class Drive(Pickled):
 
         angles = merged(np.concatenate((self.plan.borders, turning_angles(self.plan))))
         return float(angles[np.argmax(np.abs(self.plan.jet(angles)[0]))]) if len(angles) else 0.0
+
+
+def smooth_angles(motion: Motion, course: TimeCourse | None) -> FloatArray:
+    """(k,) cam angles [rad] as of `Drive.smooth_angles`, for a follower with this `motion`."""
+    from camgeo.motion.extremes import turning_angles
+
+    edges = [motion.borders, turning_angles(motion), np.array([0.0, TURN])]
+    if course is not None:
+        edges.append(course.borders)
+    return merged(np.concatenate(edges))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
-    from camgeo.state.state import State
+    from camgeo.state.state import Model, State
     from camgeo.units import LengthUnit, LiftUnit
 
 GROUP: Final = "camgeo.effects"
@@ -46,7 +47,7 @@ class HasPart(Protocol):
     def part(self) -> Part: ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Subject:
     """The design that effects are computed for.
 
@@ -56,7 +57,7 @@ class Subject:
     lift_unit : of the follower's own motion.
     unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
-    state : the motion that the effects are computed for.
+    model : whose motion the effects are computed for, where that can be told (`state`).
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, with the same motion; None without one.
     """
@@ -65,9 +66,17 @@ class Subject:
     lift_unit: LiftUnit
     unit: LengthUnit
     part_spec: PartSpec | None
-    state: State = field(repr=False, compare=False)
+    model: Model = "demanded"
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
+
+    @cached_property
+    def state(self) -> State:
+        """The motion that the effects are computed for."""
+        from camgeo.state.choice import state_of
+
+        cam = None if self.disc is None else self.disc.cam
+        return state_of(self.drive, cam, self.model, paired=self.returning is not None)
 
     @property
     def made(self) -> HasPart:
@@ -245,8 +254,7 @@ class Result(Displayed):
 
 Premise = Literal["contact", "motion", "disc"]
 """What must be true for the figures of an effect: that the follower touches the cam all round and
-makes the demanded motion; that it makes this motion, which a trimmed disc does not give; or nothing
-but the disc itself.
+makes the motion of the `Subject.state`; that it makes this motion; or nothing but the disc itself.
 """
 
 
@@ -301,6 +309,8 @@ class Effect:
     numerical : whether it takes a tolerance and estimates its error.
     of_drive : whether it needs no follower, only the drive.
     premise : what its figures rely on.
+    of_plan : whether its figures are of the segments of the demanded motion, whatever motion the
+        disc makes.
     regardless : names of its findings that hold even where the premise does not.
     refined_by : effects that have a better model, if the scene names them too.
     """
@@ -318,6 +328,7 @@ class Effect:
     numerical: bool = False
     of_drive: bool = False
     premise: Premise = "contact"
+    of_plan: bool = False
     regardless: tuple[str, ...] = ()
     refined_by: tuple[Refinement, ...] = ()
 

@@ -9,7 +9,7 @@ from typing import Any, Final, overload
 from camgeo.check.finding import Finding
 from camgeo.displayed import clipped
 from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
-from camgeo.effects.premises import not_made, qualified
+from camgeo.effects.premises import qualified, trimming
 from camgeo.effects.registry import find_effect
 from camgeo.effects.results import CONTACT_FORCE, LostContact, Touching
 from camgeo.effects.rules import Table
@@ -178,7 +178,7 @@ class Effects:
                 cam_angle=error.cam_angle,
                 cam_range=error.cam_range,
             )
-            return (*not_made(self.effect(name), self.subject), refusal)
+            return (*trimming(self.effect(name), self.subject), refusal)
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
         return qualified(self.effect(name), result.findings, self.subject, lost, self.names)

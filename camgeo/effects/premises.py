@@ -1,9 +1,11 @@
 """What the figures of an effect rely on, and where a design does not provide it.
 
 Three things are checked for every effect, whatever it computes: that the follower touches the cam
-(`camgeo.effects.touching.lost_contact`); that the disc makes the demanded motion, which a trimmed
-one does not; and that no other effect of the scene has a better model (`Effect.refined_by`). Each
-that fails gives one finding. While one of the first two fails, no figure of the effect is "ok".
+(`camgeo.effects.touching.lost_contact`); that the disc makes the motion of the state, which a
+trimmed one does not if that is the demanded motion; and that no other effect of the scene has a
+better model (`Effect.refined_by`). Each that fails gives one finding. While one of the first two
+fails, no figure of the effect is "ok". Where the state is the motion of a trimmed disc, that is
+told too.
 """
 
 from __future__ import annotations
@@ -50,10 +52,10 @@ def qualified(
     broken: list[Finding] = []
     if effect.premise == "contact" and lost:
         broken.append(_without_contact(lost, subject))
-    broken += not_made(effect, subject)
-    if broken:
+    trimmed = tuple(trimming(effect, subject))
+    if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    return (*broken, *_simplified(effect, named), *findings)
+    return (*broken, *trimmed, *_simplified(effect, named), *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
@@ -108,9 +110,40 @@ class _Trimmed:
             sorted(phi for phi in jumps if any(_inside(phi, each) for each in self.dropped))
         )
 
+    def followed(self, flank: str) -> str:
+        """That the figures are for the motion of the disc."""
+        return (
+            f"these figures are for the motion that the {flank} makes, which is not the demanded"
+            f" one {over(self.dropped)}"
+        )
 
-def not_made(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """A warning for each trimmed flank: between which cam angles the disc makes another motion."""
+    def left_out(self, flank: str) -> str:
+        """That they are for the demanded motion."""
+        return (
+            f"these figures are for the demanded motion, which the {flank} does not make"
+            f" {over(self.dropped)}"
+        )
+
+    def corners(self, *, included: bool) -> str:
+        """What happens at the corners of the disc, and whether it is computed."""
+        if not self.shocks:
+            where = "at both ends" if included else "at the corner of the disc there"
+            computed = ", which is computed" if included else ", which is not computed"
+            return f"{where} the acceleration jumps{computed}"
+        if included:
+            return f"the velocity jumps {angles(self.shocks)}"
+        return f"velocity or lift jump {angles(self.shocks)}, and these shocks are not computed"
+
+
+def _follows(effect: Effect, subject: Subject) -> bool:
+    """Whether the figures of `effect` are for the motion that the trimmed disc makes."""
+    return subject.state.model == "outline" and not effect.of_plan
+
+
+def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """A warning for each trimmed flank: whose motion the figures are for, and between which cam
+    angles the disc does not make the demanded one.
+    """
     if effect.premise == "disc" or subject.disc is None:
         return
     factor, unit = STATED[subject.cam.lift_unit]
@@ -120,21 +153,15 @@ def not_made(effect: Effect, subject: Subject) -> Iterator[Finding]:
             if trimmed is None:
                 continue
             loss = trimmed.replay.largest_loss
-            jumps = trimmed.shocks
-            corner = (
-                f"velocity or lift jump {angles(jumps)}, and these shocks are not computed"
-                if jumps
-                else "at the corner of the disc there the acceleration jumps, which is not computed"
-            )
+            flank = f"trimmed {which}{name} flank"
+            follows = _follows(effect, subject)
             yield Finding(
                 name="trimmed-motion",
                 severity="warning",
                 sentence=(
-                    "these figures are for the demanded motion, which the trimmed"
-                    f" {which}{name} flank does not make"
-                    f" {over(trimmed.dropped)}: up to"
+                    f"{trimmed.followed(flank) if follows else trimmed.left_out(flank)}: up to"
                     f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
-                    f" {corner}"
+                    f" {trimmed.corners(included=follows)}"
                 ),
                 value=factor * loss.value,
                 limit=0.0,

@@ -63,7 +63,7 @@ class FacePath(Protocol):
         """
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """(3, n) lift and two derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
+        """(4, n) lift and three derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
         on the circles about `centres` (n,) of `radii` (n,) [mm], in cam coordinates.
         """
 
@@ -123,7 +123,7 @@ class GuidedFace:
         turned = self._turned(phi, centres)
         rise = turned.real + (radii - self.follower.base_radius)
         slope = -self.rotation * turned.imag
-        return self.outward * np.stack((rise, slope, -turned.real))
+        return self.outward * np.stack((rise, slope, -turned.real, -slope))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, _: FloatArray) -> FloatArray:
         """See `FacePath`."""
@@ -191,14 +191,20 @@ class RockingFace:
         over = follower.face_offset - radii
         turned = seen - follower.centre_distance
         g = 1j * self.rotation * turned / seen
-        g1 = -turned / seen - g * g
+        share = turned / seen
+        g1 = -share - g * g
+        g2 = -g * (1.0 - share + 2.0 * g1)
         place = self.contact(phi, centres, radii)
         ratio = over / place
         square = (np.abs(seen) / place) ** 2
         chi = side * np.angle(seen) - np.arctan(ratio)
         first = side * g.imag + ratio * g.real
-        second = side * g1.imag + ratio * (g1.real - square * g.real * g.real)
-        return self.outward * np.stack((chi - follower.start_angle, first, second))
+        bend = g1.real - square * g.real * g.real
+        second = side * g1.imag + ratio * bend
+        # ratio' = -square Re(g) ratio, square' = 2 square (1 - square) Re(g)
+        turn = g2.real - 2.0 * square * g.real * (g1.real + (1.0 - square) * g.real * g.real)
+        third = side * g2.imag + ratio * (turn - square * g.real * bend)
+        return self.outward * np.stack((chi - follower.start_angle, first, second, third))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
         """See `FacePath`."""

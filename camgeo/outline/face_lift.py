@@ -83,11 +83,11 @@ class FaceLift:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
         return np.asarray(self._rows(phi, side, 0)[0])
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
-        return self._rows(phi, side, 2)
+    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
+        return self._rows(phi, side, order)
 
-    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2]) -> FloatArray:
+    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
         number = self.number(phi, side)
         held = number != AS_DEMANDED
         out = np.empty((order + 1, len(phi)))

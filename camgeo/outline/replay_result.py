@@ -9,7 +9,7 @@ squeezed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class DiscLift(Protocol):
     motion : the demanded lift.
     outward : +1 if a positive lift moves the follower outward, else -1.
     borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
+    numbers : (k,) what holds it from each border to the next, or AS_DEMANDED.
     breaks : (m,) cam angles [rad] where a derivative of what is demanded may jump.
     """
 
@@ -65,6 +66,9 @@ class DiscLift(Protocol):
     @property
     def breaks(self) -> FloatArray: ...
 
+    @property
+    def numbers(self) -> IntArray: ...
+
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) number of what holds it at `phi` (n,) [rad], or AS_DEMANDED."""
 
@@ -76,8 +80,10 @@ class DiscLift(Protocol):
     def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
 
-    def jet(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
+    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad]; a roller
+        with play has two only.
+        """
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """(n,) complex, a direction that turns where the velocity of `jet` (3, n) jumps."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.curve.pitch_curve import PitchCurve
@@ -11,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes, plan_extremes
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 from camgeo.state.state import Model
 
 
@@ -69,6 +71,11 @@ class Demanded:
         if self.cam is None:
             raise GeometryError("needs [follower]", key="follower")
         return self.cam.disc.pitch_curve
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """See `State`: nowhere, the flank is taken to be whole."""
+        del side
+        return np.zeros(len(phi), dtype=np.bool_)
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
         """See `State`."""

@@ -7,10 +7,12 @@ from typing import Literal, Protocol
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.motion import Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 
-Model = Literal["demanded"]
-"""Whose motion it is: the one that the scene demands."""
+Model = Literal["demanded", "outline"]
+"""Whose motion it is: the one that the scene demands, or the one that the real outline of the disc
+makes.
+"""
 
 
 class State(Protocol):
@@ -57,6 +59,9 @@ class State(Protocol):
         """The path of the roller centre in the cam with this motion, or of the contact of a flat
         face; its normals are those of the contact. GeometryError with key "follower" without one.
         """
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) whether the follower touches a sharp corner of the disc at `phi` (n,) [rad]."""
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
         """Extremes in time of `output` with the cam turning as `course` says."""

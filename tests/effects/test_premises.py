@@ -21,6 +21,9 @@ from tests.effects.test_laziness import TABLES
 LOST: Final = ((50.3518, 86.4716), (93.5284, 129.6482))
 """Where the rigid follower of both scenes leaves the cam [degrees]."""
 
+REFUSED: Final = ('undercut = "trim"', 'undercut = "refuse"')
+"""The scene is judged, and no disc is made of it."""
+
 NEEDS_CONTACT: Final = tuple(name for name in EFFECTS if find_effect(name).premise == "contact")
 
 
@@ -104,6 +107,7 @@ def test_a_jump_of_the_velocity_away_from_the_cam_loses_contact() -> None:
         "straight_moves",
         "[effects.inertia]\nmass = 1\n[effects.spring]\nstiffness = 50\npreload = 1e4\n"
         "[effects.contact-pressure]",
+        REFUSED,
     )
     lost = jumping.effect(CONTACT_FORCE).lost_contact
     assert lost.leaps
@@ -128,8 +132,8 @@ SPRUNG: Final = (
 
 
 @pytest.mark.parametrize("name", ["swallow_tail", "cut_lobe"])
-def test_figures_of_a_trimmed_disc_are_of_the_demanded_motion(name: str) -> None:
-    trimmed = design(name, SPRUNG)
+def test_figures_of_a_trimmed_disc_are_of_the_motion_that_it_makes(name: str) -> None:
+    trimmed = design(name, SPRUNG + "[effects.shock-spectrum]\n")
     outline = trimmed.cam.disc.outline("inner")
     replay = trimmed.cam.disc.replay("inner")
     ((start, end),) = outline.dropped
@@ -142,10 +146,33 @@ def test_figures_of_a_trimmed_disc_are_of_the_demanded_motion(name: str) -> None
             assert each.cam_range == (start, end)
             assert f"{math.degrees(start):.4f} to {math.degrees(end):.4f}" in each.sentence
             assert each.value == replay.largest_loss.value
-            assert "demanded motion" in each.sentence
-            assert "the acceleration jumps, which is not computed" in each.sentence
+            moves = effect == "shock-spectrum"  # of the plan, whatever the disc does
+            assert ("these figures are for the demanded motion" in each.sentence) == moves
+            assert ("the acceleration jumps, which is computed" in each.sentence) == (not moves)
     forces = {each.name: each for each in trimmed.effects.findings("contact-force")}
-    assert forces["largest-contact-force"].severity == "warning"
+    assert forces["largest-contact-force"].severity == "ok"
+    spectra = trimmed.effects.findings("shock-spectrum")
+    assert not [each for each in spectra if each.value is not None and each.severity == "ok"]
+
+
+GROOVE: Final = (
+    ("base_radius = 25", 'base_radius = 25\ncontact = "groove"'),
+    ("thickness = 10", "thickness = 10\nrim = 90\ngroove_depth = 5"),
+)
+
+
+@pytest.mark.parametrize("changes", [(REFUSED,), GROOVE], ids=["refused", "groove"])
+def test_where_the_disc_alone_does_not_tell_the_motion_figures_are_of_the_demanded_one(
+    changes: tuple[tuple[str, str], ...],
+) -> None:
+    """A disc that is not made, and a groove, in which the force decides which flank counts."""
+    trimmed = design("swallow_tail", "[effects.kinematics]", *changes)
+    stated = [
+        each for each in trimmed.effects.findings("kinematics") if each.name == "trimmed-motion"
+    ]
+    assert stated
+    assert all("these figures are for the demanded motion" in each.sentence for each in stated)
+    assert found(trimmed, "kinematics", "highest-velocity").severity == "warning"
 
 
 def test_a_roller_turns_about_a_corner_without_a_jump_of_its_velocity() -> None:

@@ -179,9 +179,9 @@ def test_each_derivative_is_that_of_the_one_before(
     ends = np.append(found.lift.borders, found.lift.borders[0] + TURN)
     wide = np.diff(ends) > 1e-2
     middle, step = (0.5 * (ends[:-1] + ends[1:]))[wide], 1e-4
-    before, here, after = (found.lift.jet(middle + k * step) for k in (-1, 0, 1))
+    before, here, after = (found.lift.jet(middle + k * step, order=3) for k in (-1, 0, 1))
     size = 1.0 if face.pivot is not None else 40.0
-    for order in (0, 1):
+    for order in (0, 1, 2):
         slope = (after[order] - before[order]) / (2.0 * step)
         # The third derivative of the next, tens of its size, times step^2 / 6.
         assert slope == pytest.approx(here[order + 1], abs=1e-6 * size)

@@ -86,11 +86,12 @@ class LineContact:
             raise EffectError(f"there is no contact pressure: {error.message}") from error
 
     def load_and_radius(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """(n,) F [N] and (n,) R [mm]."""
+        """(n,) F [N] and (n,) R [mm], which is 0 on a corner of the disc."""
         load, sense = self.carried(phi, side)
         kappa = sense * self.curvature(phi, side)
-        cam = self.subject.cam
-        return load, cam.follower.contact_radius(kappa, cam.disc.flank_distance)
+        cam, state = self.subject.cam, self.subject.state
+        radius = cam.follower.contact_radius(kappa, cam.disc.flank_distance)
+        return load, np.where(state.on_corner(phi, side), 0.0, radius)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) p^2 [MPa^2], smooth where F and the curvature are; 0 without force.
@@ -128,10 +129,12 @@ class LineContact:
 
     def _refuse(self, angle: float, radius: float) -> NoReturn:
         value = radius / self.scale
-        what = "a cusp" if value >= -CUSP else "undercut"
+        what = "a cusp of the flank" if value >= -CUSP else "an undercut flank"
+        if self.subject.state.model == "outline":
+            what = "a sharp corner of the trimmed flank"
         raise EffectError(
-            f"the pressure is infinite {at(angle)}: the flank has {what} there and carries the"
-            f" roller; 1 + d kappa is {value:.6g} and must be above 0",
+            f"the pressure is infinite {at(angle)}: {what} carries the roller there; 1 + d kappa is"
+            f" {value:.6g} and must be above 0",
             finding="infinite-contact-pressure",
             value=value,
             limit=0.0,

@@ -30,6 +30,7 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.shock_spectrum.result:compute",
     schema=schema_beside(__file__),
     parse=partial(data_of, SpectrumRange),
+    of_plan=True,
     refined_by=(
         Refinement("vibration", "a train that is at rest when a move begins"),
         GIVEN_SPEED,

@@ -116,7 +116,7 @@ def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
 
 
 def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
-    """The largest acceleration of the output, compared with that of the demanded motion."""
+    """The largest acceleration of the output, compared with that of a rigid train."""
     rigid = Output(clock, None)
     demanded = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
     times = (
@@ -128,7 +128,7 @@ def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
         severity="ok",
         sentence=(
             f"largest acceleration of the output {shown.scale * found.value:.6g} {unit}"
-            f" {at(found.place)}{times} that of the demanded motion,"
+            f" {at(found.place)}{times} that of a rigid train,"
             f" {shown.scale * demanded.value:.6g} {unit} {at(demanded.place)}"
         ),
         value=shown.scale * found.value,

@@ -1,0 +1,37 @@
+"""Which state of motion the effects of a scene are computed for."""
+
+from __future__ import annotations
+
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import Drive
+from camgeo.errors import GeometryError
+from camgeo.state.demanded import Demanded
+from camgeo.state.outline import OfOutline
+from camgeo.state.state import Model, State
+
+
+def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> State:
+    """The state of motion of `drive` and `cam`, None without a follower.
+
+    The motion of the outline, if that is the `model`, follows from the disc where a single flank is
+    trimmed. Otherwise the state is the demanded motion: where the flank is whole, where there is no
+    disc, and where the lift jumps. So it is, too, for a follower that is held both ways, as between
+    the discs of a pair (`paired`), behind a linkage, and with a flat face.
+    """
+    demanded = Demanded(drive, cam)
+    if cam is None or model == "demanded" or paired or not _on_one_flank(cam):
+        return demanded
+    flank = cam.contact.main
+    try:
+        if not cam.disc.outline(flank).is_trimmed:
+            return demanded
+        replay = cam.disc.replay(flank)
+    except GeometryError:  # the checks report it
+        return demanded
+    return demanded if len(replay.drops) else OfOutline(cam, replay)
+
+
+def _on_one_flank(cam: Cam) -> bool:
+    """Whether a roller without linkage runs on a single flank."""
+    held_back = cam.contact.closed_by_form or cam.yoke is not None
+    return cam.follower.has_pitch_curve and cam.drive.linkage is None and not held_back

@@ -1,0 +1,84 @@
+"""The motion that a trimmed flank makes as the state: the replay of the real outline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import smooth_angles
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.motion.joints import breaks
+from camgeo.motion.motion import Motion
+from camgeo.motion.time_course import TimeCourse, TimeExtremes, time_extremes
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side
+from camgeo.outline.replay_result import Replay
+from camgeo.state.replayed import ReplayedMotion
+from camgeo.state.state import Model
+
+
+@dataclass(frozen=True)
+class OfOutline:
+    """The motion of a follower without linkage on its real flank; see `camgeo.state.state.State`.
+
+    The roller that turns about a corner of the disc touches it along the normal of the path of its
+    centre, as it does on a flank, so that path alone gives the direction of the contact force.
+
+    Attributes
+    ----------
+    cam : whose only flank is trimmed.
+    replay : of that flank, on which the lift does not jump.
+    """
+
+    cam: Cam
+    replay: Replay
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return "outline"
+
+    @cached_property
+    def motion(self) -> ReplayedMotion:
+        """See `State`."""
+        return ReplayedMotion(self.cam.drive.motion, self.replay.lift)
+
+    @property
+    def output(self) -> Motion:
+        """See `State`."""
+        return self.motion
+
+    @property
+    def course(self) -> TimeCourse | None:
+        """See `State`."""
+        return self.cam.drive.time_course
+
+    @cached_property
+    def smooth_angles(self) -> FloatArray:
+        """See `State`."""
+        return smooth_angles(self.motion, self.course)
+
+    @property
+    def order(self) -> int:
+        """See `State`: at both ends of a corner the acceleration jumps."""
+        free = self.motion.breaks
+        kept = [each.order for each in breaks(self.cam.drive.plan) if each.cam_angle in free]
+        return min([0 if self.shocks else 1, *kept])
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """See `State`."""
+        return tuple(self.replay.shocks.phi.tolist())
+
+    @cached_property
+    def curve(self) -> PitchCurve:
+        """See `State`."""
+        return PitchCurve(self.motion, self.cam.follower, self.cam.rotation)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """See `State`."""
+        return self.motion.on_corner(phi, side)
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return time_extremes(self.motion, course, self.cam.lift_unit)

@@ -1,0 +1,102 @@
+"""The motion of a roller that is pressed against what remains of its flank."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side, ascending
+from camgeo.outline.replay_lift import AS_DEMANDED
+from camgeo.outline.replay_result import DiscLift
+from camgeo.units import TURN
+
+SEAM = 1e-9
+"""Ranges of the cam angle [rad] this short are rounding."""
+
+
+@dataclass(frozen=True)
+class ReplayedMotion:
+    """The demanded motion where the flank is whole, and the motion over its corners; see `Motion`.
+
+    On a corner the roller turns about a point of the disc, so its lift and three derivatives are
+    known in closed form (`camgeo.mechanism.follower_path.lift_jet`).
+
+    Attributes
+    ----------
+    demanded : the follower's demanded motion.
+    lift : on the disc, without play.
+    """
+
+    demanded: Motion
+    lift: DiscLift
+
+    @cached_property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Start in [0, 2 pi) and end [rad] of each range over which one corner holds the roller; an
+        end may be beyond a turn.
+        """
+        starts = self.lift.borders
+        if not len(starts):
+            return ()
+        ends = np.append(starts[1:], starts[0] + TURN)
+        held = (self.lift.numbers != AS_DEMANDED) & (ends - starts > SEAM)
+        return tuple(zip(starts[held].tolist(), ends[held].tolist(), strict=True))
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self._with_corners(self.demanded.breaks)
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self._with_corners(self.demanded.borders)
+
+    def _with_corners(self, places: FloatArray) -> FloatArray:
+        """(k,) those of `places` [rad] at which no corner holds the roller, and ends of corners."""
+        free = np.ones(len(places), dtype=np.bool_)
+        for start, end in self.ranges:
+            free &= np.remainder(places - start, TURN) >= end - start
+        ends = np.array(self.ranges).ravel() % TURN
+        return ascending(np.concatenate((places[free], ends)))
+
+    @cached_property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """What is left of the demanded dwells, see `Motion`."""
+        return tuple(part for dwell in self.demanded.dwells for part in self._left_of(dwell))
+
+    def _left_of(self, dwell: Dwell) -> Iterator[Dwell]:
+        start, end = dwell.start, dwell.start + dwell.span
+        corners = [
+            (low + turn, high + turn) for low, high in self.ranges for turn in (-TURN, 0.0, TURN)
+        ]
+        for low, high in sorted(corners):
+            if high <= start or low >= end:
+                continue
+            if low - start > SEAM:
+                yield Dwell(start % TURN, low - start)
+            start = high
+        if end - start > SEAM:
+            yield Dwell(start % TURN, end - start)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) whether a corner of the disc holds the roller at `phi` (n,) [rad]."""
+        return np.asarray(self.lift.number(phi, side) != AS_DEMANDED)
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`."""
+        return self.lift.jet(phi, side, 3)[: order + 1]
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`; the bounds are infinite where a corner holds the roller."""
+        jet, bounds = self.demanded.jet_and_bounds(low, high)
+        middle = 0.5 * (low + high)
+        held = self.on_corner(middle, "right")
+        jet, bounds = jet.copy(), bounds.copy()
+        jet[:, held] = self.jet(middle[held])
+        bounds[:, held] = np.inf
+        return jet, bounds
