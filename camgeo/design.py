@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from camgeo.product.product import Product
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
-    from camgeo.state.state import Model
     from camgeo.writing.write import Report
 
 
@@ -128,9 +127,10 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
+        from camgeo.state.choice import model_of
 
         scene = self.scene
-        model: Model = "outline" if scene.limits.undercut == "trim" else "demanded"
+        model = model_of(scene.model, scene.limits)
         moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model)
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):

@@ -255,6 +255,7 @@ class Builder:
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
             "limits": self._engine(("limits",), lambda: Limits(**self._top("limits"))),
             "part": self._engine(("part",), partial(self._part, effects)),
+            "model": get("state", "motion"),
             "printing": self._engine(("print",), self._printing),
             "drawing": self._engine(("drawing",), lambda: drawing_of(self._top("drawing"))),
         }

@@ -30,6 +30,7 @@ FORM: Final = "camgeo scene 1"
 
 REPORTED_ONLY: Final = (
     ("effects",),
+    ("state",),
     ("output", "accuracy"),
     ("part", "material"),
     ("part", "density"),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from camgeo.part.spec import PartSpec
     from camgeo.printing.spec import PrintSpec
     from camgeo.scene.valid_values import ValidValues
+    from camgeo.state.state import Model
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -62,6 +63,7 @@ class Scene:
     limits : with which the design is compared.
     part : the disc as a body; None if the scene has no `[part]`.
     drawing : what the sheet states; the defaults if the scene has no `[drawing]`.
+    model : whose motion the effects are computed for; None for the default of its `limits`.
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
@@ -93,6 +95,7 @@ class Scene:
     output: OutputSpec
     milling: MillingSpec | None
     printing: PrintSpec | None
+    model: Model | None
 
     def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
         """A scene from its tables, nested as in TOML; a float is the number that Python prints.

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
+from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError
 from camgeo.state.demanded import Demanded
 from camgeo.state.outline import OfOutline
 from camgeo.state.state import Model, State
+
+
+def model_of(stated: Model | None, limits: Limits) -> Model:
+    """What a scene states, or its default: a trimmed disc is meant to move the follower."""
+    return stated or ("outline" if limits.undercut == "trim" else "demanded")
 
 
 def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> State:

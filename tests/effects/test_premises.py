@@ -155,17 +155,34 @@ def test_figures_of_a_trimmed_disc_are_of_the_motion_that_it_makes(name: str) ->
     assert not [each for each in spectra if each.value is not None and each.severity == "ok"]
 
 
+STATED: Final = ("[limits]", '[state]\nmotion = "demanded"\n\n[limits]')
 GROOVE: Final = (
     ("base_radius = 25", 'base_radius = 25\ncontact = "groove"'),
     ("thickness = 10", "thickness = 10\nrim = 90\ngroove_depth = 5"),
 )
 
 
-@pytest.mark.parametrize("changes", [(REFUSED,), GROOVE], ids=["refused", "groove"])
+def test_a_scene_may_ask_for_the_motion_of_a_disc_that_is_not_made() -> None:
+    asked = design(
+        "swallow_tail",
+        "[effects.kinematics]",
+        REFUSED,
+        ("[limits]", '[state]\nmotion = "outline"\n\n[limits]'),
+    )
+    stated = found(asked, "kinematics", "trimmed-motion")
+    assert "these figures are for the motion that the trimmed inner flank makes" in stated.sentence
+    whole = design("swallow_tail", "[effects.kinematics]", REFUSED)
+    assert asked.scene.made == whole.scene.made
+    assert asked.scene.identity != whole.scene.identity
+
+
+@pytest.mark.parametrize(
+    "changes", [(REFUSED,), (STATED,), GROOVE], ids=["refused", "stated", "groove"]
+)
 def test_where_the_disc_alone_does_not_tell_the_motion_figures_are_of_the_demanded_one(
     changes: tuple[tuple[str, str], ...],
 ) -> None:
-    """A disc that is not made, and a groove, in which the force decides which flank counts."""
+    """A disc that is not made, the choice of the scene, and a groove with one of two flanks."""
     trimmed = design("swallow_tail", "[effects.kinematics]", *changes)
     stated = [
         each for each in trimmed.effects.findings("kinematics") if each.name == "trimmed-motion"
