@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.design import Design
-from camgeo.effects.contact_pressure.life import EXPONENT, spin
+from camgeo.effects.contact_pressure.life import spin
 from camgeo.effects.contact_pressure.line_contact import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -479,17 +479,19 @@ def test_the_roller_unrolls_its_flank(scene: str, sense: int) -> None:
     assert turns.value == pytest.approx(expected, rel=1e-10)
 
 
-@pytest.mark.parametrize("speed", [60, 300])
-def test_the_life_under_a_steady_force(speed: int) -> None:
-    """P is that force, and the life in turns of the roller (C/P)^(10/3) millions."""
+@pytest.mark.parametrize(("speed", "bearing"), [(60, {}), (300, {"bearing": "ball"})])
+def test_the_life_under_a_steady_force(speed: int, bearing: dict[str, Any]) -> None:
+    """P is that force, and the life in turns of the roller (C/P)^p millions."""
     subject = scene("plate_translating", ("speed = 60", f"speed = {speed}"))
-    result = pressed(subject, steady(700.0), {"rating": 9000.0, "life": 3600.0}, 1e-9)
+    result = pressed(subject, steady(700.0), {"rating": 9000.0, "life": 3600.0} | bearing, 1e-9)
     life = result.life
     assert life is not None
     assert life.seconds is not None
     assert life.load == pytest.approx(700.0, rel=1e-9)
     turns = life.seconds * life.speed / TURN
-    assert turns == pytest.approx(1e6 * (9000.0 / 700.0) ** EXPONENT, rel=2e-9)
+    assert turns == pytest.approx(
+        1e6 * (9000.0 / 700.0) ** (3.0 if bearing else 10.0 / 3.0), rel=2e-9
+    )
     length = piecewise_integral(
         subject.cam.disc.inner_curve.pace, subject.drive.smooth_angles, 1e-12
     ).value

@@ -337,33 +337,48 @@ stall_torque = 20
 # -- life of a bearing ---------------------------------------------------------------------------
 
 
-def test_life_of_a_roller_bearing() -> None:
-    """The required rating is known to half a unit: that much more is too much, that much less too
-    little. The flank is as large as the roller, so the roller turns as fast as the cam. The load is
+def bearing_life(case: dict[str, Any], rating: float, load: float, more: str) -> Design:
+    """The flank is as large as the roller, so the roller turns as fast as the cam. The load is
     constant except for the pressure angle of a lift of 1 micrometre, 1e-5 of the load on the flank.
     """
-    case = example("bearing_life")
     motion = move("inclined-sine", 180.0, 0.001) + move("inclined-sine", 180.0, 0.0)
-    rating, load = 1e3 * number(case, "rating"), 1e3 * number(case, "load")
-
-    def life(rating: float) -> tuple[float, float]:
-        effects = f"""
+    effects = f"""
 [effects.load]
 constant = {load!r}
 [effects.contact-pressure]
 width = 50
 rating = {rating!r}
+{more}
 """
-        radii = "base_radius = 200\nroller_radius = 100"
-        design = made(number(case, "speed"), radii, motion, effects)
-        found = design.effect("contact-pressure").life
-        turns = found.seconds * found.speed / (2.0 * math.pi)
-        return finding(design, "contact-pressure", "roller-life").value, 1e-6 * turns
+    radii = "base_radius = 200\nroller_radius = 100"
+    return made(number(case, "speed"), radii, motion, effects)
 
+
+def lives(design: Design) -> dict[str, float]:
+    """In hours, and in millions of turns of the roller."""
+    found = design.effect("contact-pressure").life
+    turns = 1e-6 * found.seconds * found.speed / (2.0 * math.pi)
+    return {"life": finding(design, "contact-pressure", "roller-life").value, "turns": turns}
+
+
+def test_life_of_a_roller_bearing() -> None:
+    """The required rating is known to half a unit: that much more is too much, that much less too
+    little.
+    """
+    case = example("bearing_life")
+    rating, load = 1e3 * number(case, "rating"), 1e3 * number(case, "load")
     half = 50.0  # N, of the last digit of the rating
-    ends = zip(life(rating - half), life(rating + half), strict=True)
-    for (low, high), key in zip(ends, ("life", "turns"), strict=True):
-        assert low < number(case, key) < high
+    low, high = (lives(bearing_life(case, rating + off, load, "")) for off in (-half, half))
+    for key in ("life", "turns"):
+        assert low[key] < number(case, key) < high[key]
+
+
+def test_life_of_a_ball_bearing() -> None:
+    case = example("ball_bearing_life")
+    rating, load = (POUND_FORCE * number(case, key) for key in ("rating", "load"))
+    found = lives(bearing_life(case, rating, load, 'bearing = "ball"'))
+    for key in ("life", "turns"):
+        assert_printed(case, key, found[key])
 
 
 # -- balance -------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Basic rating life of the roller bearing.
 
-L10 = (C/P)^p million turns of the roller, p = 10/3 for roller bearings (ISO 281:2007, basic rating
-life of radial roller bearings), with the dynamic load rating C and the equivalent load P. Under a
+L10 = (C/P)^p million turns of the roller, p = 10/3 for roller bearings and 3 for ball bearings (ISO
+281:2007, basic rating life), with the dynamic load rating C and the equivalent load P. Under a
 varying load, damage is proportional to its p-th power and to the turns made under it (Palmgren and
 Miner), so P^p is the mean of F^p over the turns of the roller: with F and the rate nu of the roller
 per cam angle,
@@ -17,12 +17,14 @@ velocities of roller, cam and follower).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from camgeo.effects.contact_pressure.line_contact import LineContact
+from camgeo.effects.contact_pressure.table import Bearing
 from camgeo.effects.wording import missed
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -31,7 +33,8 @@ from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
 
-EXPONENT: Final = 10.0 / 3.0
+EXPONENTS: Final[Mapping[Bearing, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
+"""p of the bearings."""
 
 TURNS: Final = 1e6
 """Turns of the roller that a bearing withstands under its load rating."""
@@ -70,9 +73,15 @@ def spin(contact: LineContact, phi: FloatArray, side: Side, sense: FloatArray) -
 
 
 def rolling_life(
-    contact: LineContact, edges: FloatArray, course: TimeCourse, rating: float, tolerance: float
+    contact: LineContact,
+    edges: FloatArray,
+    course: TimeCourse,
+    rating: float,
+    exponent: float,
+    tolerance: float,
 ) -> Life:
-    """The life for the dynamic load rating `rating` [N], to the relative `tolerance`.
+    """The life for the dynamic load rating `rating` [N] and p `exponent`, to the relative
+    `tolerance`.
 
     Force and motion are smooth between neighbouring `edges` (k,) [rad] from 0 to 2 pi.
 
@@ -88,7 +97,7 @@ def rolling_life(
     def wear(phi: FloatArray) -> FloatArray:
         load, sense = contact.carried(phi, "right")
         turns = np.abs(spin(contact, phi, "right", sense))
-        return np.asarray((load / rating) ** EXPONENT * turns)
+        return np.asarray((load / rating) ** exponent * turns)
 
     share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
     borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
@@ -103,10 +112,10 @@ def rolling_life(
     if max(error, turned) > tolerance:
         raise missed("the life of the roller bearing", max(error, turned), "itself", tolerance)
     return Life(
-        load=rating * (worn.value / turns.value) ** (1.0 / EXPONENT),
+        load=rating * (worn.value / turns.value) ** (1.0 / exponent),
         speed=speed,
         seconds=TURNS * TURN * duration / worn.value,
-        load_error=(error + turned) / EXPONENT,
+        load_error=(error + turned) / exponent,
         speed_error=turned,
         error=error,
     )

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.contact_pressure.findings import HOUR, Worst, life_findings, pressure_findings
-from camgeo.effects.contact_pressure.life import Life, rolling_life
+from camgeo.effects.contact_pressure.life import EXPONENTS, Life, rolling_life
 from camgeo.effects.contact_pressure.line_contact import SHEAR_SHARE, LineContact
 from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
@@ -111,7 +111,10 @@ def _of_disc(
                 f"is missing: the life of the roller bearing needs {SPEED[0]} or {SPEED[1]}",
                 key=SPEED[0],
             )
-        life = rolling_life(contact, edges, request.course, data.rating, request.tolerance)
+        exponent = EXPONENTS[data.bearing]
+        life = rolling_life(
+            contact, edges, request.course, data.rating, exponent, request.tolerance
+        )
 
     def shear(phi: FloatArray, side: Side) -> FloatArray:
         return SHEAR_SHARE * contact.pressure(phi, side)

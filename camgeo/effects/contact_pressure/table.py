@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from camgeo.errors import GeometryError
 from camgeo.part.materials import Material, find_material
 
+Bearing = Literal["roller", "ball"]
+"""What rolls in the bearing of the roller."""
+
 MATERIAL: Final = "steel-hardened"
 
 OF_FACE: Final = ("face_material", "face_modulus", "face_poisson")
-OF_ROLLER: Final = ("roller_material", "roller_modulus", "roller_poisson", "rating", "life")
+OF_ROLLER: Final = (
+    "roller_material", "roller_modulus", "roller_poisson", "rating", "bearing", "life",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +31,7 @@ class PressureRequirements:
     safety : required safety against this limit.
     width : of the contact [mm]; None for that of the part.
     rating : dynamic load rating of the roller bearing [N]; None to compute no life.
+    bearing : kind of that bearing.
     life : required life of the bearing [s]; None for no requirement.
     """
 
@@ -35,6 +41,7 @@ class PressureRequirements:
     safety: float = 1.0
     width: float | None = None
     rating: float | None = None
+    bearing: Bearing = "roller"
     life: float | None = None
 
     @property
@@ -76,6 +83,7 @@ def parse(table: Mapping[str, Any]) -> PressureRequirements:
         safety=table.get("safety", 1.0),
         width=table.get("width"),
         rating=rating,
+        bearing=table.get("bearing", "roller"),
         life=life,
     )
 
