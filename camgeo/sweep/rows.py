@@ -29,6 +29,12 @@ NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
 """Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
 not read another file of its own machine under the same name."""
 
+FOLLOWER: Final = "follower."
+"""Keys that begin so are numbers and words of the follower."""
+
+MOST_BEGUN: Final = 64
+"""Scenes that are kept for others to share their plan, so that memory stays flat."""
+
 MOST_TOGETHER: Final = 64
 """Designs that are computed at once: of twice as many each would cost as much."""
 
@@ -128,11 +134,27 @@ class Work:
         self.versions.require_here()
         return Scene.of(document(self.text.encode()), self.source)
 
+    @cached_property
+    def _begun(self) -> dict[Hashable, Scene]:
+        """A scene for each of the latest values at keys outside the follower: what does not depend
+        on the follower, the plan above all, is that of all designs with these values.
+        """
+        return {}
+
     def scene_of(self, point: Point) -> Scene:
         """The scene of a design; SceneError with its faults."""
-        edits: Mapping[str, object] = dict(zip(self.keys, point, strict=True))
-        tree = edited(self.base.stated.scene.exact, edits)
-        return Scene.of(document_of_tree(tree), self.source, self.base)
+        edits = dict(zip(self.keys, point, strict=True))
+        of_follower = {key: each for key, each in edits.items() if key.startswith(FOLLOWER)}
+        others = tuple((type(each), each) for key, each in edits.items() if key not in of_follower)
+        earlier = self._begun.get(others)
+        start, edits = (self.base, edits) if earlier is None else (earlier, of_follower)
+        tree = edited(start.stated.scene.exact, edits)
+        found = Scene.of(document_of_tree(tree), self.source, start)
+        if earlier is None:
+            while len(self._begun) >= MOST_BEGUN:
+                self._begun.pop(next(iter(self._begun)))
+            self._begun[others] = found
+        return found
 
     def row(self, point: Point, ledger: Ledger | None = None) -> Row:
         """The row of a design; if its scene is wrong, a row with the reason."""

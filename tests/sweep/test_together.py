@@ -16,21 +16,23 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.design import Design
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, SceneError
 from camgeo.lazy import Ledger
 from camgeo.mechanism.declared.registry import FOLLOWERS
 from camgeo.mechanism.follower import RelativeJet
 from camgeo.mechanism.several import alike, several
+from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.scene.scene import Scene
+from camgeo.scene.varied import Value
 from camgeo.sweep.asked import asked_of
 from camgeo.sweep.family import Family, Point
 from camgeo.sweep.reading import TOGETHER, Reading, alike_designs, read, read_each
 from camgeo.sweep.rows import Row, Work, rows_of
 from tests.long_form import some
 from tests.strategies import attack
-from tests.sweep.families import FIXTURES, family
+from tests.sweep.families import FIXTURES, LAWS, family
 from tests.sweep.test_rows import work_on
 
 TEMPLATES: Final = Path(camgeo.__file__).parent / "scene" / "templates"
@@ -107,8 +109,8 @@ def test_all_numbers_of_the_follower(name: str) -> None:
 
 @cache
 def mixed() -> tuple[Work, dict[Point, Row]]:
-    """Designs of two contacts, some of them impossible: work, and rows alone."""
-    found = family("follower.base_radius=-1,1.2,44,50,50.199,53.7,61,130", CONTACTS)
+    """Designs of two contacts and laws, some of them impossible: work, and rows alone."""
+    found = family("follower.base_radius=-1,1.2,44,50,50.199,53.7,61,130", CONTACTS, LAWS)
     work = work_on(found, "transmission-angle", "peak:kappa", "peak:a", "linkage-back-angle")
     alone = {point: work.row(point) for point in found.points()}
     assert {row.failed for row in alone.values()} == {True, False}
@@ -182,6 +184,27 @@ def test_zeros_of_both_signs_are_different_numbers() -> None:
     assert alike(signs[0]) == alike(signs[1])
     one = several(signs, np.array([1, 0, 1]))
     assert [math.copysign(1.0, each) for each in np.atleast_1d(one.offset)] == [-1.0, 1.0, -1.0]
+
+
+def test_designs_of_one_motion_share_its_plan() -> None:
+    """Whatever else varies between them; one that fails does not stand for the others."""
+    found = family(
+        "follower.base_radius=-1,50,51", "motion.2.law=no-such-law,cycloidal,modified-sine"
+    )
+    work = work_on(found, "transmission-angle")
+    plans: dict[Value, list[MotionPlan]] = {}
+    for point in found.points():
+        try:
+            scene = work.scene_of(point)
+        except SceneError:
+            continue
+        own = found.scene_of(point)
+        assert scene == own
+        assert scene.to_toml() == own.to_toml()
+        plans.setdefault(point[1], []).append(scene.plan)
+    assert {law: len(each) for law, each in plans.items()} == {"cycloidal": 2, "modified-sine": 2}
+    assert all(each[0] is each[1] for each in plans.values())
+    assert plans["cycloidal"][0] is not plans["modified-sine"][0]
 
 
 def test_families_of_any_size() -> None:
