@@ -93,6 +93,7 @@ def panels(
     places = tuple(joint.cam_angle for joint in joints(plan))
     phi = diagram_angles(tuple(joint.cam_angle for joint in breaks(plan)))
     jet = motion.jet(phi) * unit.scale
+    degrees = np.concatenate(([0.0], np.degrees(phi)))
     near = _near_extremes(phi, jet)
     nearby = motion.jet(near.ravel())[: len(MARKS)].reshape(len(MARKS), *near.shape) * unit.scale
     found = []
@@ -104,7 +105,7 @@ def panels(
         low, high = _range(values, infinite)
         shown = low, high + HEADROOM * (high - low)
         # From the value at the end of the turn: a jump at cam angle 0 is drawn like the others.
-        curve = over([0.0, *np.degrees(phi)], [values[-1], *values])
+        curve = over(degrees, np.concatenate((values[-1:], values)))
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks += _spikes(infinite, low, high)
         closer = list(zip(near[order], nearby[order, order], strict=True))

@@ -39,9 +39,19 @@ AIM: Final = 0.7
 """Share of the distance that points are placed for; what is farther off gets more of them."""
 
 
+Scale = tuple[float, float]
+
+
 def thinned(figure: Figure) -> Figure:
     """The figure with fewer points, and shorter numbers."""
-    panels = tuple(_panel(panel, figure.size) for panel in figure.panels)
+    plain = [not (panel.x.log or panel.y.log) for panel in figure.panels]
+    shown = [panel for panel, is_plain in zip(figure.panels, plain, strict=True) if is_plain]
+    scales = [_scale(panel, figure.size) for panel in shown]
+    fewer = iter(_thinned([panel.marks for panel in shown], scales, READ))
+    panels = tuple(
+        replace(panel, marks=next(fewer)) if is_plain else panel
+        for panel, is_plain in zip(figure.panels, plain, strict=True)
+    )
     return replace(figure, panels=panels, rows=tuple(map(thinned, figure.rows)))
 
 
@@ -56,40 +66,46 @@ def thinned_turn(turn: Animation) -> Animation:
     digits = _digits((scale, scale), SEEN)[0]
     return replace(
         turn,
-        turning=thinned_marks(turn.turning, (scale, scale), SEEN),
+        turning=_thinned([turn.turning], [(scale, scale)], SEEN)[0],
         places=frozen(np.round(turn.places, digits) + 0.0, np.float64),
     )
 
 
-def thinned_marks(marks: Sequence[Any], scale: tuple[float, float], most: float) -> tuple[Any, ...]:
-    """Marks of a panel likewise; what is neither line nor area stays.
+def _thinned(
+    panels: Sequence[Sequence[Any]], scales: Sequence[Scale], most: float
+) -> list[tuple[Any, ...]]:
+    """The marks of panels likewise, all at once; what is neither line nor area stays.
 
     Parameters
     ----------
-    scale : inches on paper per unit of each axis.
+    scales : of each panel, inches on paper per unit of each axis.
     most : distance by which points are off on paper [inch].
     """
-    lines = [each.points for each in marks if isinstance(each, Line)]
-    kept = iter(_kept(lines, scale, most))
-    digits = _digits(scale, most)
-    found: list[Any] = []
-    for mark in marks:
-        if isinstance(mark, Line):
-            found.append(replace(mark, points=_rounded(mark.points[next(kept)], digits)))
-        elif isinstance(mark, Area):
-            found.append(replace(mark, rings=tuple(_rounded(ring, digits) for ring in mark.rings)))
-        else:
-            found.append(mark)
-    return tuple(found)
+    both = list(zip(panels, scales, strict=True))
+    lines = [(each.points, by) for marks, by in both for each in marks if isinstance(each, Line)]
+    kept = iter(_kept(lines, most))
+    found: list[tuple[Any, ...]] = []
+    for marks, scale in both:
+        digits = _digits(scale, most)
+        fewer: list[Any] = []
+        for mark in marks:
+            if isinstance(mark, Line):
+                fewer.append(replace(mark, points=_rounded(mark.points[next(kept)], digits)))
+            elif isinstance(mark, Area):
+                rings = tuple(_rounded(ring, digits) for ring in mark.rings)
+                fewer.append(replace(mark, rings=rings))
+            else:
+                fewer.append(mark)
+        found.append(tuple(fewer))
+    return found
 
 
-def _panel(panel: Panel, size: tuple[float, float]) -> Panel:
-    if panel.x.log or panel.y.log:
-        return panel
+def _scale(panel: Panel, size: tuple[float, float]) -> Scale:
+    """Inches on paper per unit of each axis."""
     (left, low, right, high), (width, height) = panel.frame, size
     across = (right - left) * width / abs(panel.x.limits[1] - panel.x.limits[0])
     up = (high - low) * height / abs(panel.y.limits[1] - panel.y.limits[0])
-    return replace(panel, marks=thinned_marks(panel.marks, (across, up), READ))
+    return across, up
 
 
 def _digits(scale: tuple[float, float], most: float) -> tuple[int, int]:
@@ -103,17 +119,14 @@ def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
     return frozen(np.column_stack(rounded), np.float64)
 
 
-def _kept(
-    lines: Iterable[FloatArray], scale: tuple[float, float], most: float
-) -> list[slice | IntArray]:
+def _kept(lines: Iterable[tuple[FloatArray, Scale]], most: float) -> list[slice | IntArray]:
     """Which points of each of `lines` are kept, both ends among them."""
-    paper = np.array(scale)
     found: list[slice | IntArray] = []
     long: list[tuple[int, ComplexArray]] = []
-    for number, points in enumerate(lines):
+    for number, (points, scale) in enumerate(lines):
         found.append(slice(None))
         if len(points) > CURVE + 1 and bool(np.all(np.isfinite(points))):
-            long.append((number, (points * paper).view(np.complex128)[:, 0]))
+            long.append((number, (points * np.array(scale)).view(np.complex128)[:, 0]))
     if long:
         ends = np.cumsum([0, *(len(points) for _, points in long)])
         kept = few_of(np.concatenate([points for _, points in long]), ends, most)

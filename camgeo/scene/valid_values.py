@@ -37,6 +37,8 @@ class ValidValues:
 
     def valid(self, *path: str | int) -> bool:
         """Whether nothing is wrong at `path`, around it or in it."""
+        if not self._bad:
+            return True
         if path in self._around_bad:
             return False
         return not any(path[:end] in self._bad for end in range(len(path) + 1))
