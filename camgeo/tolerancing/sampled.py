@@ -13,6 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.sweep.family import Sample
+from camgeo.tolerancing.contact import ContactForces
 from camgeo.tolerancing.freedoms import Deviations
 from camgeo.tolerancing.linear import ANGLES, Linear, deviations_of
 from camgeo.tolerancing.replay import replayed
@@ -45,6 +46,8 @@ class Sampled:
     accelerations : (machines,) largest magnitude of the position's second derivative [mm or rad per
         rad^2] at the cam angles of the analysis.
     acceleration : that of the nominal machine.
+    contact : the forces of the nominal machine; None if they are not known.
+    forces : (machines, 2) smallest and largest contact force [N] of each; None likewise.
     """
 
     linear: Linear
@@ -52,6 +55,8 @@ class Sampled:
     errors: FloatArray
     accelerations: FloatArray
     acceleration: float
+    contact: ContactForces | None
+    forces: FloatArray | None
 
     @property
     def count(self) -> int:
@@ -99,8 +104,14 @@ class Sampled:
         return math.sqrt(share * (1.0 - share) / self.count)
 
 
-def sampled(linear: Linear, count: int = COUNT, seed: int = 0) -> Sampled:
+def sampled(
+    linear: Linear, count: int = COUNT, seed: int = 0, contact: ContactForces | None = None
+) -> Sampled:
     """Random machines by a scrambled Sobol sequence; the same seed draws the same ones.
+
+    Parameters
+    ----------
+    contact : forces of the nominal machine at the angles of the analysis, if they are known.
 
     Raises
     ------
@@ -111,13 +122,26 @@ def sampled(linear: Linear, count: int = COUNT, seed: int = 0) -> Sampled:
         raise GeometryError(f"must be from {FEWEST} to {MOST:,}", "count", str(count))
     if not 0 <= seed < 2**63:
         raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
-    errors, accelerations = [], []
+    errors, accelerations, forces = [], [], []
     for machines in _machines(linear.stated.sources, count, seed):
-        position = replayed(linear.nominal, machines).position
+        found = replayed(linear.nominal, machines)
+        position = found.position
+        if contact is not None:
+            off = found.follower - linear.nominal.lifts[:3, np.newaxis]
+            normal = contact.of(*off[1:, :, :ANGLES])
+            forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
         errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
         accelerations.append(np.max(np.abs(position[2][:, :ANGLES]), axis=1))
     nominal = float(np.max(np.abs(linear.nominal.positions[2][:ANGLES])))
-    return Sampled(linear, seed, np.concatenate(errors), np.concatenate(accelerations), nominal)
+    return Sampled(
+        linear,
+        seed,
+        np.concatenate(errors),
+        np.concatenate(accelerations),
+        nominal,
+        contact,
+        np.concatenate(forces) if forces else None,
+    )
 
 
 def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[Deviations]:

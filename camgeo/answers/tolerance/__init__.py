@@ -10,9 +10,11 @@ import numpy as np
 
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
+from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.outline.path import Flank
 from camgeo.scene.scene import Scene
+from camgeo.tolerancing.contact import contact_forces
 from camgeo.tolerancing.distribution import SIGMAS
 from camgeo.tolerancing.linear import Contribution, Linear
 from camgeo.tolerancing.sampled import COUNT, QUANTILES, Sampled, sampled
@@ -49,6 +51,14 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
+class Spread:
+    """A quantity of the nominal machine, and what 1 %, 50 % and 99 % of machines do not exceed."""
+
+    nominal: float
+    machines: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Machines:
     """What random machines do; errors in the unit of the position.
 
@@ -60,8 +70,8 @@ class Machines:
     largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
     kept, kept_error : share of machines that keep the limit all round, and its standard error;
         None if there is no limit.
-    acceleration : largest magnitude, of the nominal machine [unit/rad^2].
-    accelerations : the same that 1 %, 50 % and 99 % of machines do not exceed.
+    acceleration : largest magnitude [unit/rad^2].
+    largest_force, smallest_force : of the contact [N]; None if they are not known.
     """
 
     count: int
@@ -71,8 +81,9 @@ class Machines:
     largest: float
     kept: float | None
     kept_error: float | None
-    acceleration: float
-    accelerations: tuple[float, ...]
+    acceleration: Spread
+    largest_force: Spread | None
+    smallest_force: Spread | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,10 +194,9 @@ class ToleranceAnalysis(Answer):
             largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
             kept=found.kept,
             kept_error=found.kept_error,
-            acceleration=found.acceleration * factor,
-            accelerations=tuple(
-                float(each) * factor for each in np.quantile(found.accelerations, QUANTILES)
-            ),
+            acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
+            largest_force=_force(found, 1),
+            smallest_force=_force(found, 0),
         )
 
     @property
@@ -198,6 +208,18 @@ class ToleranceAnalysis(Answer):
     def exit_code(self) -> int:
         """1 if they do not."""
         return BROKEN if self.within is False else FINE
+
+
+def _spread(nominal: float, values: FloatArray) -> Spread:
+    return Spread(nominal, tuple(map(float, np.quantile(values, QUANTILES))))
+
+
+def _force(found: Sampled, end: int) -> Spread | None:
+    """The smallest contact force, `end` 0, or the largest, 1."""
+    if found.contact is None or found.forces is None:
+        return None
+    nominal = (np.min, np.max)[end](found.contact.nominal)
+    return _spread(float(nominal), found.forces[:, end])
 
 
 def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
@@ -218,5 +240,8 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
     """
     linear = Linear(stated_of(design))
     contributions = linear.contributions
-    found = sampled(linear, count, seed) if count else None
+    found = None
+    if count:
+        contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
+        found = sampled(linear, count, seed, contact)
     return ToleranceAnalysis(design.scene, linear, contributions, found)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.answers.sweep.rendering import aligned
-from camgeo.answers.tolerance import Machines, Share, ToleranceAnalysis
+from camgeo.answers.tolerance import Machines, Share, Spread, ToleranceAnalysis
 from camgeo.numeric.extremes import Extreme
 from camgeo.product.value_table import Table
 from camgeo.tolerancing.distribution import SIGMAS
@@ -21,6 +21,8 @@ NOTE: Final = (
     "share of the variance, over the turn and where it is largest;\n"
     "not linear: by how much the exact motion with 3 sigma of the source is off the linear one"
 )
+
+COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
 
 
 def text(answer: ToleranceAnalysis) -> str:
@@ -44,18 +46,26 @@ def text(answer: ToleranceAnalysis) -> str:
 
 
 def _machines(found: Machines, unit: str) -> list[str]:
-    low, middle, high = (f"{each:.5g}" for each in found.accelerations)
     lines = [
         f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
         f"  1 % or 99 % of the errors are beyond {_at(found.quantile, unit)}",
         f"  3 sigma {_at(found.three_sigma, unit)}",
         f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
-        f"  largest acceleration by the scene {found.acceleration:.5g} {unit}/rad^2",
-        f"  of 1 %, 50 % and 99 % of machines at most {low}, {middle} and {high}",
     ]
     if found.kept is not None:
         lines.append(f"  {found.kept:.2%} keep the limit all round, +- {found.kept_error:.1%}")
+    lines += ["", f"what deviations cost: {COST}"]
+    lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
+    lines += _cost("largest contact force", "N", found.largest_force)
+    lines += _cost("smallest contact force", "N", found.smallest_force)
     return lines
+
+
+def _cost(name: str, unit: str, found: Spread | None) -> list[str]:
+    if found is None:
+        return []
+    machines = ", ".join(f"{each:.5g}" for each in found.machines)
+    return [f"  {name} {found.nominal:.5g} {unit}: {machines}"]
 
 
 def _verdict(answer: ToleranceAnalysis) -> str:
