@@ -40,7 +40,6 @@ export class Session {
   private readonly due = new Set<Topic>();
   private readonly connection: Connection;
   private gestures = 0;
-  private scheduled = false;
 
   constructor() {
     this.connection = new Connection({
@@ -72,20 +71,17 @@ export class Session {
     for (const topic of [topics].flat()) this.calls.set(topic, [...(this.calls.get(topic) ?? []), call]);
   }
 
-  // Tells those who listen, once in the next frame however often it is asked for.
+  // Tells those who listen, once for each message or event however often it is asked for, and before
+  // the next frame, which has only to be painted then.
   tell(...topics: Topic[]): void {
+    if (!this.due.size) {
+      queueMicrotask(() => {
+        const calls = new Set([...this.due].flatMap((topic) => this.calls.get(topic) ?? []));
+        this.due.clear();
+        for (const call of calls) call();
+      });
+    }
     for (const topic of topics) this.due.add(topic);
-    if (this.scheduled) return;
-    this.scheduled = true;
-    const now = (): void => {
-      if (!this.scheduled) return;
-      this.scheduled = false;
-      const calls = new Set([...this.due].flatMap((topic) => this.calls.get(topic) ?? []));
-      this.due.clear();
-      for (const call of calls) call();
-    };
-    requestAnimationFrame(now);
-    if (document.hidden) window.setTimeout(now, 50); // no frames are drawn then
   }
 
   // A name under which several changes are one step to undo.
