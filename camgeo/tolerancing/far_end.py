@@ -75,7 +75,10 @@ class FarEnd:
         ----------
         lift, x : (n,) coordinates of the follower and of the far end.
         follower : (n,) dq of the follower's coordinate, at its own place.
+
+        Raises GeometryError with key "linkage" where the follower cannot move the far end.
         """
+        per_follower = self.linkage.per_follower(x)
         near, far = self.near.at(lift)[0], self.far.at(x)[0]
         apart = far - near
         moved = np.zeros_like(apart)
@@ -97,7 +100,7 @@ class FarEnd:
             case Way.PIVOT:
                 moved = moved - factor
         rest = (longer - dot(apart, moved)) / dot(apart, self.far.velocity(far)[0])
-        return self.linkage.per_follower(x) * follower + rest
+        return per_follower * follower + rest
 
     def deviating(self, deviations: Deviations) -> FarEnd:
         """The linkages (m, ...) of machines that deviate."""

@@ -42,7 +42,11 @@ BLOCK: Final = 16384
 
 LOST: Final = (
     "a machine within the tolerances has no contact near the nominal one, at cam angle {:.6g} deg:"
-    " the tolerances are too large, or a flat face touches a flank that waves make hollow"
+    " the tolerances are too large"
+)
+
+HOLLOW: Final = (
+    "a flat face cannot touch all of a flank that waves make hollow: make them lower, or fewer"
 )
 
 
@@ -83,6 +87,10 @@ class Touching(ABC):
         self.normal = normal
 
     @abstractmethod
+    def require_reach(self, cam: Placed) -> None:
+        """GeometryError if the follower cannot touch the curve at all of these places."""
+
+    @abstractmethod
     def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Newton's steps of u and q (m, n)."""
 
@@ -97,6 +105,9 @@ class Touching(ABC):
 
 class Rolling(Touching):
     """A roller's centre lies on the curve."""
+
+    def require_reach(self, cam: Placed) -> None:
+        """See `Touching`: it can, wherever the curve is smooth."""
 
     def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Touching`."""
@@ -129,6 +140,11 @@ class Rolling(Touching):
 class Flat(Touching):
     """A flat face is tangent to the curve."""
 
+    def require_reach(self, cam: Placed) -> None:
+        """See `Touching`: the curve, along which n = i sigma t, is bent inward everywhere."""
+        if not np.all(dot(cam.spin * cam.along, cam.bend) < 0.0):
+            raise GeometryError(HOLLOW)
+
     def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Touching`."""
         normal = self.normal * self.pose.turned(q)
@@ -150,7 +166,10 @@ class Flat(Touching):
         first = -dot(normal, cam.sweep) / closing
         tilt = dot(turning, cam.along)
         swept = dot(normal, cam.spin * cam.along)
-        du = -(swept + tilt * first) / dot(normal, cam.bend)
+        bend = dot(normal, cam.bend)
+        if not np.all(bend < 0.0):
+            raise GeometryError(HOLLOW)
+        du = -(swept + tilt * first) / bend
         pull = dot(turning, self.pose.velocity(cam.place))
         second = -dot(normal, cam.place - cam.axis) + swept * du
         second += 2.0 * dot(turning, cam.sweep) * first + tilt * du * first - pull * first * first
@@ -251,6 +270,8 @@ def _follower(nominal: Sensitivities, deviations: Deviations, found: Touching) -
     for _ in range(STEPS):
         point, along, bend = curve.at(u)
         cam = Placed(axis + turn * (point + seat), turn * along, turn * bend, spin, axis)
+        if last == np.inf:
+            found.require_reach(cam)
         if last <= scale:
             return np.stack((q, *found.rates(cam, q)))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -272,11 +293,13 @@ def _setting(nominal: Touching, deviations: Deviations, follower: Follower) -> F
         return q
     for _ in range(STEPS):
         radius, rate = nominal.radius(q)
-        step = (aimed - radius) / rate
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = (aimed - radius) / rate
         q = q + step
         if np.all(np.abs(step) <= SETTLED * follower.lift_scale):
             return q
-    raise GeometryError("no machine has such a base radius", key="follower.base_radius")
+    message = "a machine within the tolerances would have one that its follower cannot reach"
+    raise GeometryError(message, key="follower.base_radius")
 
 
 def _normal(along: ComplexArray) -> tuple[ComplexArray, FloatArray]:

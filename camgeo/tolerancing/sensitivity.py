@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet
 from camgeo.numeric.arrays import FloatArray
 from camgeo.tolerancing.far_end import FarEnd
@@ -69,11 +70,18 @@ class Sensitivities:
 
     @property
     def _setting(self) -> float:
-        """Rate of the radius at lift 0, at which it is the base radius, per unit of lift."""
+        """Rate of the radius at lift 0, at which it is the base radius, per unit of lift.
+
+        Raises GeometryError if it is 0.
+        """
         pose = self.machine.pose
         place = complex(pose.start[0, 0])
         rate = complex(pose.velocity(pose.start)[0, 0])
-        return (place.conjugate() * rate).real / abs(place)
+        found = (place.conjugate() * rate).real / abs(place)
+        if found == 0.0:
+            message = "does not say where the follower is: at lift 0 it is nearest to the cam axis"
+            raise GeometryError(message, "follower.base_radius")
+        return found
 
     def _pushed(self, unit: Unit) -> FloatArray:
         """(n,) [mm] n . (dR - dW) per unit."""

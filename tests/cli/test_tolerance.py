@@ -119,6 +119,28 @@ def test_machines_that_are_not_analysed(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("scene", "old", "new", "table", "said"),
+    [
+        (
+            "plate_translating", "offset = 12", "offset = 50", 'key = "follower.base_radius"',
+            "the cam cannot move the follower at cam angle",
+        ),
+        ("tappet", "", "", 'key = "shaft.x"', "form[1]: a flat face cannot touch all of a flank"),
+    ],
+)  # fmt: skip
+def test_machines_without_an_answer(
+    tmp_path: Path, capsys: Capture, scene: str, old: str, new: str, table: str, said: str
+) -> None:
+    path = tmp_path / "scene.toml"
+    text = (FIXTURES / "scenes" / f"{scene}.toml").read_text("utf-8")
+    assert old in text
+    text = text.replace(old, new) + f"\n[[tolerance.dimension]]\n{table}\nplus_minus = 0.01\n"
+    path.write_text(f"{text}\n[[tolerance.form]]\nplus_minus = 0.02\nwaves = 60\n", "utf-8")
+    assert main(["tolerance", str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
 def test_a_flank_that_carries_nothing(tmp_path: Path, capsys: Capture) -> None:
     scene = replaced(tmp_path, "limit = 0.055  # degrees", 'flank = "outer"')
     assert main(["tolerance", scene]) == 2
