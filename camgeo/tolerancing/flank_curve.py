@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.curve.pitch_curve import PitchCurve, curvature_slope
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.tolerancing.freedoms import Deviations, Way
@@ -41,7 +41,9 @@ class FlankCurve:
             Where a roller that is too large, or waves, undercut.
         """
         pitch, angles = self.pitch, u.ravel()
-        relative = pitch.relative_jet(angles, order=2)
+        follower, rotation = pitch.follower, pitch.rotation
+        motion = pitch.motion.jet(angles)
+        relative = follower.relative_jet(motion, rotation, 2)
         jet = pitch.in_cam(relative, angles, relative.along[:3], relative.across[:3])
         z, z1, z2 = jet.reshape(3, *u.shape)
         grown = self._growth(u)
@@ -49,10 +51,10 @@ class FlankCurve:
             return z, z1, z2
         c, c1, c2 = grown
         v = np.abs(z1)
-        kappa = pitch.follower.curvature(relative, v.ravel(), pitch.rotation).reshape(u.shape)
-        slope = pitch.curvature_slope(angles).reshape(u.shape)
+        kappa = follower.curvature(relative, v.ravel(), rotation).reshape(u.shape)
+        slope = curvature_slope(follower.tangent_jet(motion, rotation), rotation).reshape(u.shape)
         t = z1 / v
-        normal = 1j * pitch.rotation * t
+        normal = 1j * rotation * t
         whole = 1.0 + c * kappa
         if not np.all(whole > 0.0):
             raise GeometryError(

@@ -23,7 +23,8 @@ COUNT: Final = 1024
 """Machines unless another number is stated: the quantiles of 1 % have ten machines beyond them."""
 
 FEWEST: Final = 128
-MOST: Final = 65536
+MOST: Final = 16384
+"""Their errors take 50 MB."""
 
 QUANTILES: Final = (0.01, 0.5, 0.99)
 

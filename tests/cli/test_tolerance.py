@@ -32,8 +32,8 @@ def test_table_and_record_are_the_same_bytes_again(tmp_path: Path, capsys: Captu
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--count", "127"), "count = 127: must be from 128 to 65,536"),
-        (("--count", "1000000000"), "must be from 128 to 65,536"),
+        (("--count", "127"), "count = 127: must be from 128 to 16,384"),
+        (("--count", "1000000000"), "must be from 128 to 16,384"),
         (("--seed", "-1"), "seed = -1: must be a whole number from 0"),
         (("-o", "errors.toml"), "must end in one of .csv, .json, .png"),
     ],

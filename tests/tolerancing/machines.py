@@ -46,15 +46,16 @@ def fixture(name: str) -> Sensitivities:
     return sensitivities(load_scene(FIXTURES / "scenes" / f"{name}.toml"))
 
 
-def round_cam(kind: str) -> Sensitivities:
-    """A round disc, whose follower of that kind rests all round."""
+def round_cam(kind: str, contact: dict[str, str] | None = None, **tables: Any) -> Sensitivities:
+    """A round disc, whose follower of that kind rests all round, perhaps on another flank."""
     return sensitivities(
         Scene({
             "camgeo": 1,
             "name": "round",
             "cam": {"rotation": "cw"},
-            "follower": {"kind": kind, "base_radius": ROUND, **FOLLOWERS[kind]},
+            "follower": {"kind": kind, "base_radius": ROUND, **FOLLOWERS[kind], **(contact or {})},
             "motion": [{"dwell": 360}],
+            **tables,
         })
     )  # fmt: skip
 

@@ -7,22 +7,23 @@ phi). Elementary geometry gives the lift; nothing of camgeo computes here.
 from __future__ import annotations
 
 import cmath
+import math
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from camgeo.mechanism.declared.registry import FOLLOWERS as KINDS
 from camgeo.tolerancing.dimensions import dimensions_of
 from camgeo.tolerancing.freedoms import Deviations, Freedom, Way
 from camgeo.tolerancing.replay import replayed
+from tests.long_form import examples
 from tests.tolerancing.machines import FOLLOWERS, ROUND, errors, round_cam, turned
 
 OFF = 1.5 - 0.8j
 """E [mm]: large, so that nothing is nearly linear."""
-
-GROWN = 0.3
-"""By which a roller is too large [mm]."""
 
 Array = np.ndarray[Any, Any]
 
@@ -68,21 +69,35 @@ def test_there_is_a_closed_form_of_each_kind() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_eccentric_bore(kind: str) -> None:
-    """The exact motion is the closed form to rounding, and the linear one to the square of E."""
+@given(
+    size=st.floats(0.0, 3.0),
+    phase=st.floats(-math.pi, math.pi),
+    grown=st.floats(-1.0, 1.0),
+)
+@settings(max_examples=examples(8, long=200))
+def test_the_exact_motion(kind: str, size: float, phase: float, grown: float) -> None:
+    """To rounding, with a clearance, a larger roller or a flank with stock on it as well."""
     nominal = round_cam(kind)
     position, sign = CLOSED[kind]
-    follower = FOLLOWERS[kind]
-    rest = position(follower, np.zeros(1, complex), ROUND)
-    middle = turned(OFF, nominal)
-    grown = GROWN if "roller_radius" in follower else 0.0
-    values = {Freedom(Way.SEAT): np.array([OFF])}
-    if grown:
-        values[Freedom(Way.GROWTH)] = np.array([grown + 0j])
+    rest = position(FOLLOWERS[kind], np.zeros(1, complex), ROUND)
+    place = cmath.rect(size, phase)
+    values = {
+        Freedom(Way.SEAT): np.array([place]),
+        Freedom(Way.GROWTH): np.array([complex(grown)]),
+    }
     found = replayed(nominal, Deviations(1, values)).position[0, 0]
-    expected = sign * (position(follower, middle, ROUND + grown) - rest)
+    middle = turned(place, nominal)
+    expected = sign * (position(FOLLOWERS[kind], middle, ROUND + grown) - rest)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_linear_motion(kind: str) -> None:
+    """Its rest falls with the square of the eccentricity."""
+    nominal = round_cam(kind)
+    position, sign = CLOSED[kind]
+    follower, middle = FOLLOWERS[kind], turned(OFF, nominal)
+    rest = position(follower, np.zeros(1, complex), ROUND)
     known = dimensions_of(nominal.machine)
     linear = sum(
         size * nominal.of(known[f"mounting.{axis}"].unit)
@@ -94,6 +109,18 @@ def test_an_eccentric_bore(kind: str) -> None:
         return float(np.max(np.abs(exact - scale * linear)))
 
     assert left(1e-2) <= 1.1e-2 * left(1e-1) + 1e-14
+
+
+def test_a_larger_roller_on_an_outer_flank_lies_farther_inward() -> None:
+    """Inside a round hole, by its excess along the normal."""
+    kind, size = "translating-roller", 0.3
+    nominal = round_cam(kind, {"contact": "outer"}, part={"rim": 160, "thickness": 8})
+    unit = dimensions_of(nominal.machine)["follower.roller_radius"].unit
+    here, there = (
+        on_guide(FOLLOWERS[kind], np.zeros(1, complex), ROUND - less) for less in (0.0, size)
+    )
+    (found,) = errors(nominal, unit, size)
+    np.testing.assert_allclose(found, float(there[0] - here[0]), rtol=0, atol=1e-12)
 
 
 def test_a_shaft_that_is_displaced_is_a_bore_that_does_not_turn() -> None:
