@@ -79,7 +79,9 @@ def test_effects_that_a_pair_cannot_have_are_listed_from_the_rules() -> None:
     """Those that a conjugate pair has are in a fixture, and not among those that it has not."""
     page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     (barred,) = set(re.findall(r"Conjugate cams.* Not with (.*)\. \|", page))
-    assert barred == "[effects.friction] guide_length and guide_overhang, [effects.balance]"
+    assert barred == (
+        "[effects.friction] guide_length and guide_overhang, [effects.reactions], [effects.balance]"
+    )
     scene = parse_scene((ROOT / "fixtures" / "effects" / "conjugate_lever.toml").read_text("utf-8"))
     assert {"friction", "contact-force", "lift-off", "contact-pressure"} <= scene.effects.keys()
 

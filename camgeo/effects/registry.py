@@ -20,6 +20,7 @@ EFFECTS: Final[tuple[str, ...]] = (
     "spring-surge",
     "friction",
     "contact-force",
+    "reactions",
     "lift-off",
     "drive-torque",
     "speed-fluctuation",

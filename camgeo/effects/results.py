@@ -76,6 +76,18 @@ class Inertia(Acting):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Gravity(Acting):
+    """The weights.
+
+    Attributes
+    ----------
+    pull : acceleration of free fall in the drawing [mm/s^2].
+    """
+
+    pull: complex
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Spring(Acting):
     """A linear spring that closes the contact.
 
@@ -86,6 +98,8 @@ class Spring(Acting):
     unit_of_preload, unit_of_stiffness : units for display: "N" and "N/mm", or "N m" and "N m/rad",
         which are 1000 times the internal units.
     helical : the helical spring that has this stiffness; None if the scene states it itself.
+    line : (n,) unit vectors in the drawing along which a force above 0 acts on the follower; None
+        if it is a torsion spring, or acts on a slider.
     """
 
     way: Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
@@ -94,6 +108,7 @@ class Spring(Acting):
     unit_of_preload: str
     unit_of_stiffness: str
     helical: HelicalSpring | None = None
+    line: Callable[[FloatArray, Side], ComplexArray] | None = None
 
     def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) dx/dq: generalised force per unit of preload."""
@@ -103,6 +118,23 @@ class Spring(Acting):
         """(n,) -x dx/dq: generalised force per unit of stiffness."""
         x, rate = self.way(phi, side)
         return -x * rate
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bearing:
+    """How friction at the contact and the guide of a follower share its load, at n cam angles.
+
+    Attributes
+    ----------
+    tangential : (n,) force of the cam on the follower along the tangent of its path, per unit of
+        |N|.
+    tilt : (n,) moment on a guided follower, counter-clockwise, per unit of |N| [mm].
+    overhang : (n,) distance of the near end of the guide outwards of the roller's centre [mm].
+    """
+
+    tangential: FloatArray
+    tilt: FloatArray
+    overhang: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,9 +148,15 @@ class Friction(Acting):
         torque on the cam [mm], that is N mm per N, positive if it adds to the drive torque. Coulomb
         friction of guide and pivot is in [0] only, and is 0 during dwells; the roller still turns,
         and a face still slides, during dwells. GeometryError at a cusp.
+    bearing : at n cam angles, on the side `sense`.
+    guide_length : between the ends of the guide [mm]; None if the scene does not state it.
+    pivot_lever : lever of the friction in the pivot, of its load [mm].
     """
 
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
+    bearing: Callable[[FloatArray, Side, int], Bearing]
+    guide_length: float | None
+    pivot_lever: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +261,7 @@ class DriveTorque(Result):
 
 
 INERTIA: Final = Key[Inertia]("inertia")
-GRAVITY: Final = Key[Acting]("gravity")
+GRAVITY: Final = Key[Gravity]("gravity")
 LOAD: Final = Key[Acting]("load")
 SPRING: Final = Key[Spring]("spring")
 FRICTION: Final = Key[Friction]("friction")

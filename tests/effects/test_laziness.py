@@ -36,6 +36,7 @@ TABLES = {
     "spring-surge": "",
     "friction": "guide = 0.1",
     "contact-force": "",
+    "reactions": "",
     "lift-off": "",
     "drive-torque": "fluctuation = 0.05",
     "speed-fluctuation": "moment_of_inertia = 0.02\nno_load_speed = 66\nstall_torque = 40",

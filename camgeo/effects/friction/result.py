@@ -52,6 +52,9 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
         columns=(column(statics, borders),),
         force=Force("friction", _coefficients(subject, data), borders=borders),
         per_normal=statics.per_normal,
+        bearing=statics.bearing,
+        guide_length=data.guide_length,
+        pivot_lever=statics.pivot_lever,
     )
 
 

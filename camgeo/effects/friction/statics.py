@@ -47,6 +47,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.effects.friction.table import FrictionCoefficients
+from camgeo.effects.results import Bearing
 from camgeo.effects.touching import carrier, sliding
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
@@ -214,11 +215,21 @@ class Statics:
         torque -= turning * at.pin_moment + at.against_cam * at.rolling_moment
         return np.stack((force, torque))
 
+    def bearing(self, phi: FloatArray, side: Side, sense: int) -> Bearing:
+        """See `Friction`."""
+        at = self.state(phi, side, sense)
+        return Bearing(at.tangential, at.tilt, at.overhang)
+
+    @property
+    def pivot_lever(self) -> float:
+        """Of the friction in the pivot [mm]."""
+        return 0.5 * self.data.pivot * self.data.pivot_diameter
+
     def drag(self, at: ContactState) -> FloatArray:
         """(n,) [1 or mm] friction of guide or pivot along q."""
         data = self.data
         if self.swing:
-            return np.full(len(at.sine), 0.5 * data.pivot * data.pivot_diameter)
+            return np.full(len(at.sine), self.pivot_lever)
         return np.asarray(data.guide * (np.abs(at.near) + np.abs(at.far)))
 
     def margin(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:

@@ -13,13 +13,13 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.gravity import STANDARD_GRAVITY, GravityDirection
-from camgeo.effects.results import INERTIA, Acting
+from camgeo.effects.results import INERTIA, Gravity
 from camgeo.effects.wording import FORCES, extreme_findings
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 
 
-def compute(request: Request[GravityDirection]) -> Acting:
+def compute(request: Request[GravityDirection]) -> Gravity:
     """The weights of the masses of ``[effects.inertia]``: c0 alone, with its potential."""
     masses = request.results[INERTIA].masses
     pull = request.data.pull
@@ -45,7 +45,7 @@ def compute(request: Request[GravityDirection]) -> Acting:
 
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
-    return Acting(
+    return Gravity(
         force=Force("gravity", unmoved(on_follower), potential),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
@@ -58,6 +58,7 @@ def compute(request: Request[GravityDirection]) -> Acting:
             ),
         ),
         columns=(Column(f"weight {shown.word}", shown.unit, acting),),
+        pull=pull,
     )
 
 

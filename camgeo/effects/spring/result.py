@@ -87,6 +87,7 @@ def compute(request: Request[SpringData]) -> Spring:
         unit_of_preload=unit,
         unit_of_stiffness="N m/rad" if torsion else "N/mm",
         helical=data.helical,
+        line=way.line,
     )
 
 

@@ -16,14 +16,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
 from camgeo.effects.wording import at, degrees
 from camgeo.errors import GeometryError
 from camgeo.mechanism.positions import locked_at
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, piecewise_lowest
 
 if TYPE_CHECKING:
@@ -31,7 +31,18 @@ if TYPE_CHECKING:
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.motion import Motion
 
-Travel = Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
+
+class Travel(Protocol):
+    """See the module."""
+
+    def __call__(self, phi: FloatArray, side: Side, /) -> tuple[FloatArray, FloatArray]: ...
+
+    @property
+    def line(self) -> Callable[[FloatArray, Side], ComplexArray] | None:
+        """(n,) unit vectors in the drawing along which a force above 0 acts on the follower; None
+        if it is a torque, or acts on a slider.
+        """
+
 
 SHORTEST: Final = 1e-6
 """A spring shorter than this share of its lever arms has no definite direction."""
@@ -66,12 +77,21 @@ class Along:
     start : its value at cam angle 0 [mm or rad].
     sense : +1 if the spring relaxes as the motion increases, -1 if it relaxes as it decreases.
     linkage : from the slider to the rocker, with dq/ds; None if the motion is the follower's own.
+    way : direction of the guide in the drawing in which the motion increases; None about a pivot,
+        or along the guide of a slider.
     """
 
     motion: Motion
     start: float
     sense: float
     linkage: SliderCrank | None = None
+    way: complex | None = None
+
+    @property
+    def line(self) -> Callable[[FloatArray, Side], ComplexArray] | None:
+        """See `Travel`."""
+        way = self.way
+        return None if way is None else lambda phi, _: np.full(len(phi), self.sense * way)
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         place = self.motion.jet(phi, side, 1)[0]
@@ -122,6 +142,12 @@ class BetweenPoints:
         half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
         return self._length(half)
 
+    def line(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(n,) unit vectors of the force on the rocker: away from the fixed end by compression."""
+        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
+        ahead = self.attachment * np.exp(2j * half) - self.anchor
+        return np.asarray(self.sense * ahead / np.abs(ahead))
+
     def _length(self, half: FloatArray) -> FloatArray:
         length: FloatArray = np.abs(self.attachment * np.exp(2j * half) - self.anchor)
         return length
@@ -130,7 +156,8 @@ class BetweenPoints:
 def along_guide(subject: Subject) -> Along:
     """Along the guide of a translating follower; it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
-    return Along(subject.state.motion, _start(subject.drive.motion), sense)
+    way = subject.cam.follower.way
+    return Along(subject.state.motion, _start(subject.drive.motion), sense, way=way)
 
 
 def about_pivot(subject: Subject) -> Along:

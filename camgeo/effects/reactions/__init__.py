@@ -1,0 +1,22 @@
+"""Effect `reactions`: forces in the bearings of follower and camshaft."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from camgeo.declared import schema_beside
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect
+from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, SPRING
+from camgeo.effects.rules import ONE_CONTACT, ONE_DISC, ROLLERS, UNLINKED, Only
+
+EFFECT: Final = Effect(
+    name="reactions",
+    title="forces in guide, pivot and camshaft bearings",
+    compute="camgeo.effects.reactions.result:compute",
+    schema=schema_beside(__file__),
+    rules=(Only(UNLINKED), Only(ONE_DISC), Only(ONE_CONTACT), Only(ROLLERS)),
+    needs=(CONTACT_FORCE,),
+    uses=(INERTIA, GRAVITY, SPRING, FRICTION),
+    numerical=True,
+    refined_by=(RIGID, GIVEN_SPEED),
+)
