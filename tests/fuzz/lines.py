@@ -129,6 +129,8 @@ def line(rng: Random) -> Step:
         words.insert(rng.randint(0, len(words)), rng.choice(BROKEN))
     if command == "accuracy" and "--tolerances" not in words:  # the default ones take a minute
         words += ["--tolerances", rng.choice(("1e-1,1e-2", "1e-3", "0.5"))]
+    if command == "optimise" and "--evaluations" not in words:  # the usual 2,000 take minutes
+        words += ["--evaluations", "20"]
     if command == "watch":  # it would not end
         words += ["--runs", "1"]
     if command == "stability" and "--only" not in words:  # all of it takes a minute

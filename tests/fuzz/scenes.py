@@ -24,10 +24,11 @@ from tests.effects.test_random_scenes import scene_of
 from tests.end_to_end.random_mechanisms import drawn
 from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
 from tests.fuzz.drawn import WHOLE, edit, table
+from tests.fuzz.many import family, tolerances
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
-FOLDERS: Final = ("scenes", "effects", "milling", "pairs", "refused", "found")
+FOLDERS: Final = ("scenes", "effects", "milling", "pairs", "refused", "found", "tolerance")
 
 
 @cache
@@ -48,6 +49,9 @@ def scene_case(rng: Random) -> Case:
         steps.append(("sweep", SCENE, "-o", "runs.sqlite"))
         search = ("--least", "diameter", "--evaluations", "4")
         steps.append(("optimise", SCENE, *search, "-o", "best.toml"))
+    if "tolerance" in values:
+        count = rng.choice(("2", "64", "1024"))
+        steps.append(("tolerance", SCENE, "--count", count, "-o", "errors.csv"))
     if rng.random() < 0.5:
         steps.append(rng.choice(_others(rng)))
     elif rng.random() < 0.05:  # it takes seconds
@@ -197,25 +201,9 @@ def made_up(rng: Random) -> dict[str, Any]:
         paired(rng, values, radius)
     if rng.random() < 0.15:
         values["sweep"] = family(rng, radius)
+    if rng.random() < 0.15:
+        values["tolerance"] = tolerances(rng, radius, values)
     return values
-
-
-def family(rng: Random, radius: float) -> dict[str, Any]:
-    """A few designs, and what is asked of them."""
-    variables: list[dict[str, Any]] = [
-        {"key": "follower.base_radius", "from": radius, "to": 1.2 * radius, "count": 2},
-        {"key": "motion[1].law", "values": rng.sample(sorted(FAMILIES), 2)},
-        {"keys": ["cam.speed", "limits.diameter"], "values": [[10, 20 * radius], [1e5, 1]]},
-        {"key": "cam.rotation", "values": ["cw", "ccw"]},
-    ]
-    asked = ("transmission-angle", "peak:s'", "min:kappa", "verdict", "diameter", "closure")
-    found: dict[str, Any] = {
-        "vary": rng.sample(variables, rng.randint(1, 2)),
-        "ask": rng.sample(asked, rng.randint(1, 3)),
-    }
-    if rng.random() < 0.3:
-        found |= {"samples": rng.randint(1, 4), "method": rng.choice(("sobol", "random"))}
-    return found
 
 
 def paired(rng: Random, values: dict[str, Any], radius: float) -> None:
