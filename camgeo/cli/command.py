@@ -6,7 +6,7 @@ import argparse
 import json
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -15,6 +15,7 @@ from camgeo.answers import render
 from camgeo.answers.answer import FINE, Answer
 from camgeo.cli.streams import notify, say, write
 from camgeo.design import Design
+from camgeo.errors import OutputError
 from camgeo.lazy import Ledger
 from camgeo.wording import counted
 
@@ -154,6 +155,16 @@ def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None
     write_set(folder, data, force=arguments.force, progress=arguments.progress)
     for path, _, report in files:
         notify(f"{path}: {report}")
+
+
+def require_new(paths: Iterable[Path], arguments: argparse.Namespace) -> None:
+    """Refuse files that exist, unless they may be overwritten: what takes long is not computed for
+    files that cannot be written.
+    """
+    there = [str(path) for path in paths if os.path.lexists(path)]
+    if there and not arguments.force:
+        message = "allow it with --force, or name others; nothing was computed"
+        raise OutputError(f"{', '.join(there)} would be overwritten; {message}")
 
 
 def settle(folder: Path, arguments: argparse.Namespace) -> None:

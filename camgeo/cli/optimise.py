@@ -21,6 +21,7 @@ from camgeo.cli.command import (
     ending_in,
     engine_for,
     number,
+    require_new,
     show,
     write_files,
 )
@@ -103,6 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
     files = [Path(name) for name in arguments.output]
     if len({path.parent for path in files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o must name different files in one folder")
+    require_new(files, arguments)
     scene = load_scene(arguments.scene)
     folder = Path(arguments.scene).resolve().parent
     for path in files:

@@ -18,6 +18,7 @@ from camgeo.cli.command import (
     document,
     ending_in,
     engine_for,
+    require_new,
     show,
     write_files,
 )
@@ -202,6 +203,8 @@ def _outputs(arguments: argparse.Namespace) -> tuple[Path | None, Sequence[Path]
     all_files = [*files, *map(Path, filter(None, [arguments.picture]))]
     if len({path.parent for path in all_files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o and --picture must name different files in one folder")
+    if not stores:  # which keeps what is computed
+        require_new(all_files, arguments)
     return (stores[0] if stores else None), files
 
 

@@ -76,6 +76,15 @@ def test_no_design_that_keeps_the_limits(tmp_path: Path, capsys: Capture) -> Non
     assert not best.exists()
 
 
+def test_what_cannot_be_written_is_told_before_the_search(tmp_path: Path, capsys: Capture) -> None:
+    table = tmp_path / "best.csv"
+    table.write_text("someone's")
+    assert call(*TASK, "-o", str(table)) == 2
+    message = f"{table} would be overwritten; allow it with --force, or name others; nothing was"
+    assert message in capsys.readouterr().err
+    assert table.read_text() == "someone's"
+
+
 def test_ctrl_c_gives_the_best_so_far(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,6 +114,7 @@ def test_ctrl_c_gives_the_best_so_far(
         ([*RANGE, "--least", "diametre"], 'did you mean "diameter"?'),
         ([*TASK, "--keep", "transmission-angle=50"], "must be NAME>=NUMBER or NAME<=NUMBER"),
         ([*TASK, "--evaluations", "0"], "must be from 1 to 1,000,000"),
+        ([*TASK, "--evaluations", "1000000000"], "must be from 1 to 1,000,000"),
         ([*TASK, "--seed", "-1"], "must be a whole number from 0"),
         ([*TASK, "--seconds", "0"], "must be above 0"),
         ([*TASK, "--workers", "1000"], "workers = 1000: must be from 1 to 512"),

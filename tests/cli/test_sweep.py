@@ -77,6 +77,16 @@ def test_a_picture_beside_the_rows(tmp_path: Path, capsys: Capture) -> None:
     assert f"{picture}: pareto" in capsys.readouterr().err
 
 
+def test_what_cannot_be_written_is_told_before_anything_is_computed(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = tmp_path / "runs.csv"
+    table.write_text("someone's")
+    monkeypatch.setattr(engine, "rows_of", None)
+    assert call(*FAMILY, "-o", str(table)) == 2
+    assert f"{table} would be overwritten; allow it with --force" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
