@@ -108,6 +108,8 @@ SPRINGS: Final = (
     ("stiffness", "preload", "anchor", "attachment", "kind"),
 )
 
+WOUND: Final = ("wire", "preload")
+
 
 @cache
 def scene_text(name: str) -> str:
@@ -142,7 +144,7 @@ def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
     if kind == "material":
         return rng.choice(("steel", "steel-hardened", "cast-iron"))
     if "enum" in node:
-        return rng.choice(("extension", "torsion", "compression"))
+        return rng.choice(node["enum"])
     if kind:
         return number(rng, kind, wild=wild)
     if key == "coupler_centre":
@@ -185,7 +187,7 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
     chosen = [each for each in keys if rng.random() < 0.6]
     if effect == "spring":
         suits = SPRINGS if rocks else SPRINGS[:1]
-        chosen = list(rng.choice(suits[1:] if rocks and not slides else suits))
+        chosen = list(rng.choice(suits[1:] if rocks and not slides else (*suits, WOUND)))
     if effect == "vibration":
         stiff = "torsional_stiffness" if rocks and not slides else "stiffness"
         if "[linkage]" in text and not slides:  # the mass of its far end is not known
@@ -216,6 +218,17 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
     return list(dict.fromkeys(chosen))
 
 
+def wire(rng: Random) -> dict[str, float]:
+    """A helical spring that can be wound."""
+    diameter, active = rng.uniform(0.5, 5.0), rng.uniform(2.0, 12.0)
+    return {
+        "diameter": diameter,
+        "coil_diameter": diameter * rng.uniform(1.5, 15.0),
+        "active_coils": active,
+        "free_length": diameter * (active + 2.0) * rng.uniform(1.1, 4.0),
+    }
+
+
 def spelled(item: Any) -> str:
     """A value as TOML has it."""
     if isinstance(item, dict):
@@ -229,7 +242,7 @@ def tables_of(rng: Random, text: str) -> str:
     """Tables of some effects."""
     wild = rng.random() < 0.25
     named = {each for each in EFFECTS if rng.random() < 0.45}
-    if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation"}:
+    if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation", "spring-surge"}:
         named |= {"inertia", "spring"}
     if "[follower.return]" in text and rng.random() < 0.95:
         named -= {name for name, _ in only_for(ONE_DISC)}
@@ -246,6 +259,9 @@ def tables_of(rng: Random, text: str) -> str:
             if key == "kind":
                 kind = "torsion" if "torsional_stiffness" in lines[-1] + lines[-2] else "extension"
                 lines.append(f'kind = "{kind}"')
+                continue
+            if key == "wire":
+                lines.append(f"wire = {spelled(wire(rng))}")
                 continue
             item = value(rng, key, properties[key], wild=wild and rng.random() < 0.5)
             if item is not None:

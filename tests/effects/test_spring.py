@@ -298,7 +298,7 @@ def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
         linkage = SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch)
         if locked_at(linkage, plan) is None:
             continue
-        subject: Any = SimpleNamespace(drive=SimpleNamespace(plan=plan))
+        subject: Any = SimpleNamespace(state=SimpleNamespace(output=plan))
         with pytest.raises(GeometryError, match="square to the guide") as error:
             along_slider(subject, linkage)
         refused.append(error.value.key)
@@ -314,8 +314,8 @@ def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
         relative_jet=lambda jet, *_: SimpleNamespace(u=jet[0] - 0.5 * np.max(jet[0])),
     )  # fmt: skip
     plan = made.cam.drive.plan
-    drive = SimpleNamespace(plan=plan, motion=plan, smooth_angles=made.drive.smooth_angles)
-    subject: Any = SimpleNamespace(cam=SimpleNamespace(rotation=1, follower=follower), drive=drive)
+    state = SimpleNamespace(output=plan, motion=plan, smooth_angles=made.drive.smooth_angles)
+    subject: Any = SimpleNamespace(cam=SimpleNamespace(rotation=1, follower=follower), state=state)
     with pytest.raises(GeometryError, match="line of centres") as error:
         along_slider(subject, linkage)
     assert error.value.key == "effects.spring"
