@@ -155,7 +155,7 @@ LINKED: Final = Kind(
 UNLINKED: Final = Kind(
     "far",
     ("slider", "lever", "crank"),
-    "supports a follower that moves its load itself, and the scene has a [linkage]",
+    "supports a follower without a linkage, and the scene has a [linkage]",
     "Not with a linkage.",
 )
 DRIVING_SLIDER: Final = Kind(
