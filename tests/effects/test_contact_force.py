@@ -358,7 +358,7 @@ def test_each_flank_of_a_groove_is_reported() -> None:
 
 def test_a_shock_is_reported_and_the_rest_stays_finite() -> None:
     effects = "[effects.inertia]\nmass = 1\n[effects.load]\nconstant = 3\n[effects.contact-force]\n"
-    subject = design("straight_moves", effects)
+    subject = design("straight_moves", effects, ('"trim"', '"refuse"'))
     contact = subject.effect("contact-force")
     shocks = [each for each in contact.findings if each.name == "shock"]
     assert [round(math.degrees(each.cam_angle)) for each in shocks] == [50, 140, 200, 320]

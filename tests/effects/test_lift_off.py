@@ -162,7 +162,7 @@ def test_contact_that_touches_0_is_reported_and_not_lost() -> None:
 
 
 def test_a_velocity_that_jumps_away_lifts_off_at_any_speed() -> None:
-    found = lift_off(design("straight_moves", effects(preload=1e6)))
+    found = lift_off(design("straight_moves", effects(preload=1e6), ('"trim"', '"refuse"')))
     lost = named(found, "lift-off")
     assert [round(math.degrees(each.cam_angle)) for each in lost] == [140, 200]
     assert one(found, "lift-off-speed").value == 0.0
