@@ -17,6 +17,7 @@ from camgeo.displayed import Brief
 from camgeo.errors import Fault, FileError
 from camgeo.reading import SCENE, check_toml
 from camgeo.scene.keys import Path, key_lines, line_of, spelled, value_at
+from camgeo.scene.noted import ABSENT
 from camgeo.scene.tree import DEEPEST, Taking, Tree, refused
 
 LONGEST_VALUE: Final = 60
@@ -26,6 +27,8 @@ INTEGER_BITS: Final = 64
 """Bits of TOML's integers; a longer one is no size of a cam, and slow to print."""
 
 BYTE_ORDER_MARK: Final = "\ufeff"
+
+NOTHING: Final = (ABSENT, None)
 
 TOML_PLACE: Final = re.compile(r" \(at (?:line (?P<line>\d+), column \d+|end of document)\)$")
 """The place that tomllib appends to its messages."""
@@ -134,10 +137,16 @@ def document_of(values: Mapping[str, Any]) -> Document:
     return document_of_tree(Taking().take(values))
 
 
-def document_of_tree(exact: Tree, lines: dict[Path, int] | None = None) -> Document:
-    """The document of a tree, which must not be changed afterwards, with the lines of its keys."""
+def document_of_tree(
+    exact: Tree, lines: dict[Path, int] | None = None, earlier: Document | None = None
+) -> Document:
+    """The document of a tree, which must not be changed afterwards, with the lines of its keys.
+
+    What the tree shares with that of an `earlier` document without faults is taken from there.
+    """
     troubles: dict[Path, str] = {}
-    plain = _plain(exact, (), troubles)
+    known = NOTHING if earlier is None else (earlier.exact, earlier.plain)
+    plain = _plain(exact, (), troubles, known)
     found = Document(exact, plain, (), frozenset(troubles), lines or {})
     return replace(found, faults=tuple(itertools.starmap(found.fault, troubles.items())))
 
@@ -199,12 +208,23 @@ def _trouble(value: Any) -> str:
     return ""
 
 
-def _plain(value: Any, path: Path, troubles: dict[Path, str]) -> Any:
-    """The value with floats, None for what no scene may have; the reason goes into `troubles`."""
+def _plain(
+    value: Any, path: Path, troubles: dict[Path, str], known: tuple[Any, Any] = NOTHING
+) -> Any:
+    """The value with floats, None for what no scene may have; the reason goes into `troubles`.
+
+    `known` is a value without troubles and what was made of it.
+    """
     if len(path) > DEEPEST:
         raise RecursionError
+    if value is known[0]:
+        return known[1]
     if isinstance(value, dict):
-        return {key: _plain(item, (*path, key), troubles) for key, item in value.items()}
+        exact, plain = known if isinstance(known[0], dict) else ({}, {})
+        return {
+            key: _plain(item, (*path, key), troubles, (exact.get(key, ABSENT), plain.get(key)))
+            for key, item in value.items()
+        }
     if isinstance(value, list):
         return [_plain(item, (*path, index), troubles) for index, item in enumerate(value)]
     if trouble := _trouble(value):

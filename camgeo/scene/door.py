@@ -25,13 +25,14 @@ from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.motion import MotionRequests
 from camgeo.scene.rules import broken_rules
-from camgeo.scene.schema import MILLING, definition, schema_for
+from camgeo.scene.schema import EFFECTS, MILLING, OUTPUT, definition, schema_for
 from camgeo.scene.schema_faults import judge
-from camgeo.scene.valid_values import ValidValues
+from camgeo.scene.valid_values import ValidValues, far_end_of
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.cam.breadth import Yoke
+    from camgeo.formats.drawing import DrawingSpec
     from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
@@ -67,7 +68,8 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
         found = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
         raise SceneError(found, source.file)
     values = ValidValues(document, verdict.bad, verdict.meant)
-    faults = [*document.faults, *verdict.faults, *broken_rules(values)]
+    stated: ValidValues | None = earlier["stated"] if earlier else None
+    faults = [*document.faults, *verdict.faults, *broken_rules(values, stated)]
     inside = Inside(values, source.folder, source.contents)
     builder = Builder(inside, earlier or {})
     # The plan repeats some of these checks with messages of its own.
@@ -77,8 +79,9 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     mount = None if follower is None else builder.mount()
     returning = None if mount is None or follower is None else builder.returning(mount, follower)
     effects = builder.effects({fault.key for fault in faults})
-    output = builder.output()
-    milling = builder.milling(output, {fault.key for fault in faults})
+    output = builder.kept("output", Builder.output)
+    faulted = {fault.key for fault in faults}
+    milling = builder.kept("milling", lambda own: own.milling(output, faulted))
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
     faults += inside.faults
@@ -120,6 +123,25 @@ class Builder:
             return False
         now, then = self.values.scene.exact, self._earlier["stated"].scene.exact
         return all(now.get(name) is then.get(name) for name in ("units", *tables))
+
+    def kept(self, name: str, make: Callable[[Builder], Built]) -> Built:
+        """What `make` builds, or the attribute `name` of the earlier scene if nothing that this was
+        built from has changed.
+
+        `make` reads the scene by its builder alone. What is built from files is built again.
+        """
+        reads = self.values.reads
+        if name in reads:
+            found: Built = self._earlier[name]
+            return found
+        if not (self._earlier and self.values.flawless):
+            return make(self)
+        inside, noted = self.inside.noting()
+        made = make(Builder(inside, self._earlier))
+        self.inside.take(inside)
+        if not inside.contents:
+            reads[name] = noted.noted
+        return made
 
     def plan(self) -> MotionPlan | None:
         """The motion plan; None if the motion is not valid."""
@@ -198,7 +220,7 @@ class Builder:
         if unit not in kind.members:
             return None  # which is reported
         earlier = self._earlier
-        if self._unchanged("linkage") and earlier["stated"].far_end == self.values.far_end:
+        if self._unchanged("linkage") and far_end_of(earlier["stated"]) == far_end_of(self.values):
             linkage: Linkage = earlier["linkage"]
             return linkage
         return self._engine(("linkage",), lambda: kind.build(given, unit))
@@ -253,29 +275,42 @@ class Builder:
             "speed_curve": speed_curve,
             "contact": self.values.contact or Contact.INNER,
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
-            "limits": self._engine(("limits",), lambda: Limits(**self._top("limits"))),
-            "part": self._engine(("part",), partial(self._part, effects)),
+            "limits": self.kept("limits", Builder._limits),
+            "part": self.kept("part", lambda own: own.part(effects)),
             "model": get("state", "motion"),
-            "printing": self._engine(("print",), self._printing),
-            "drawing": self._engine(("drawing",), lambda: drawing_of(self._top("drawing"))),
+            "printing": self.kept("printing", Builder._printing),
+            "drawing": self.kept("drawing", Builder._drawing),
         }
 
-    def _part(self, effects: Attributes) -> PartSpec | None:
+    def _limits(self) -> Limits | None:
+        return self._engine(("limits",), lambda: Limits(**self._top("limits")))
+
+    def _drawing(self) -> DrawingSpec | None:
+        return self._engine(("drawing",), lambda: drawing_of(self._top("drawing")))
+
+    def part(self, effects: Attributes) -> PartSpec | None:
+        """The part; the `effects` are those that the scene names."""
+        self.values.raw(EFFECTS)
         if not self.values.has("part"):
             return None
-        found = part_of(self._top("part"), self.values.get("name"))
-        if WEIGHING not in effects:
-            return found
-        from camgeo.scene.effects import weighed  # few scenes name an effect
+        top, name = self._top("part"), self.values.get("name")
 
-        return weighed(found, effects[WEIGHING], self.inside)
+        def made() -> PartSpec:
+            found = part_of(top, name)
+            if WEIGHING not in effects:
+                return found
+            from camgeo.scene.effects import weighed  # few scenes name an effect
+
+            return weighed(found, effects[WEIGHING], self.inside)
+
+        return self._engine(("part",), made)
 
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
             return None
         from camgeo.printing.spec import print_of  # few scenes print
 
-        return print_of(self._top("print"))
+        return self._engine(("print",), lambda: print_of(self._top("print")))
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""
@@ -292,9 +327,11 @@ class Builder:
     def milling(self, output: OutputSpec, faulted: Collection[str] = ()) -> MillingSpec | None:
         """What the scene says on milling; None if it says nothing, or nothing valid.
 
-        No further faults are reported if one of its keys is among those `faulted`.
+        No further faults are reported if one of its keys is among those `faulted`. `output` is that
+        of the scene.
         """
-        named = any(name in self.values.scene.plain for name in MILLING)
+        self.values.raw(OUTPUT)
+        named = any(self.values.has(name) for name in MILLING)
         if not (named or "gcode" in output.options.given):
             return None
         if any((path_of(key) or ("",))[0] in MILLING for key in faulted):

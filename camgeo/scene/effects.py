@@ -15,8 +15,8 @@ from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
-from camgeo.scene.schema import EFFECTS, schema_for
-from camgeo.scene.valid_values import ValidValues
+from camgeo.scene.schema import EFFECTS, NAMING, schema_for
+from camgeo.scene.valid_values import ValidValues, far_end_of, tables_of
 
 ROUNDING: Final = 1e-12
 """Share by which two densities may differ and be the same in other units."""
@@ -28,7 +28,7 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
     Only valid ones; no further faults are reported for those whose keys are among `faulted`.
     """
     values = inside.values
-    given = values.scene.plain.get(EFFECTS)
+    given = values.raw(EFFECTS)
     named = given if isinstance(given, dict) else {}
     found: dict[str, dict[str, Any]] = {}
     for name in named:
@@ -81,8 +81,8 @@ def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:
     Each with the reason.
     """
     machine = _machine(values)
-    for effect in schema_for(values.scene.plain).effects:
-        name, table = effect.name, values.scene.plain[EFFECTS][effect.name]
+    for effect in schema_for(tables_of(values, *NAMING)).effects:
+        name, table = effect.name, values.raw(EFFECTS, effect.name)
         if not isinstance(table, dict):
             continue
         meant = {key for key in effect.schema.get("properties", {})
@@ -102,7 +102,7 @@ def _machine(values: ValidValues) -> Machine:
         lift=None if kind is None else kind.unit,
         touching=None if kind is None else kind.touching,
         edged=values.get("follower", "roller_radius") == 0.0,
-        far="" if values.lacks("linkage") else values.far_end,
+        far="" if values.lacks("linkage") else far_end_of(values),
         paired=values.has("follower", "return"),
         yoked=values.has("follower", "yoke"),
     )

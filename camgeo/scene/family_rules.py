@@ -20,7 +20,7 @@ from camgeo.scene.varied import (
 def families_vary(values: ValidValues) -> Iterator[Broken]:
     """Each variable has keys that a scene may have, each once, and values for them."""
     for name in FAMILIES:
-        table = values.scene.plain.get(name)
+        table = values.raw(name)
         if not isinstance(table, dict) or not isinstance(table.get("vary"), list):
             continue
         seen: set[str] = set()
@@ -58,7 +58,7 @@ def _keys(
 ) -> Iterator[Broken]:
     for where, key in places.items():
         try:
-            design_path(values.scene.exact, key, seen)
+            design_path(values.raw(), key, seen)
         except SceneError as error:
             (fault,) = error.faults
             yield where, f"{fault.message} ({fault.hint})" if fault.hint else fault.message

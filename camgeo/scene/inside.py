@@ -11,7 +11,7 @@ from camgeo.errors import CamgeoError, Fault, unreadable
 from camgeo.reading import TABLE
 from camgeo.scene.keys import Path, spelled
 from camgeo.scene.schema import Node, schema
-from camgeo.scene.valid_values import ValidValues
+from camgeo.scene.valid_values import Noted, ValidValues
 from camgeo.units import RPM
 
 SCALES: Final[dict[str, float]] = {
@@ -76,6 +76,17 @@ class Inside:
         self.hashes: dict[str, str] = {}
         self._folder = folder
         self._known = known or {}
+
+    def noting(self) -> tuple[Inside, Noted]:
+        """Another one that notes what is read of the same values, none of which may be wrong."""
+        noted = Noted(self.values.scene)
+        return Inside(noted, self._folder, {**self._known, **self.contents}), noted
+
+    def take(self, other: Inside) -> None:
+        """All that the other one has found."""
+        self.faults += [fault for fault in other.faults if fault not in self.faults]
+        self.contents |= other.contents
+        self.hashes |= other.hashes
 
     def fault(self, path: Path, message: str, hint: str = "") -> None:
         """Note a fault of the value at `path`, which need not exist, once."""

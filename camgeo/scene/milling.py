@@ -10,7 +10,7 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.formats.gcode import misfits
 from camgeo.scene.document import document
 from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path, path_of, value_at
+from camgeo.scene.keys import Path, path_of
 from camgeo.scene.schema import MILLING, library_schema, milling_tables
 from camgeo.scene.schema_faults import judged
 from camgeo.scene.valid_values import ValidValues
@@ -110,7 +110,7 @@ def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
 def _places(values: ValidValues, name: str) -> list[Path]:
     """Where the tables of that name are, one with a dot within another table."""
     path = tuple(name.split("."))
-    given = value_at(values.scene.plain, path)
+    given = values.raw(*path)
     if isinstance(given, list):
         return [(*path, k) for k in range(len(given))]
     return [] if given is None else [path]

@@ -14,15 +14,16 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.family_rules import families_vary
 from camgeo.scene.keys import Path
+from camgeo.scene.noted import unchanged
 from camgeo.scene.part_rules import (
     chamfers_have_edges,
     contact_and_part_agree,
     part_is_possible,
 )
 from camgeo.scene.print_rules import print_suits_the_part
-from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, SHAPES, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, NAMING, SHAPES, schema_for
 from camgeo.scene.tolerance_rules import tolerances_are_stated_once
-from camgeo.scene.valid_values import Broken, ValidValues
+from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -68,9 +69,22 @@ JERK: Final = "jerk"
 Rule = Callable[[ValidValues], Iterator[Broken]]
 
 
-def broken_rules(values: ValidValues) -> list[Fault]:
-    """Return the faults of all rules."""
-    return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
+def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> list[Fault]:
+    """Return the faults of all rules.
+
+    Those that an `earlier` scene without faults obeyed, and that read nothing that has changed
+    since, are obeyed still.
+    """
+    if earlier is None or not values.flawless:
+        return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
+    values.reads |= unchanged(earlier.reads, earlier.scene.exact, values.scene.exact)
+    found: list[Fault] = []
+    for rule in RULES:
+        if rule not in values.reads:
+            noted = Noted(values.scene)
+            found += [values.scene.fault(*broken) for broken in rule(noted)]
+            values.reads[rule] = noted.noted
+    return found
 
 
 def spans_add_up(values: ValidValues) -> Iterator[Broken]:
@@ -238,7 +252,7 @@ def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
 
 def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
     """Keys that effects declare for one kind of machine are given for that kind only."""
-    if isinstance(values.scene.plain.get(EFFECTS), dict):
+    if isinstance(values.raw(EFFECTS), dict):
         from camgeo.scene.effects import misfits  # few scenes name an effect
 
         yield from misfits(values)
@@ -247,7 +261,7 @@ def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
 def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
     """The formats named have what they need, and their options obey the declared rules."""
     listed: list[str] = values.get("output", "formats") or []
-    for form in schema_for(values.scene.plain).formats:
+    for form in schema_for(tables_of(values, *NAMING)).formats:
         if form.name in listed:
             place = ("output", "formats", listed.index(form.name))
             for message in form.lacking(values):
@@ -258,7 +272,7 @@ def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
 
 def milling_is_stated(values: ValidValues) -> Iterator[Broken]:
     """The tables on milling have all that nobody may invent."""
-    if any(name in values.scene.plain for name in MILLING):
+    if any(values.has(name) for name in MILLING):
         from camgeo.scene.milling import broken_tables  # few scenes mill
 
         yield from broken_tables(values)

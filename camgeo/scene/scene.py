@@ -185,7 +185,7 @@ class Scene:
         SceneError
             With all faults that the edit would cause.
         """
-        found = document_of_tree(edited(self._tree, edits))
+        found = document_of_tree(edited(self._tree, edits), earlier=self.stated.scene)
         return Scene.of(found, self.source, self)
 
     def to_toml(self) -> str:

@@ -171,6 +171,9 @@ class Composed:
             raise CamgeoError(message) from error
 
 
+NAMING: Final = (EFFECTS, OUTPUT, *MILLING)
+"""The tables by which `schema_for` decides."""
+
 Named = tuple[tuple[str, Declared | None], ...]
 """All known names, with the declarations of those that a scene names."""
 

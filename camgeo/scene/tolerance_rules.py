@@ -16,7 +16,7 @@ RANGES: Final = ("plus_minus", "limits", "class")
 
 def tolerances_are_stated_once(values: ValidValues) -> Iterator[Broken]:
     """Each dimension is there once and has one range."""
-    table = values.scene.plain.get(TOLERANCE)
+    table = values.raw(TOLERANCE)
     if not isinstance(table, dict):
         return
     if not any(each in table for each in ("dimension", "clearance", "form")):

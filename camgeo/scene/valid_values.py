@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Hashable
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -11,6 +11,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import UNIT_OF, FollowerKind
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
+from camgeo.scene.noted import Reads
 from camgeo.units import MM_PER, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
@@ -25,6 +26,12 @@ class ValidValues:
 
     A rule reads what it compares and reports nothing where anything is missing, so that no fault
     is a consequence of another one.
+
+    Attributes
+    ----------
+    scene : with the values that are wrong too. Rules do not look there, see `Noted`.
+    flawless : whether no value is wrong by itself.
+    reads : what each rule has read, if that was noted.
     """
 
     def __init__(
@@ -34,6 +41,8 @@ class ValidValues:
         self._bad = frozenset(bad)
         self._around_bad = {path[:end] for path in bad for end in range(len(path) + 1)}
         self._meant = frozenset(meant)
+        self.flawless = not (bad or meant)
+        self.reads: dict[Hashable, Reads] = {}
 
     def valid(self, *path: str | int) -> bool:
         """Whether nothing is wrong at `path`, around it or in it."""
@@ -54,8 +63,10 @@ class ValidValues:
 
     def get(self, *path: str | int) -> Any:
         """Value at `path`; None if it is absent or not valid."""
-        if not self.valid(*path):
-            return None
+        return self.raw(*path) if self.valid(*path) else None
+
+    def raw(self, *path: str | int) -> Any:
+        """Value at `path`, valid or not; None if it is absent, or can be the value of no scene."""
         return value_at(self.scene.plain, path)
 
     def exact(self, *path: str | int) -> Decimal | None:
@@ -77,7 +88,7 @@ class ValidValues:
     @property
     def segments(self) -> int:
         """Number of segments of the motion, 0 if `motion` is not a list."""
-        motion = self.scene.plain.get("motion")
+        motion = self.raw("motion")
         return len(motion) if isinstance(motion, list) else 0
 
     @property
@@ -103,14 +114,6 @@ class ValidValues:
         return self.follower_kind is not None and self.follower_kind.unit == "mm"
 
     @property
-    def far_end(self) -> Member | None:
-        """The member whose motion a linkage's far end makes; None without one, or if not known."""
-        linkage, follower = self.get("linkage", "kind"), self.follower_kind
-        if linkage is None or (follower is None and self.has("follower")):
-            return None
-        return LINKAGES[linkage].members.get(self.lift_unit)
-
-    @property
     def lift_unit(self) -> LiftUnit:
         """Of the follower's own motion; without a follower, that of the linkage or the scene."""
         if self.follower_kind is not None:
@@ -125,4 +128,45 @@ class ValidValues:
         """Whether positions of the motion are angles: of the follower, or of a linkage's end."""
         if self.lacks("linkage"):
             return self.lift_unit == "rad"
-        return self.far_end is not None and UNIT_OF[self.far_end] == "rad"
+        far_end = far_end_of(self)
+        return far_end is not None and UNIT_OF[far_end] == "rad"
+
+
+def far_end_of(values: ValidValues) -> Member | None:
+    """The member whose motion a linkage's far end makes; None without one, or if not known."""
+    linkage, follower = values.get("linkage", "kind"), values.follower_kind
+    if linkage is None or (follower is None and values.has("follower")):
+        return None
+    return LINKAGES[linkage].members.get(values.lift_unit)
+
+
+def tables_of(values: ValidValues, *names: str) -> dict[str, Any]:
+    """Those of the scene's tables with these names that it has, valid or not."""
+    return {name: values.raw(name) for name in names if values.has(name)}
+
+
+class Noted(ValidValues):
+    """The values of a scene none of which is wrong by itself; notes what is read of them.
+
+    Attributes
+    ----------
+    noted : all that has been read.
+    """
+
+    def __init__(self, scene: Document) -> None:
+        super().__init__(scene)
+        self.noted = Reads()
+
+    def valid(self, *_: str | int) -> bool:
+        """See `ValidValues.valid`."""
+        return True
+
+    def has(self, *path: str | int) -> bool:
+        """See `ValidValues.has`."""
+        self.noted.note_presence(path)
+        return super().has(*path)
+
+    def raw(self, *path: str | int) -> Any:
+        """See `ValidValues.raw`."""
+        self.noted.note(path)
+        return super().raw(*path)

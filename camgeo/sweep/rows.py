@@ -149,7 +149,8 @@ class Work:
         earlier = self._begun.get(others)
         start, edits = (self.base, edits) if earlier is None else (earlier, of_follower)
         tree = edited(start.stated.scene.exact, edits)
-        found = Scene.of(document_of_tree(tree), self.source, start)
+        document = document_of_tree(tree, earlier=start.stated.scene)
+        found = Scene.of(document, self.source, start)
         if earlier is None:
             while len(self._begun) >= MOST_BEGUN:
                 self._begun.pop(next(iter(self._begun)))
