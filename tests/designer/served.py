@@ -20,6 +20,8 @@ from websockets.sync.client import ClientConnection, connect
 from camgeo.designing.children import Result
 from camgeo.designing.desk import Desk
 from camgeo.designing.job import Job
+from camgeo.designing.recent import Recent
+from camgeo.designing.work import run
 from camgeo_export.designer.application import application
 from camgeo_export.designer.guard import Address, Keys
 from camgeo_export.designer.jobs import Jobs
@@ -47,6 +49,17 @@ def computed(job: Job, _: float) -> Mapping[str, Any]:
     if job.kind == "build":
         return {"files": [{"name": "cam ä.dxf", "bytes": "Y2Ft", "size": 3}], "faults": []}
     return {"faults": [], "of": job.text}
+
+
+def computing() -> Callable[[Job, float], Mapping[str, Any]]:
+    """What computes, in this process and one job after the other."""
+    recent, lock = Recent(), threading.Lock()
+
+    def compute(job: Job, _: float) -> Mapping[str, Any]:
+        with lock:
+            return run(job, recent)
+
+    return compute
 
 
 @dataclass(frozen=True)

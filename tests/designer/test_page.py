@@ -6,17 +6,14 @@ Without Chromium or playwright these tests are skipped with a word, as is that o
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import pytest
 
-from camgeo.designing.job import Job
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run
-from tests.designer.served import Served, served
+from tests.designer.served import Served, computing, served
+from tests.judges import axe
 from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing
 from tests.judges.programs_of_others import found
 
@@ -29,9 +26,6 @@ pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "is there")
 ROOT: Final = Path(__file__).parents[2]
 SETZHUB: Final = ROOT / "fixtures" / "scenes" / "setzhub.toml"
 VORSCHUB: Final = SETZHUB.with_name("vorschub.toml")
-AXE: Final = (
-    ROOT / "export" / "camgeo_export" / "browser" / "node_modules" / "axe-core" / "axe.min.js"
-)
 
 WIDTHS: Final = (375, 1440, 2560)
 """Of windows [CSS px]: a telephone, a laptop, a large screen."""
@@ -52,17 +46,6 @@ HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
   done([handles.length, handles.filter((_, k) => !hit[k]).map((each) => each.dataset.name)]);
 }, 100))"""
 """How many handles the mechanism has, and which of them are covered, once they are laid out."""
-
-
-def computing() -> Callable[[Job, float], Mapping[str, Any]]:
-    """What does the jobs in this process, one after the other."""
-    recent, lock = Recent(), threading.Lock()
-
-    def compute(job: Job, _: float) -> Mapping[str, Any]:
-        with lock:
-            return run(job, recent)
-
-    return compute
 
 
 @pytest.fixture(scope="module")
@@ -204,13 +187,13 @@ def test_a_keyboard_plans_edits_undoes_saves_and_builds(page: Page, server: Serv
     page.wait_for_selector(".build a[download$='.csv']")
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not there: npm ci")
+@pytest.mark.skipif(not axe.kept(), reason="axe-core is not there: npm ci")
 def test_axe_finds_nothing_and_every_width_holds_it(page: Page) -> None:
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme="dark" if width == WIDTHS[0] else "light")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        page.evaluate(AXE.read_text("utf-8"))
+        page.evaluate(axe.script())
         assert page.evaluate(VIOLATIONS) == []
 
 

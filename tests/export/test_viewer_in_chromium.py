@@ -18,6 +18,7 @@ from camgeo.designing.painting import painted
 from camgeo.designing.recent import Recent
 from camgeo_export.browser.bundles import bundle
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE
+from tests.judges import axe
 from tests.judges.chromium import NAMES, VARIABLE, missing
 from tests.judges.programs_of_others import found
 from tests.long_form import LONG
@@ -29,10 +30,6 @@ from playwright.sync_api import Browser, Dialog, Page, sync_playwright
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "is there")
 
 ROOT: Final = Path(__file__).parents[2]
-AXE: Final = (
-    ROOT / "export" / "camgeo_export" / "browser" / "node_modules" / "axe-core" / "axe.min.js"
-)
-
 NOTEBOOK: Final = """async ([data, script]) => {
   const listeners = {};
   const told = (name) => (listeners[`change:${name}`] ?? []).slice().forEach((each) => each());
@@ -158,10 +155,10 @@ def test_hostile_texts_stay_texts(page: Page) -> None:
     assert len(set(found)) == 1
 
 
-@pytest.mark.skipif(not AXE.is_file(), reason="axe is not there: npm ci")
+@pytest.mark.skipif(not axe.kept(), reason="axe is not there: npm ci")
 def test_axe_finds_nothing(page: Page) -> None:
     show(page, data())
-    page.evaluate(AXE.read_text("utf-8"))
+    page.evaluate(axe.script())
     violations = page.evaluate(
         "async () => (await axe.run(document)).violations.map((each) => each.id)"
     )

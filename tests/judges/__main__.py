@@ -18,6 +18,7 @@ from camgeo_export.interpreter.run import run
 from tests.judges import (
     bad,
     chromium,
+    chromium_designer,
     freecad,
     grbl,
     grbl_planner,
@@ -128,6 +129,11 @@ def shown(extent: Extent) -> str:
     return f"{len(pages)} setup sheets and {len(looked_at)} reports shown"
 
 
+def designed(extent: Extent) -> str:
+    """What becomes of the live designer."""
+    return chromium_designer.judge(everything=extent.everything)
+
+
 def bundled(_extent: Extent) -> str:
     """What becomes of the scripts for browsers."""
     return f"{node.judge()} bundles checked and made anew, the same bytes"
@@ -165,6 +171,7 @@ JUDGES: Final[tuple[tuple[str, Callable[[], str], Callable[[Extent], str]], ...]
     ),
     ("lib3mf", lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
     ("Chromium", chromium.missing, shown),
+    ("Chromium, the designer", chromium_designer.missing, designed),
     ("node, TypeScript", node.missing, bundled),
 )
 """Name, why it is absent, and what it judges."""
