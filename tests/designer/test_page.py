@@ -228,3 +228,14 @@ def test_handles_do_not_cover_each_other(page: Page) -> None:
         settled(page, old)
         page.locator("#mechanism .picture").scroll_into_view_if_needed()
         assert page.evaluate(HIDDEN) == [count, []]
+
+
+def test_what_is_built_again_is_listed_again(page: Page) -> None:
+    """Links to the files of an earlier build lead nowhere."""
+    boxes = page.locator(".build input")
+    for name in ("csv", "svg"):
+        for box in boxes.all():
+            box.set_checked(box.get_attribute("value") == name)
+        page.click("#build-files")
+        page.wait_for_selector(f".build a[download$='.{name}']")
+        assert page.locator(".build a[download]").count() == 2  # with the certificate

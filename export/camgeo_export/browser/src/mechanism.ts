@@ -41,7 +41,7 @@ export function liftAt({ lifts, lift_unit }: Animation, degrees: number): string
   const [first, second, t] = between(count, degrees);
   const [a, b, c, d] = [first - 1 + count, first, second, second + 1].map((k) => lifts[k % count]!) as [number, number, number, number];
   const lift = b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
-  return `${numeral(Number(lift.toFixed(3)))} ${lift_unit}`;
+  return `${numeral(Number(lift.toFixed(3)))}${lift_unit === "°" ? "" : " "}${lift_unit}`;
 }
 
 export class Mechanism {

@@ -11,6 +11,7 @@ export class Build {
   private readonly formats = el("fieldset", {}, el("legend", {}, t("build.formats")));
   private readonly said = el("p", { class: "sentence" });
   private readonly files = el("div");
+  private listed: object | null = null; // what the files are of
 
   constructor(private readonly session: Session) {
     this.element.append(el("p", {}, t("build.intro")), this.formats, button(t("build.build"), () => this.build(), { id: "build-files", class: "main" }), this.said, this.files);
@@ -50,8 +51,8 @@ export class Build {
     const old = built.revision < revision;
     this.files.classList.toggle("old", old);
     say(this.said, old ? t("build.old") : built.message || t(built.files.length ? "build.done" : "build.none", { n: built.files.length }));
-    if (this.files.dataset["revision"] === String(built.revision)) return;
-    this.files.dataset["revision"] = String(built.revision);
+    if (this.listed === built) return;
+    this.listed = built;
     const stated = (value: number | null | undefined): string => (value === null || value === undefined ? "" : number(value, 3));
     const rows = built.files.map((file) => [el("a", { href: file.url, download: file.name }, file.name), t("build.bytes", { n: file.size.toLocaleString("en") }), stated(file.deviation), stated(file.tolerance)]);
     const heads = [t("build.file"), t("build.size"), t("build.deviation"), t("build.tolerance")];

@@ -143,7 +143,7 @@ export class Files {
     const list = el("select", { id, size: Math.min(12, Math.max(4, files.length)) }, ...files.map((each) => el("option", { value: each }, each)));
     list.value = this.session.state?.file ?? files[0] ?? "";
     if (list.selectedIndex < 0) list.selectedIndex = 0;
-    this.dialog(t("file.title-open"), t("file.open").replace(/ …$/, ""), () => this.session.send({ kind: "open", path: list.value }), this.loses(), el("label", { for: id }, t("file.choose")), list);
+    this.dialog(t("file.title-open"), t("file.open").replace(/ …$/, ""), () => this.session.send({ kind: "open", path: list.value }), this.keeps(), el("label", { for: id }, t("file.choose")), list);
   }
 
   private begin(): void {
@@ -157,13 +157,13 @@ export class Files {
       t("file.title-new"),
       t("file.new").replace(/ …$/, ""),
       () => list.value && this.session.send({ kind: "new", template: list.value }),
-      this.loses(),
+      this.keeps(),
       el("label", { for: id }, t("file.template")),
       list,
     );
   }
 
-  private loses(): HTMLElement {
-    return el("p", { hidden: this.session.state?.saved !== false }, t("file.loses"));
+  private keeps(): HTMLElement {
+    return el("p", { hidden: this.session.state?.saved !== false }, t("file.keeps"));
   }
 }

@@ -39,7 +39,7 @@ export const STRINGS = {
   "file.choose": "Scenes in the folder",
   "file.no-scenes": "There is no scene in the folder.",
   "file.template": "Start from",
-  "file.loses": "Unsaved changes will be lost.",
+  "file.keeps": "Unsaved changes are kept, and come back when this scene is opened again.",
   "file.changed": "The file was changed on disk by another program.",
   "file.gone": "The file is no longer on disk.",
   "file.take": "Load the file from disk",
