@@ -57,6 +57,9 @@ MARKS: Final = {
     "ok": "ok",
 }
 
+MANY: Final = {**MARKS, "warning": "warnings"}
+"""The same of several findings."""
+
 NAME_WIDTH: Final = 26
 """Of the names of findings, at least."""
 
@@ -71,7 +74,11 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 def verdict_on(findings: Iterable[Finding]) -> str:
     """How many findings there are, and how many of each severity that is not "ok"."""
     several = Counter[str](each.severity for each in findings)
-    bad = [f"{several[each]} {MARKS[each]}" for each in MARKS if several[each] and each != "ok"]
+    bad = [
+        counted(several[each], MARKS[each], MANY[each])
+        for each in MARKS
+        if several[each] and each != "ok"
+    ]
     return f"{counted(several.total(), 'finding')}: {', '.join(bad) or 'all limits are kept'}"
 
 

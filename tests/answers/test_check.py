@@ -11,9 +11,11 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.answers.answer import verdict_on
 from camgeo.answers.build import build
 from camgeo.answers.check import Check, check
 from camgeo.answers.render import text
+from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.scene.load import load_scene
@@ -448,3 +450,10 @@ def test_each_disc_of_a_conjugate_pair_has_its_mass() -> None:
         assert part.body.mass == pytest.approx(2.7e-6 * part.body.solid.volume, rel=1e-12)
         assert "mass" in [each.name for each in part.findings]
     assert len(weighed.parts) == 2
+
+
+def test_findings_are_counted_in_words() -> None:
+    kept, warned, broken = (Finding("a", each, "") for each in ("ok", "warning", "broken"))
+    assert verdict_on([kept]) == "1 finding: all limits are kept"
+    assert verdict_on([kept, warned]) == "2 findings: 1 warning"
+    assert verdict_on([warned, broken, warned]) == "3 findings: 1 BROKEN, 2 warnings"
