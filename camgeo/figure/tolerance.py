@@ -91,7 +91,7 @@ def _errors(
         low_share, _, high_share = QUANTILES
         for values, label in zip(
             sampled.quantiles[[0, -1]],
-            (f"{low_share:.0%} and {high_share:.0%} of {sampled.count:,} machines", ""),
+            (f"{low_share:.0%} and {high_share:.0%} of machines", ""),
             strict=True,
         ):
             marks.append(Line(over(phi, _round(values) * factor), EDGE, label))
