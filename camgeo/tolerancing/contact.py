@@ -1,17 +1,20 @@
 """What deviating machines cost in contact force, if the scene asks for that effect.
 
-The normal force of the nominal machine is changed by the inertia of what is accelerated otherwise:
-with the mass M reduced to the follower, and B the force on it per unit of normal force,
+The normal force is that of the nominal machine, changed by the inertia of what is accelerated
+otherwise and by the leverage of the normal, which turns: with the mass M reduced to the follower, B
+the force on it per unit of normal force, and L the leverage,
 
-    dN = M (dq'' omega^2 + dq' alpha) / B.
+    N' = (N + M (dq'' omega^2 + dq' alpha) / B) L / L'.
 
-That springs, leverage and friction change too is left out: they change by the error itself, a tiny
-part of the lift, while the acceleration follows its curvature.
+That springs and friction change too is left out: a spring gives way by the error of the position, a
+tiny part of the lift.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+import numpy as np
 
 from camgeo.design import Design
 from camgeo.effects.results import CONTACT_FORCE, INERTIA
@@ -28,15 +31,20 @@ class ContactForces:
     ----------
     nominal : (n,) normal force [N].
     per_velocity, per_acceleration : (n,) [N] per unit of q' and of q''.
+    leverage : (n,) magnitude of L [1 or mm/rad].
     """
 
     nominal: FloatArray
     per_velocity: FloatArray
     per_acceleration: FloatArray
+    leverage: FloatArray
 
-    def of(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """(m, n) [N] of machines whose q' and q'' are off by `first` and `second` (m, n)."""
-        return self.nominal + self.per_velocity * first + self.per_acceleration * second
+    def of(self, off: FloatArray, leverage: FloatArray) -> FloatArray:
+        """(m, n) [N] of machines whose q, q' and q'' are off by `off` (3, m, n), with the magnitude
+        of their `leverage` (m, n).
+        """
+        inertia = self.per_velocity * off[1] + self.per_acceleration * off[2]
+        return np.asarray((self.nominal + inertia) * (self.leverage / leverage))
 
 
 def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForces | None:
@@ -56,4 +64,6 @@ def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForc
     sense = -flank.sign
     omega, alpha = course.rates(phi)[:2]
     per = mass / force.bracket(phi, "right", sense)
-    return ContactForces(sense * force.normal(phi, "right"), per * alpha, per * omega**2)
+    leverage = np.abs(design.cam.disc.pitch_curve.leverage(phi))
+    nominal = sense * force.normal(phi, "right")
+    return ContactForces(nominal, per * alpha, per * omega**2, leverage)

@@ -95,8 +95,10 @@ class Touching(ABC):
         """Newton's steps of u and q (m, n)."""
 
     @abstractmethod
-    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(m, n) velocity and acceleration of the lift, per unit of the cam angle."""
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(m, n) velocity and acceleration of the lift, per unit of the cam angle, and the
+        magnitude of n . dW/dq [1 or mm/rad].
+        """
 
     @abstractmethod
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -119,7 +121,7 @@ class Rolling(Touching):
         du = dot(cam.along, dq * speed - apart) / (pace * pace)
         return du, dq
 
-    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """See `Touching`."""
         place = self.pose.at(q)
         speed, swerve = self.pose.velocity(place), self.pose.acceleration(place)
@@ -128,7 +130,8 @@ class Rolling(Touching):
         first = dot(normal, cam.sweep) / steep
         du = dot(cam.along, first * speed - cam.sweep) / (pace * pace)
         rest = -(cam.place - cam.axis) + 2.0 * cam.spin * cam.along * du + cam.bend * du * du
-        return first, dot(normal, rest - swerve * first * first) / steep
+        second = dot(normal, rest - swerve * first * first) / steep
+        return first, second, np.abs(steep)
 
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Touching`."""
@@ -158,7 +161,7 @@ class Flat(Touching):
         dq = (bend * apart - slope * slope) / det
         return du, dq
 
-    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """See `Touching`."""
         normal = self.normal * self.pose.turned(q)
         turning = 1j * self.pose.spin * normal
@@ -173,7 +176,7 @@ class Flat(Touching):
         pull = dot(turning, self.pose.velocity(cam.place))
         second = -dot(normal, cam.place - cam.axis) + swept * du
         second += 2.0 * dot(turning, cam.sweep) * first + tilt * du * first - pull * first * first
-        return first, -second / closing
+        return first, -second / closing, np.abs(closing)
 
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Touching`."""
@@ -216,10 +219,12 @@ class Replayed:
     ----------
     follower : (3, m, n) its lift [mm or rad], counted from the nominal zero, and two derivatives.
     position : (3, m, n) of the far end of a linkage, or of the follower if there is none.
+    leverage : (m, n) magnitude of n . dW/dq [1 or mm/rad].
     """
 
     follower: FloatArray
     position: FloatArray
+    leverage: FloatArray
 
 
 def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
@@ -239,6 +244,7 @@ def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
     return Replayed(
         np.concatenate([each.follower for each in parts], axis=1),
         np.concatenate([each.position for each in parts], axis=1),
+        np.concatenate([each.leverage for each in parts]),
     )
 
 
@@ -246,16 +252,19 @@ def _block(nominal: Sensitivities, deviations: Deviations) -> Replayed:
     machine = nominal.machine
     follower = machine.cam.follower
     found = touching(follower, machine.pose, deviations)
-    lifts = _follower(nominal, deviations, found)
+    lifts, leverage = _follower(nominal, deviations, found)
     lifts[0] -= _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
     if nominal.far_end is None:
-        return Replayed(lifts, lifts)
+        return Replayed(lifts, lifts, leverage)
     start = np.broadcast_to(nominal.positions[0], lifts[0].shape)
-    return Replayed(lifts, nominal.far_end.deviating(deviations).follow(lifts, start))
+    position = nominal.far_end.deviating(deviations).follow(lifts, start)
+    return Replayed(lifts, position, leverage)
 
 
-def _follower(nominal: Sensitivities, deviations: Deviations, found: Touching) -> FloatArray:
-    """(3, m, n) lift and two derivatives, counted from the nominal zero."""
+def _follower(
+    nominal: Sensitivities, deviations: Deviations, found: Touching
+) -> tuple[FloatArray, FloatArray]:
+    """(3, m, n) lift and two derivatives, counted from the nominal zero; and the leverage."""
     machine, phi = nominal.machine, nominal.phi
     disc = machine.cam.disc
     curve = FlankCurve(disc.pitch_curve, deviations)
@@ -273,7 +282,8 @@ def _follower(nominal: Sensitivities, deviations: Deviations, found: Touching) -
         if last == np.inf:
             found.require_reach(cam)
         if last <= scale:
-            return np.stack((q, *found.rates(cam, q)))
+            first, second, leverage = found.rates(cam, q)
+            return np.stack((q, first, second)), leverage
         with np.errstate(divide="ignore", invalid="ignore"):
             du, dq = found.step(cam, q)
         u, q = u + du, q + dq

@@ -129,7 +129,7 @@ def sampled(
         position = found.position
         if contact is not None:
             off = found.follower - linear.nominal.lifts[:3, np.newaxis]
-            normal = contact.of(*off[1:, :, :ANGLES])
+            normal = contact.of(off[..., :ANGLES], found.leverage[:, :ANGLES])
             forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
         errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
         accelerations.append(np.max(np.abs(position[2][:, :ANGLES]), axis=1))

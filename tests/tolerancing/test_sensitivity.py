@@ -68,7 +68,10 @@ def test_exact_sensitivities_are_the_limits_of_differences(name: str) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_without_deviations_makes_the_nominal_motion(name: str) -> None:
     nominal = fixture(name)
-    found = replayed(nominal, Deviations(1, {})).position[:, 0]
+    machines = replayed(nominal, Deviations(1, {}))
+    leverage = np.abs(nominal.nominal.leverage)
+    np.testing.assert_allclose(machines.leverage[0], leverage, rtol=1e-12)
+    found = machines.position[:, 0]
     demanded = nominal.positions[:3]
     scale = np.max(np.abs(demanded), axis=1, keepdims=True)
     np.testing.assert_allclose(found / scale, demanded / scale, rtol=0, atol=1e-11)
