@@ -1,64 +1,57 @@
-"""`python -m tests.sweep.driver STORE WHERE WHOM AT DELAY`: a sweep during which a process dies.
+"""`python -m tests.sweep.driver STORE WHERE COUNT LOG`: resumes a sweep, to be killed meanwhile.
 
-WHERE is how many processes a pool has, or the address of a cluster.
-Once AT rows are stored, and DELAY seconds have passed, it kills itself (WHOM is `driver`) or one of
-its workers (`worker`). It prints the numbers of the rows stored, and of its workers.
+WHERE is how many processes a pool has, or the address of a cluster. Each design that is begun adds
+its key to LOG. After each chunk it prints the number of rows stored, and of its processes.
 """
 
 from __future__ import annotations
 
 import multiprocessing
-import os
-import signal
 import sys
-import threading
+from collections.abc import Iterable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Final
 
 from camgeo.sweep import engine
+from camgeo.sweep import sweep as running
+from camgeo.sweep.asked import Asked
 from camgeo.sweep.family import Family
-from camgeo.sweep.sweep import sweep
-from tests.long_form import LONG
-from tests.sweep.families import family
+from camgeo.sweep.rows import Work
+from tests.sweep.families import LAWS, family
+from tests.sweep.logged import Logged
 
-ASK: Final = ("largest-acceleration",)
+ASK: Final = ("transmission-angle", "largest-acceleration")
 
-COUNT: Final = 10_000 if LONG else 400
-
-CHUNK: Final = 0.01
-"""Seconds of a chunk here, so that a small family has many."""
+CHUNK: Final = 0.1
+"""Seconds of a chunk here, so that the family has many."""
 
 
-def killed_family() -> Family:
-    """The designs of the test."""
-    return family(f"follower.base_radius=45:60:{COUNT}")
+def killed_family(count: int) -> Family:
+    """Setzhub with so many base radii and laws."""
+    return family(f"follower.base_radius=45:60:{count // 2}", LAWS)
 
 
 def main() -> None:
     """Resume the store."""
-    store, where, whom = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-    at, delay = int(sys.argv[4]), float(sys.argv[5])
-    engine.CHUNK = CHUNK  # type: ignore[misc]  # smaller chunks for the test
+    store, where, count, log = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), sys.argv[4]
+    engine.CHUNK = CHUNK  # type: ignore[misc]  # smaller chunks here
     pool = where.isdecimal()
     chosen = engine.engine_of("pool" if pool else "cluster", int(where) if pool else where)
-    timers: list[threading.Timer] = []
 
-    def kill() -> None:
-        others = multiprocessing.active_children()
-        pid = os.getpid() if whom == "driver" else others[0].pid
-        assert pid is not None
-        os.kill(pid, signal.SIGKILL)
+    def logged(found: Family, asked: Iterable[Asked]) -> Logged:
+        work = Work.of(found, asked)
+        return Logged(work.text, work.contents, work.keys, work.asked, work.versions, log)
 
     def say(words: str) -> None:
         done = int(words.split()[0].replace(",", ""))
         workers = " ".join(str(each.pid) for each in multiprocessing.active_children())
         sys.stdout.write(f"{done} {workers}\n")
         sys.stdout.flush()
-        if done >= at and not timers:
-            timers.append(threading.Timer(delay, kill))
-            timers[0].start()
 
-    sweep(killed_family(), ASK, store=store, existing="resume", engine=chosen, progress=say).close()
+    vars(running)["Work"] = SimpleNamespace(of=logged)
+    found = killed_family(count)
+    running.sweep(found, ASK, store=store, existing="resume", engine=chosen, progress=say).close()
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@ loopback for all tests."""
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -29,88 +28,25 @@ from camgeo.sweep.rows import Row, Work, rows_of
 from camgeo.sweep.sweep import sweep
 from tests.long_form import LONG
 from tests.sweep.families import FIXTURES, family
+from tests.sweep.kills import swept
+from tests.sweep.processes import AT_ONCE, Processes
 from tests.sweep.test_rows import work_on
 
-distributed = pytest.importorskip("distributed", reason="needs camgeo[cluster]")
+pytest.importorskip("distributed", reason="needs camgeo[cluster]")
 psutil = pytest.importorskip("psutil")
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills processes as POSIX does")
 
-ROOT = Path(__file__).resolve().parents[2]
-
 SCENE = str(FIXTURES / "scenes" / "setzhub.toml")
-
-LOOPBACK = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
 
 ASK = ("transmission-angle", "laws")
 
 
-@dataclass
-class Processes:
-    """A scheduler and two workers, which a nanny starts again; a death is told at once."""
-
-    folder: Path
-    address: str = ""
-
-    def __post_init__(self) -> None:
-        self.started: list[subprocess.Popen[bytes]] = []
-        self.schedule("0")
-        self.start_workers()
-        with closing(self.client()) as client:
-            client.wait_for_workers(2, timeout=60)
-
-    def start_workers(self) -> None:
-        few = ("--nworkers", "2", "--nthreads", "1", "--local-directory", str(self.folder))
-        self.start("worker", self.address, *few)
-
-    def schedule(self, port: str) -> subprocess.Popen[bytes]:
-        file = self.folder / "scheduler.json"
-        file.unlink(missing_ok=True)
-        process = self.start("scheduler", "--port", port, "--scheduler-file", str(file))
-        for _ in range(1200):
-            with suppress(OSError, ValueError):
-                self.address = json.loads(file.read_text())["address"]
-                return process
-            time.sleep(0.05)
-        raise AssertionError("the scheduler does not start")
-
-    def start(self, what: str, *words: str) -> subprocess.Popen[bytes]:
-        environment = {
-            **os.environ,
-            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
-            "PYTHONPATH": str(ROOT),
-        }
-        process = subprocess.Popen(
-            [sys.executable, "-m", "dask", what, *words, *LOOPBACK],
-            cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        self.started.append(process)
-        return process
-
-    def client(self) -> Any:
-        return distributed.Client(self.address, timeout=20, set_as_default=False)
-
-    def end(self) -> None:
-        everything = []
-        for process in self.started:
-            with suppress(psutil.NoSuchProcess):
-                everything += psutil.Process(process.pid).children(recursive=True)
-            process.terminate()
-        for process in self.started:
-            try:
-                process.wait(10)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-        for each in everything:
-            with suppress(psutil.NoSuchProcess):
-                each.kill()
-
-
 @pytest.fixture(scope="module")
 def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
-    found = Processes(tmp_path_factory.mktemp("cluster"))
+    found = Processes(tmp_path_factory.mktemp("cluster"), AT_ONCE)
     try:
+        found.wait()
         yield found
     finally:
         found.end()
@@ -124,12 +60,7 @@ def all_rows(chunks: Chunks) -> dict[Point, Row]:
 
 
 def test_only_loopback_is_listened_to(processes: Processes) -> None:
-    listening = []
-    for process in processes.started:
-        root = psutil.Process(process.pid)
-        for each in (root, *root.children(recursive=True)):
-            found = [one for one in each.net_connections("inet") if one.status == "LISTEN"]
-            listening += [one.laddr.ip for one in found]
+    listening = processes.listening()
     assert len(listening) >= 2 * 3  # scheduler and workers: for work, and for the dashboard
     assert set(listening) == {"127.0.0.1"}
 
@@ -292,22 +223,23 @@ def test_dask_is_imported_for_a_cluster_only() -> None:
     assert run.returncode == 0, run.stderr
 
 
-# Kills, in the long form --------------------------------------------------------------------------
+# Kills --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not LONG, reason="kills processes for minutes")
-def test_a_killed_driver_and_a_restarted_scheduler_lose_nothing(
+def test_killed_drivers_and_workers_lose_no_row_and_repeat_few(
     processes: Processes, tmp_path: Path
 ) -> None:
-    from tests.sweep.driver import ASK as QUESTIONS
-    from tests.sweep.driver import COUNT, killed_family
+    """The small form of `python -m tests.sweep.kills`."""
+    found = swept(tmp_path, processes.address, 300, each=1, computing=processes.computing)
+    assert sorted(victim for victim, _ in found.killed) == ["driver", "worker"]
 
-    store, found = tmp_path / "runs.sqlite", killed_family()
-    for at in (COUNT // 10, COUNT // 2):
-        words = [sys.executable, "-m", "tests.sweep.driver", str(store), processes.address,
-                 "driver", str(at), "0.01"]  # fmt: skip
-        run = subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
-        assert run.returncode == -signal.SIGKILL
+
+@pytest.mark.skipif(not LONG, reason="starts all processes again")
+def test_a_restarted_scheduler_loses_nothing(
+    processes: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "CHUNK", 0.05)
+    found = family("follower.base_radius=45:60:400")
     told: list[str] = []
 
     def restart(words: str) -> None:
@@ -321,9 +253,6 @@ def test_a_killed_driver_and_a_restarted_scheduler_lose_nothing(
         told.append(words)
 
     chosen = Cluster(processes.address)
-    with closing(
-        sweep(found, QUESTIONS, store=store, existing="resume", engine=chosen, progress=restart)
-    ) as result:
-        assert COUNT // 10 < result.computed < COUNT - COUNT // 10
-        expected = rows_of(work_on(found, *QUESTIONS), found.points())
-        assert tuple(result.rows) == expected
+    with closing(sweep(found, ASK, engine=chosen, progress=restart)) as result:
+        assert len(told) > 1
+        assert tuple(result.rows) == rows_of(work_on(found, *ASK), found.points())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import random
 import signal
 import sqlite3
 import subprocess
@@ -23,11 +22,11 @@ from camgeo.lazy import Ledger
 from camgeo.sweep.engine import ENGINES, Loop, engine_of
 from camgeo.sweep.family import Point
 from camgeo.sweep.pool import DEADLY, THREADS, Pool
-from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.sweep.rows import Row, Work
 from camgeo.sweep.sweep import sweep
-from tests.long_form import LONG
-from tests.sweep.driver import ASK, COUNT, killed_family
+from tests.sweep.driver import ASK, killed_family
 from tests.sweep.families import FIXTURES, family
+from tests.sweep.kills import Fault, require_rows_of_the_loop, swept
 from tests.sweep.test_rows import work_on
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -152,55 +151,27 @@ def test_an_engine_by_its_name() -> None:
 # Kills --------------------------------------------------------------------------------------------
 
 
-def alive(pid: int) -> bool:
-    try:
-        status = Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return False
-    return "State:\tZ" not in status
-
-
-def killed(store: Path, whom: str, at: int, delay: float) -> int:
-    """Kill the driver or a worker when so many rows are done; the rows that were told as done."""
-    words = [sys.executable, "-m", "tests.sweep.driver", str(store), "2", whom, str(at), str(delay)]
-    run = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
-    assert run.returncode == (-signal.SIGKILL if whom == "driver" else 0)
-    lines = [[int(word) for word in line.split()] for line in run.stdout.splitlines()]
-    helpers = {pid for line in lines for pid in line[1:]}
-    assert len(helpers) >= 2
-    for _ in range(500):  # workers end with their driver
-        if not any(map(alive, helpers)):
-            break
-        time.sleep(0.02)
-    assert not any(map(alive, helpers))
-    return lines[-1][0]
-
-
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="looks for workers in /proc")
-def test_killed_drivers_and_workers_lose_no_row_and_repeat_none(tmp_path: Path) -> None:
-    store, seed = tmp_path / "runs.sqlite", random.Random(1)
-    found, kept = killed_family(), 0
-    steps = 5 if LONG else 1
-    for step in range(steps):  # from a tenth to nine tenths of the rows
-        at = int((0.1 + 0.8 * (step + 0.5 * seed.random()) / steps) * COUNT)
-        delay = 0.02 * seed.random()
-        if LONG and not step:
-            killed(tmp_path / f"worker-{step}.sqlite", "worker", at, delay)
-        done = killed(store, "driver", max(at, kept), delay)
-        with closing(sqlite3.connect(store)) as database:
-            assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-            kept = database.execute("SELECT count(*) FROM designs").fetchone()[0]
-        assert max(at, done) <= kept < COUNT  # what was told is kept
-    expected = rows_of(work_on(found, *ASK), found.points())
-    assert [row.point for row in expected] == list(found.points())
-    for path in sorted(tmp_path.glob("*.sqlite")):
-        missing = COUNT - kept if path == store else 0
-        with closing(sweep(found, ASK, store=path, existing="resume")) as result:
-            assert result.computed == missing
-            assert tuple(result.rows) == expected
-        with closing(sqlite3.connect(path)) as database:
-            assert database.execute("SELECT count(*) FROM designs").fetchone() == (COUNT,)
-    assert all(each.suffix == ".sqlite" for each in tmp_path.iterdir())
+def test_killed_drivers_and_workers_lose_no_row_and_repeat_few(tmp_path: Path) -> None:
+    """The small form of `python -m tests.sweep.kills --engine pool`."""
+    found = swept(tmp_path, "2", 300, each=1)
+    assert sorted(victim for victim, _ in found.killed) == ["driver", "worker"]
+    assert {each.name for each in tmp_path.iterdir()} == {"runs.sqlite", "begun.txt"}
+
+
+def test_a_row_that_differs_in_a_bit_is_seen(tmp_path: Path) -> None:
+    store, count = tmp_path / "runs.sqlite", 4
+    sweep(killed_family(count), ASK, store=store).close()
+    require_rows_of_the_loop(store, count)
+    with closing(sqlite3.connect(store)) as database, database:
+        name = '"transmission-angle"'
+        database.execute(f"UPDATE designs SET {name} = {name} * (1.0 + 2.3e-16)")
+    with pytest.raises(Fault, match="not those of the loop"):
+        require_rows_of_the_loop(store, count)
+    with closing(sqlite3.connect(store)) as database, database:
+        database.execute("DELETE FROM designs WHERE point = (SELECT min(point) FROM designs)")
+    with pytest.raises(Fault, match="1 rows are missing"):
+        require_rows_of_the_loop(store, count)
 
 
 def test_a_call_with_workers(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,31 @@
+"""Work that says which designs it begins, in whichever process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from camgeo.sweep.family import Point, mark
+from camgeo.sweep.rows import Row, Work
+
+if TYPE_CHECKING:
+    from camgeo.lazy import Ledger
+
+
+@dataclass(frozen=True)
+class Logged(Work):
+    """Work that adds a line to a file for each design that is begun.
+
+    Attributes
+    ----------
+    log : path of the file.
+    """
+
+    log: str = ""
+
+    def row(self, point: Point, ledger: Ledger | None = None) -> Row:
+        """See `Work.row`."""
+        with Path(self.log).open("a") as file:
+            file.write(f"{mark(point)}\n")  # a line is written at once
+        return super().row(point, ledger)
