@@ -100,8 +100,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="compute by the workers of a Dask scheduler, tcp://HOST:PORT or tls://HOST:PORT; needs"
-        " the extra camgeo[cluster]",
+        help="compute by the workers of a Dask scheduler, tls://HOST:PORT, or on this machine"
+        " tcp://127.0.0.1:PORT; needs the extra camgeo[cluster]",
     )
     group = parser.add_mutually_exclusive_group()
     group.add_argument(

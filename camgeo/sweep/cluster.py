@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import concurrent.futures
 import contextlib
+import importlib
+import ipaddress
 import logging
 import pickle
 import platform
@@ -29,7 +31,9 @@ from camgeo.sweep.engine import AHEAD, Chunks, Pace, dead
 from camgeo.sweep.family import Point
 from camgeo.sweep.rows import Row, Versions, Work, rows_of
 
-ADDRESS: Final = re.compile(r"(tcp|tls)://(?P<host>[\w.-]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1,5})")
+ADDRESS: Final = re.compile(
+    r"(?P<protocol>tcp|tls)://(?P<host>[\w.-]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1,5})"
+)
 
 EXTRA: Final = "pip install 'camgeo[cluster]'"
 
@@ -74,8 +78,8 @@ class Cluster:
 
     Parameters
     ----------
-    address : of the scheduler, `tcp://HOST:PORT` or `tls://HOST:PORT`; GeometryError if it is none.
-        Certificates are those of the configuration of Dask.
+    address : of the scheduler, `tcp://HOST:PORT` on this machine or `tls://HOST:PORT`; else
+        GeometryError. Certificates are those of the configuration of Dask.
     """
 
     name = "cluster"
@@ -84,6 +88,12 @@ class Cluster:
         found = ADDRESS.fullmatch(str(address))
         if not found or not 1 <= int(found["port"]) <= 65535:
             message = "must be tcp://HOST:PORT or tls://HOST:PORT, with a port up to 65535"
+            raise GeometryError(message, "cluster", str(address))
+        if found["protocol"] == "tcp" and not _is_here(found["host"].strip("[]")):
+            message = (
+                "leaves this machine without TLS, by which anybody could run programs on it: take"
+                " tls://HOST:PORT, or an SSH tunnel to a port of 127.0.0.1"
+            )
             raise GeometryError(message, "cluster", str(address))
         self._address = str(address)
 
@@ -216,6 +226,14 @@ class _Link:
         self.threads = max(1, threads)
 
 
+def _is_here(host: str) -> bool:
+    """Whether a name or a number is that of loopback."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
 class _LostError(Exception):
     """The scheduler knows no longer of a chunk."""
 
@@ -295,10 +313,14 @@ def _connected(address: str, seconds: float) -> Client:
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
     """Within, Dask logs nothing: what matters of it is said in words of camgeo."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    with contextlib.suppress(ImportError):  # which is told where a connection is made
+        importlib.import_module("distributed")  # states the levels of its loggers
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    before = {name: logging.getLogger(name).level for name in names}
+    for name in names:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.setLevel(before)
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)

@@ -3,6 +3,7 @@ loopback for all tests."""
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -109,7 +110,8 @@ def test_the_rows_of_the_loop_whatever_dies(processes: Processes, tmp_path: Path
     plain, mark = work_on(found, *ASK), tmp_path / "mark"
     killer = threading.Thread(target=kill_marked, args=(mark,))
     killer.start()
-    points = list(found.points())
+    # The one that is killed comes first, lest it is lost with the worker of the other one.
+    points = sorted(found.points(), key=lambda point: (point[0] == 47) - (point[0] == 50))
     rows = all_rows(Cluster(processes.address).rows(deadly(plain, mark), iter(points)))
     killer.join()
     loop = all_rows(Loop().rows(plain, iter(points)))
@@ -192,8 +194,28 @@ def test_what_is_no_address_is_refused(address: str) -> None:
         Cluster(address)
 
 
+@pytest.mark.parametrize("host", ["10.0.0.5", "0.0.0.0", "node-7.example", "[2001:db8::1]"])
+def test_other_machines_are_not_reached_without_tls(host: str) -> None:
+    with pytest.raises(GeometryError, match=r"cluster = tcp://.*: leaves this machine without TLS"):
+        Cluster(f"tcp://{host}:8786")
+    Cluster(f"tls://{host}:8786")
+
+
+def test_dask_says_nothing_of_its_own() -> None:
+    """Not even where a worker was killed before its rows were fetched; afterwards it may again."""
+    logger = logging.getLogger("distributed.client")
+    with cluster._quiet():
+        assert not logger.isEnabledFor(logging.CRITICAL)
+    assert logger.isEnabledFor(logging.CRITICAL)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.1.2.3", "localhost", "[::1]"])
+def test_this_machine_is_reached_without_tls(host: str) -> None:
+    Cluster(f"tcp://{host}:8786")
+
+
 @pytest.mark.parametrize(
-    "address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1", "tcp://no.invalid:1"]
+    "address", ["tcp://127.0.0.1:1", "tls://127.0.0.1:1", "tls://no.invalid:1"]
 )
 def test_a_cluster_that_cannot_be_reached_is_a_sentence(
     address: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
