@@ -10,6 +10,8 @@ rest has, both need less (VDI 2143-1, sections 6.3 and 6.6). The sharpest turns 
 
 from __future__ import annotations
 
+import heapq
+from collections.abc import Iterable
 from typing import Final
 
 from camgeo.errors import GeometryError
@@ -59,7 +61,7 @@ def settle_tasks(chain: Chain) -> None:
     for number in range(len(chain.joints)):
         _from_values(chain, number)
     possible = [_tasks(link) for link in chain.links]
-    _strike_out(chain, possible)
+    _strike_out(chain, possible, range(len(chain.links)))
     for number in sorted(range(len(chain.joints)), key=lambda each: -_turning(chain, each)):
         _choose(chain, possible, number)
     for joint in chain.joints:
@@ -148,23 +150,45 @@ def _contradiction(joint: Joint, name: str, has: str) -> GeometryError:
     )
 
 
-def _strike_out(chain: Chain, possible: list[set[str] | None]) -> None:
-    """Keep the tasks and classes that fit together, until nothing changes."""
-    changed = True
-    while changed:
-        changed = False
-        for number, tasks in enumerate(possible):
-            if tasks is None:
-                continue
-            start, end = chain.before(number), chain.after(number)
-            kept = {task for task in tasks if task[0] in start.classes and task[-1] in end.classes}
-            if not kept:
-                raise _no_task(chain, number)
+def _strike_out(chain: Chain, possible: list[set[str] | None], numbers: Iterable[int]) -> None:
+    """Keep the tasks and classes that fit together, from the links `numbers` on, until nothing
+    changes. If a link is left without a task, everything is as it was, and its error is raised.
+    """
+    struck: list[tuple[Joint, set[End]]] = []
+    lost: list[tuple[int, set[str]]] = []
+    due, later = sorted(set(numbers)), set[int]()  # of this round and of the next, each in order
+    while due or later:
+        if not due:
+            due, later = sorted(later), set()
+        number = heapq.heappop(due)
+        tasks = possible[number]
+        if tasks is None:
+            continue
+        start, end = chain.before(number), chain.after(number)
+        kept = {task for task in tasks if task[0] in start.classes and task[-1] in end.classes}
+        if not kept:
+            error = _no_task(chain, number)
+            for joint, classes in reversed(struck):
+                joint.classes = classes
+            for each, before in reversed(lost):
+                possible[each] = before
+            raise error
+        if len(kept) < len(tasks):
+            lost.append((number, tasks))
             possible[number] = kept
-            for joint, ends in ((start, {t[0] for t in kept}), (end, {t[-1] for t in kept})):
-                fitting = {each for each in joint.classes if each in ends}
-                if fitting != joint.classes:
-                    joint.classes, changed = fitting, True
+        for joint, step, ends in (
+            (start, -1, {t[0] for t in kept}),
+            (end, 1, {t[-1] for t in kept}),
+        ):
+            fitting = joint.classes & ends
+            if len(fitting) < len(joint.classes):
+                struck.append((joint, joint.classes))
+                joint.classes = fitting
+                other = (number + step) % len(possible)
+                if other > number:
+                    heapq.heappush(due, other)
+                else:
+                    later.add(other)
 
 
 def _choose(chain: Chain, possible: list[set[str] | None], number: int) -> None:
@@ -175,17 +199,13 @@ def _choose(chain: Chain, possible: list[set[str] | None], number: int) -> None:
     """
     joint = chain.joints[number]
     order = [each for each in dict.fromkeys(_preferences(chain, number)) if each in joint.classes]
-    kept = [each.classes for each in chain.joints], [*possible]
     for attempt, wanted in enumerate(order, start=1):
         joint.classes = {wanted}
         try:
-            return _strike_out(chain, possible)
+            return _strike_out(chain, possible, ((number - 1) % len(possible), number))
         except GeometryError:
             if attempt == len(order):
                 raise
-        for each, classes in zip(chain.joints, kept[0], strict=True):
-            each.classes = classes
-        possible[:] = kept[1]
     return None
 
 

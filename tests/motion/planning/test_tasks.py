@@ -12,6 +12,7 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.motion.boundary import TASKS
 from camgeo.motion.laws import FAMILIES
+from camgeo.motion.planning.chain import Chain, Joint
 from camgeo.motion.planning.planner import plan_motion
 from camgeo.motion.planning.request import Request, Unit
 from tests.motion.planning.wishes import laws, move, planned, rest, table, through
@@ -406,3 +407,23 @@ def test_a_law_that_does_not_fit_has_a_substitute_that_does(law: str) -> None:
 def test_spans_of_many_digits_are_kept() -> None:
     plan = planned(rest("60.000000000000000000001"), move("299.999999999999999999999", 0.0))
     assert plan.joints_deg[1] == Decimal("60.000000000000000000001")
+
+
+def test_tasks_of_many_segments_are_settled_in_time_in_proportion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def looks(count: int) -> int:
+        """How often a plan of so many named laws looks at a joint."""
+        seen = []
+
+        def before(chain: Chain, link: int) -> Joint:
+            seen.append(link)
+            return chain.joints[link]
+
+        monkeypatch.setattr(Chain, "before", before)
+        planned(
+            *(move(Decimal(360) / count, float(1 - k % 2), "modified-sine") for k in range(count))
+        )
+        return len(seen)
+
+    assert looks(160) <= 8.5 * looks(20)
