@@ -32,6 +32,7 @@ from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
+from camgeo.effects.lift_off.flight import MOST_REBOUNDS
 from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import QUIET, measured
@@ -86,6 +87,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "gravity": STANDARD_GRAVITY / 1e3,
     "near": math.degrees(NEAR),
     "listed": LISTED,
+    "rebounds": MOST_REBOUNDS,
     "shear_share": SHEAR_SHARE,
     "shear_depth": SHEAR_DEPTH,
     "heavy": HEAVY,

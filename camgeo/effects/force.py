@@ -24,6 +24,10 @@ from camgeo.numeric.arrays import FloatArray, Side, merged
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""
 
+Off = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
+"""(n,) the force at n cam angles [rad] on a follower with the coordinate q (n,) [mm or rad] and the
+velocity dq/dt (n,) [per s], whatever the motion of the state is there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Force:
@@ -36,12 +40,15 @@ class Force:
     potential : (n,) potential energy [N mm] of c0 at n cam angles, if it has one: c0 q' = -dV/dphi.
     borders : (k,) cam angles [rad] in [0, 2 pi) where the formula of a coefficient changes, besides
         the borders of the motion.
+    off : the force on a follower that is off the cam, see `Off`; None if it is known for the motion
+        of the state alone, and for inertia, which is no force on a free follower.
     """
 
     name: str
     coefficients: Coefficients
     potential: Callable[[FloatArray, Side], FloatArray] | None = None
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
+    off: Off | None = None
 
 
 def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:

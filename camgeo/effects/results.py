@@ -55,6 +55,10 @@ class Mass(Protocol):
     def per_lift(self, phi: FloatArray, side: Side, /) -> ComplexArray:
         """(n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate."""
 
+    @property
+    def per_coordinate(self) -> Callable[[FloatArray], ComplexArray] | None:
+        """`per_lift` (n,) at any coordinate q (n,) of the follower; None behind a linkage."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertia(Acting):

@@ -9,6 +9,7 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.effects.lift_off import crossing
+from camgeo.effects.lift_off.cells import cells_from
 from camgeo.effects.lift_off.crossing import Change
 from camgeo.effects.ranges import ranges_below, runs
 from camgeo.errors import EffectError, GeometryError
@@ -551,7 +552,7 @@ def test_a_backlash_that_contradicts_the_side_clearance_is_refused() -> None:
 def test_cells_between_edges_that_nearly_coincide_come_to_an_end() -> None:
     """A first cell shorter than the spacing of doubles would stay where it is."""
     close = 3.0 + 20.0 * np.spacing(3.0)
-    found = list(islice(crossing._cells(0.5, np.array([0.0, 3.0, close, TURN]), 2.0**-6), 100_000))
+    found = list(islice(cells_from(0.5, np.array([0.0, 3.0, close, TURN]), 2.0**-6), 100_000))
     assert len(found) < 100_000
     assert found[-1][1] == 0.5 + TURN
     assert all(before == after for (_, before), (after, _) in pairwise(found))

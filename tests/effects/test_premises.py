@@ -90,7 +90,8 @@ def test_it_is_the_same_place_for_all_of_one_speed() -> None:
 def test_lift_off_and_contact_force_define_it_alike() -> None:
     elastic = loaded("lift_off_elastic")
     lost = elastic.effect(CONTACT_FORCE).lost_contact
-    stated = [each.cam_range for each in elastic.effects.findings("lift-off") if each.cam_range]
+    told = [each for each in elastic.effects.findings("lift-off") if each.name == "lift-off"]
+    stated = [each.cam_range for each in told if each.cam_range]
     assert stated == [(each.start, each.end) for each in lost.ranges]
     assert np.degrees(stated) == pytest.approx(np.array(LOST), abs=1e-4)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.effects.effect import Request, Subject, driving_slider
-from camgeo.effects.force import Coefficients, Force
+from camgeo.effects.force import Coefficients, Force, Off
 from camgeo.effects.friction.jamming import column, jamming_margin
 from camgeo.effects.friction.statics import Statics, senses_of
 from camgeo.effects.friction.table import FrictionCoefficients
@@ -50,7 +50,9 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
     return Friction(
         findings=findings,
         columns=(column(statics, borders),),
-        force=Force("friction", _coefficients(subject, data), borders=borders),
+        force=Force(
+            "friction", _coefficients(subject, data), borders=borders, off=_off(subject, data)
+        ),
         per_normal=statics.per_normal,
         bearing=statics.bearing,
         guide_length=data.guide_length,
@@ -107,6 +109,14 @@ def _coefficients(subject: Subject, data: FrictionCoefficients) -> Coefficients:
         return out
 
     return coefficients
+
+
+def _off(subject: Subject, data: FrictionCoefficients) -> Off | None:
+    """The same on a follower that is off the cam; None behind a linkage."""
+    viscous = data.pivot_viscous + data.guide_viscous
+    if subject.drive.linkage is not None:
+        return None
+    return lambda _phi, _q, rate: -viscous * rate
 
 
 def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:

@@ -71,7 +71,10 @@ class _OnGuide:
         return np.asarray(cam.follower.start_arm + cam.follower.way * lift)
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return np.full(len(phi), self.subject.cam.follower.way)
+        return self.per_coordinate(phi)
+
+    def per_coordinate(self, q: FloatArray) -> ComplexArray:
+        return np.full(len(q), self.subject.cam.follower.way)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,16 +87,18 @@ class _OnRocker:
     pivot: complex
     start: complex
 
-    def _lever(self, phi: FloatArray, side: Side) -> ComplexArray:
-        cam = self.subject.cam
-        swing = cam.follower.swing_sense * self.subject.state.motion.jet(phi, side, 1)[0]
+    def _lever(self, q: FloatArray) -> ComplexArray:
+        swing = self.subject.cam.follower.swing_sense * q
         return np.asarray(self.start * np.exp(1j * swing))
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return np.asarray(self.pivot + self._lever(phi, side))
+        return np.asarray(self.pivot + self._lever(self.subject.state.motion.jet(phi, side, 1)[0]))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return np.asarray(1j * self.subject.cam.follower.swing_sense * self._lever(phi, side))
+        return self.per_coordinate(self.subject.state.motion.jet(phi, side, 1)[0])
+
+    def per_coordinate(self, q: FloatArray) -> ComplexArray:
+        return np.asarray(1j * self.subject.cam.follower.swing_sense * self._lever(q))
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,3 +124,8 @@ class _OnCoupler:
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         pin, tip = joints_per_lift(self.linkage, self.subject.state.output.jet(phi, side)[0])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))
+
+    @property
+    def per_coordinate(self) -> None:
+        """See `Mass`."""
+        return None

@@ -14,17 +14,19 @@ from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
 @dataclass(frozen=True, slots=True)
 class ContactMargin:
-    """The contact force that must remain, and the clearance of the roller.
+    """The contact force that must remain, the clearance of the roller, and how it rebounds.
 
     Attributes
     ----------
     margin : contact force that must remain [N].
     backlash : clearance of the roller in a groove or, between two discs, of the roller that takes
         over, along its normal [mm]; None for the side clearance in the scene.
+    restitution : of the impact on a single flank, speed after it by speed before it, 0 to below 1.
     """
 
     margin: float = 0.0
     backlash: float | None = None
+    restitution: float = 0.0
 
 
 EFFECT: Final = Effect(

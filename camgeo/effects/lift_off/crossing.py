@@ -14,7 +14,6 @@ the normal of the disc that takes over, and the backlash is the clearance of its
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -23,6 +22,7 @@ import numpy as np
 
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates
+from camgeo.effects.lift_off.cells import cells_from
 from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import leverage_of
@@ -36,13 +36,6 @@ Polynomial = np.polynomial.Chebyshev
 
 ORDERS: Final = (16, 24)
 """Nodes per cell of the solution for the error estimate, and of the final one."""
-
-FIRST_CELL: Final = 2.0**-16
-"""Length of the first cell as a share of a smooth piece; each cell is twice as long as the one
-before, so that a short flight is resolved as well as a long one."""
-
-LONGEST_CELL: Final = 0.25
-"""Largest length of a cell as a share of a smooth piece, before cells are halved."""
 
 MOST_HALVINGS: Final = 6
 """Largest number of times that all cells are halved to reach a tolerance."""
@@ -196,7 +189,7 @@ class Clearance:
         def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
             return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
 
-        cells = _cells(change.leaving, self.contact.edges, 0.5**halvings)
+        cells = cells_from(change.leaving, self.contact.edges, 0.5**halvings)
         for cell in self._sampled(change, course, cells, x):
             low, high = ends = cell.low, cell.high
             rate = integral(cell.push / cell.pace, velocity, ends)
@@ -260,25 +253,3 @@ def _first(
         roots = bracketed_roots(lambda x, level=level: gap(x) - level, *ends)  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
         found += [(float(root), crossed) for root in roots[:1]]
     return min(found) if found else None
-
-
-def _cells(start: float, edges: FloatArray, share: float) -> Iterator[tuple[float, float]]:
-    """Cells [rad] over one turn from `start`, short at first, none across one of `edges`.
-
-    `share` scales their lengths.
-    """
-    ahead = np.concatenate((edges[:-1], edges[:-1] + TURN))
-    stops = [start, *ahead[(ahead > start) & (ahead < start + TURN)], start + TURN]
-    size = share * FIRST_CELL
-    for low, high in itertools.pairwise(stops):
-        length = high - low
-        if length <= 8.0 * math.ulp(high):
-            continue
-        place = low
-        while place < high:
-            end = min(place + max(size * length, math.ulp(high)), high)
-            if high - end < 0.5 * size * length:
-                end = high
-            yield float(place), float(end)
-            place = end
-            size = min(2.0 * size, share * LONGEST_CELL)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Result
 from camgeo.effects.lift_off.flank import Flank
+from camgeo.effects.lift_off.flight import Flight
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
 from camgeo.effects.results import Inertia, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
@@ -29,6 +30,7 @@ class ForceClosed(Result):
         happens; None if the scene gives no speed.
     preload, stiffness : least values [N, N/mm or N mm, N mm/rad]; infinite if no value is enough;
         None without a spring.
+    flights : off the flank, with their rebounds, as far as they can be computed.
     """
 
     lowest: Extreme
@@ -36,6 +38,7 @@ class ForceClosed(Result):
     speed: Extreme | None
     preload: Extreme | None
     stiffness: Extreme | None
+    flights: tuple[Flight, ...] = ()
 
 
 def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> ForceClosed:

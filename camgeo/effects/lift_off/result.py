@@ -6,6 +6,7 @@ clearance has been crossed.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from camgeo.effects.effect import Request
@@ -13,6 +14,7 @@ from camgeo.effects.lift_off import ContactMargin
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.force_closed import ForceClosed, of_flank
 from camgeo.effects.lift_off.form_closed import FormClosed, of_groove
+from camgeo.effects.lift_off.landing import flown_from
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import GeometryError
@@ -26,8 +28,9 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
     Raises
     ------
     GeometryError
-        If the scene gives a margin for a roller in a groove, which changes flanks in operation, a
-        backlash for a roller on a single flank, or one that differs from the side clearance.
+        If the scene gives a margin or a restitution for a roller in a groove, which changes flanks
+        in operation, a backlash for a roller on a single flank, or one that differs from the side
+        clearance.
     EffectError
         If an impact speed cannot be computed to the tolerance.
     """
@@ -42,6 +45,12 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
                 key=f"effects.{NAME}.margin",
                 value=f"{data.margin:g}",
             )
+        if data.restitution > 0.0:
+            raise GeometryError(
+                "a restitution is for a follower on one flank, and this one is held on both sides",
+                key=f"effects.{NAME}.restitution",
+                value=f"{data.restitution:g}",
+            )
         backlash = _backlash(data, subject.cam.clearance)
         return of_groove(subject, contact, inertia, backlash, request.tolerance)
     if data.backlash is not None:
@@ -51,7 +60,14 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
             value=f"{data.backlash:g}",
         )
     flank = Flank(subject, contact, subject.cam.contact.push, data.margin)
-    return of_flank(flank, inertia, request.results.get(SPRING))
+    closed = of_flank(flank, inertia, request.results.get(SPRING))
+    flown = flown_from(flank, inertia, data.restitution, request.tolerance)
+    return replace(
+        closed,
+        findings=(*closed.findings, *flown.findings),
+        flights=flown.flights,
+        errors=flown.errors,
+    )
 
 
 def _backlash(data: ContactMargin, side_clearance: float) -> float:

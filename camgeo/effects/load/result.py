@@ -58,11 +58,20 @@ def compute(request: Request[ProcessLoad]) -> Acting:
         )
         return found
 
+    def off(phi: FloatArray, _q: FloatArray, _rate: FloatArray) -> FloatArray:
+        return on_follower(phi, "right")
+
     potential = None if request.data.constant is None else work
     edges = merged(np.concatenate((subject.state.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Acting(
-        force=Force("load", unmoved(on_follower), potential, course.borders),
+        force=Force(
+            "load",
+            unmoved(on_follower),
+            potential,
+            course.borders,
+            off if subject.drive.linkage is None else None,
+        ),
         findings=tuple(
             extreme_findings("load", "load", extremes, unit, ", positive against a positive motion")
         ),

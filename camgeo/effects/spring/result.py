@@ -62,6 +62,10 @@ def compute(request: Request[SpringData]) -> Spring:
         x = way(phi, side)[0]
         return np.asarray((0.5 * stiffness * x - preload) * x)
 
+    def off(_phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        x, rate = way.at(q)
+        return (preload - stiffness * x) * rate
+
     unit, scale = ("N m", NEWTON_METRE) if torsion else ("N", 1.0)
 
     def shown(phi: FloatArray, side: Side) -> FloatArray:
@@ -80,7 +84,12 @@ def compute(request: Request[SpringData]) -> Spring:
             Column("spring torque" if torsion else "spring force", unit, shown),
             *(() if wound is None else wound.columns),
         ),
-        force=Force("spring", unmoved(on_follower), potential),
+        force=Force(
+            "spring",
+            unmoved(on_follower),
+            potential,
+            off=off if subject.drive.linkage is None else None,
+        ),
         way=way,
         preload=preload,
         stiffness=stiffness,

@@ -33,9 +33,12 @@ if TYPE_CHECKING:
 
 
 class Travel(Protocol):
-    """See the module."""
+    """x (n,) [mm or rad] and dx/dq (n,) at n cam angles, see the module."""
 
     def __call__(self, phi: FloatArray, side: Side, /) -> tuple[FloatArray, FloatArray]: ...
+
+    def at(self, place: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        """The same with the member that moves the spring at `place` (n,) [mm or rad]."""
 
     @property
     def line(self) -> Callable[[FloatArray, Side], ComplexArray] | None:
@@ -94,8 +97,11 @@ class Along:
         return None if way is None else lambda phi, _: np.full(len(phi), self.sense * way)
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        place = self.motion.jet(phi, side, 1)[0]
-        rate = np.ones(len(phi)) if self.linkage is None else self.linkage.per_follower(place)
+        return self.at(self.motion.jet(phi, side, 1)[0])
+
+    def at(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """x (n,) and dx/dq (n,) at the value `place` (n,) of the motion."""
+        rate = np.ones(len(place)) if self.linkage is None else self.linkage.per_follower(place)
         return self.sense * (place - self.start), self.sense * rate
 
 
@@ -127,7 +133,11 @@ class BetweenPoints:
     sense: float
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
+        return self.at(self.motion.jet(phi, side, 1)[0])
+
+    def at(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """x (n,) and dx/dq (n,) with the rocker at q = `place` (n,) [rad]."""
+        half = (0.5 * self.swing_sense) * (place - self.start)
         lever = self.anchor.conjugate() * self.attachment
         turned = lever * np.exp(2j * half)
         # r - r_0 = r_0 exp(i half) 2 i sin(half)
