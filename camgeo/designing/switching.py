@@ -45,6 +45,7 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
         {"face": Decimal("0.1")},
         {"slider": 5},
     ),
+    "roller-spin": ({"moment_of_inertia": Decimal("0.00001"), "traction": Decimal("0.05")},),
     "speed-fluctuation": (
         {"moment_of_inertia": Decimal("0.1"), "no_load_speed": None, "stall_torque": 200},
     ),

@@ -21,6 +21,7 @@ EFFECTS: Final[tuple[str, ...]] = (
     "friction",
     "contact-force",
     "reactions",
+    "roller-spin",
     "lift-off",
     "drive-torque",
     "speed-fluctuation",

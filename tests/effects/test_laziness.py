@@ -37,6 +37,7 @@ TABLES = {
     "friction": "guide = 0.1",
     "contact-force": "",
     "reactions": "",
+    "roller-spin": "moment_of_inertia = 1e-5\ntraction = 0.05",
     "lift-off": "",
     "drive-torque": "fluctuation = 0.05",
     "speed-fluctuation": "moment_of_inertia = 0.02\nno_load_speed = 66\nstall_torque = 40",

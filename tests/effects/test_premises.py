@@ -256,7 +256,7 @@ def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() ->
     """All effects with the time course, except speed-fluctuation itself and balance."""
     dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
     dependent |= {"contact-pressure", "vibration", "shock-spectrum", "spring-surge"}
-    dependent.add("reactions")
+    dependent |= {"reactions", "roller-spin"}
     stated = {
         name for name in EFFECTS
         if "speed-fluctuation" in [each.by for each in find_effect(name).refined_by]

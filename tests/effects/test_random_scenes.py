@@ -258,8 +258,10 @@ def tables_of(rng: Random, text: str) -> str:
         if effect not in named or (effect == "load" and other):
             continue
         lines.append(f"[effects.{effect}]")
-        properties = find_effect(effect).schema["properties"]
-        for key in keys_of(rng, effect, properties, text):
+        node = find_effect(effect).schema
+        properties = node["properties"]
+        chosen = keys_of(rng, effect, properties, text)
+        for key in dict.fromkeys([*node.get("required", ()), *chosen]):
             if key == "kind":
                 kind = "torsion" if "torsional_stiffness" in lines[-1] + lines[-2] else "extension"
                 lines.append(f'kind = "{kind}"')

@@ -1,0 +1,42 @@
+"""Effect `roller-spin`: how the roller turns, and where it skids."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from camgeo.declared import schema_beside
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, SPEED, Effect, data_of
+from camgeo.effects.results import CONTACT_FORCE, FRICTION
+from camgeo.effects.rules import ONE_CONTACT, ONE_ROLLER, ROLLERS, ROUND, Only
+
+
+@dataclass(frozen=True, slots=True)
+class RollerData:
+    """The roller, from the table ``[effects.roller-spin]``.
+
+    Attributes
+    ----------
+    moment_of_inertia : J of the turning parts about the pin [t mm^2].
+    traction : largest ratio of tangential to normal force at the contact.
+    """
+
+    moment_of_inertia: float
+    traction: float
+
+
+EFFECT: Final = Effect(
+    name="roller-spin",
+    title="spin of the roller, and where it skids",
+    compute="camgeo.effects.roller_spin.result:compute",
+    schema=schema_beside(__file__),
+    parse=partial(data_of, RollerData),
+    rules=(Only(ONE_ROLLER), Only(ONE_CONTACT), Only(ROLLERS), Only(ROUND)),
+    needs=(CONTACT_FORCE,),
+    uses=(FRICTION,),
+    keys=(SPEED,),
+    tabled=True,
+    regardless=("largest-roller-spin", "smallest-roller-spin"),
+    refined_by=(RIGID, GIVEN_SPEED),
+)

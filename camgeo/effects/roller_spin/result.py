@@ -1,0 +1,166 @@
+"""Effect `roller-spin`: how the roller turns, and the traction that keeps it rolling.
+
+In the notation of `friction`, a roller that rolls on the flank s turns in the fixed frame at
+
+    omega_R = (sigma - s sigma |Z'|/r_R) omega,
+
+and relative to its pin at omega_R - chi' omega. With its moment of inertia J, the friction of its
+bearing and of rolling, and the force T along t by which the cam turns it at the lever r_R, the
+balance of moments about the pin is
+
+    J d omega_R/dt = |N| (m_p + m_r) + s sigma r_R T.
+
+It rolls while |T| is at most mu_T |N|, with the coefficient of traction mu_T. Where the roller of a
+groove changes flanks, it must reverse its spin at once, and skids whatever the traction (Norton,
+Cam Design and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law
+for rotation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.effects.effect import Column, Request, Result, Subject
+from camgeo.effects.ranges import ranges_below
+from camgeo.effects.results import CONTACT_FORCE, FRICTION, ContactForce, Friction
+from camgeo.effects.roller_spin import RollerData
+from camgeo.effects.touching import INNER, OUTER
+from camgeo.effects.wording import angles, extreme_findings, over, placed
+from camgeo.motion.time_course import TimeCourse
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import piecewise_extremes, piecewise_lowest
+from camgeo.units import RPM, TURN
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rolling:
+    """The rolling roller.
+
+    Attributes
+    ----------
+    subject : the design.
+    course : how the cam turns.
+    contact : force at the contact.
+    friction : None without any.
+    data : of the roller.
+    """
+
+    subject: Subject
+    course: TimeCourse
+    contact: ContactForce
+    friction: Friction | None
+    data: RollerData
+
+    def sense(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) s, the flank that carries."""
+        return np.where(self.contact.normal(phi, side) >= 0.0, float(INNER), float(OUTER))
+
+    def spin(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """omega_R and that relative to the pin [rad/s], and d omega_R/dt [rad/s^2], (n,) each."""
+        subject = self.subject
+        relative = subject.state.curve.relative_jet(phi, side, order=2)
+        first, second = (relative.along[k] + 1j * relative.across[k] for k in (1, 2))
+        pace = np.abs(first)
+        gain = np.real(np.conj(first) * second) / pace
+        sigma = subject.cam.rotation
+        share = self.sense(phi, side) * sigma / subject.cam.follower.roller_radius
+        omega, alpha = self.course.rates(phi)[:2]
+        rate = sigma - share * pace
+        return (
+            np.asarray(rate * omega),
+            np.asarray((rate - relative.turning) * omega),
+            np.asarray(rate * alpha - share * gain * omega**2),
+        )
+
+    def traction(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) T [N]."""
+        sense, radius = self.sense(phi, side), self.subject.cam.follower.roller_radius
+        lever = sense * self.subject.cam.rotation / radius
+        needed = lever * self.data.moment_of_inertia * self.spin(phi, side)[2]
+        if self.friction is not None:
+            inner, outer = (
+                self.friction.bearing(phi, side, each).tangential for each in (INNER, OUTER)
+            )
+            needed += np.where(sense > 0.0, inner, outer) * np.abs(self.contact.normal(phi, side))
+        return np.asarray(needed)
+
+    def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) mu_T |N| - |T| [N]."""
+        there = self.data.traction * np.abs(self.contact.normal(phi, side))
+        return np.asarray(there - np.abs(self.traction(phi, side)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RollerSpin(Result):
+    """The spin of the roller, as if it never skidded."""
+
+    rolling: Rolling
+
+
+def compute(request: Request[RollerData]) -> RollerSpin:
+    """The spin at the speed of the scene."""
+    contact = request.results[CONTACT_FORCE]
+    friction = request.results.get(FRICTION)
+    rolling = Rolling(request.subject, request.course, contact, friction, request.data)
+    edges = contact.edges
+
+    def on_pin(phi: FloatArray, side: Side) -> FloatArray:
+        return rolling.spin(phi, side)[1] / RPM
+
+    inside = edges[(edges > 0.0) & (edges < TURN)]
+    return RollerSpin(
+        findings=(
+            *extreme_findings(
+                "roller-spin",
+                "speed of the roller on its pin",
+                piecewise_extremes(on_pin, edges),
+                "rev/min",
+                ", positive counter-clockwise",
+            ),
+            _of_reserve(rolling, edges),
+            *_reversals(rolling, edges),
+        ),
+        columns=(
+            Column("roller spin", "rev/min", on_pin, borders=inside),
+            Column("roller traction", "N", rolling.traction, borders=inside),
+            Column("traction reserve", "N", rolling.reserve, 0.0, inside),
+        ),
+        rolling=rolling,
+    )
+
+
+def _of_reserve(rolling: Rolling, edges: FloatArray) -> Finding:
+    lowest = piecewise_lowest(rolling.reserve, edges)
+    sentence = (
+        f"smallest reserve of traction {lowest.value:.6g} N"
+        f" {angles([lowest.place])}, with a coefficient of {rolling.data.traction:g}"
+    )
+    if lowest.value >= 0.0:
+        return placed("traction-reserve", f"{sentence}: the roller rolls", lowest, "N", 0.0)
+    found = ranges_below(rolling.reserve, edges, 0.0, lowest)
+    where = over([(each.start, each.end) for each in found])
+    return placed(
+        "traction-reserve", f"{sentence}: the roller skids {where}", lowest, "N", 0.0, "warning"
+    )
+
+
+def _reversals(rolling: Rolling, edges: FloatArray) -> Iterator[Finding]:
+    """Where the roller changes flanks."""
+    middle = 0.5 * (edges[:-1] + edges[1:])
+    sense = rolling.sense(middle, "right")
+    places = edges[:-1][sense != np.roll(sense, 1)]
+    if not len(places):
+        return
+    yield Finding(
+        "roller-reversal",
+        "warning",
+        f"the roller changes flanks {angles(places.tolist())}, where it has to reverse its spin"
+        " and skids",
+        float(len(places)),
+        0.0,
+        cam_angle=float(places[0]),
+    )

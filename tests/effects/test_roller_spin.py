@@ -1,0 +1,107 @@
+"""Effect `roller-spin` against the roller as a free body of its own."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from camgeo.design import Design
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import load_scene
+from camgeo.units import RPM
+from tests.effects.scenes import SCENES, design
+from tests.effects.test_physics import (
+    DIFFERENCE,
+    PLATE,
+    ROLLER,
+    ROUNDING,
+    Bodies,
+    friction,
+    inside,
+    omega,
+    speed_of,
+)
+from tests.effects.test_reactions import cells_of
+from tests.integrals import integrals
+
+INERTIA: Final = 3e-2
+"""[t mm^2]"""
+
+
+def rolling(scene: str, rev: float, traction: float = 0.05, *changes: tuple[str, str]) -> Design:
+    table = f"\n[effects.roller-spin]\nmoment_of_inertia = {1e-3 * INERTIA!r}\n"
+    forces = "[effects.load]\nconstant = 40\n[effects.inertia]\nmoment_of_inertia = 0.01\n"
+    forces = PLATE if scene == "plate_translating" else forces
+    text = f"{forces}{friction(ROLLER)}{table}traction = {traction!r}"
+    return design(scene, text, speed_of(scene, rev), *changes)
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "shuttle"])
+def test_it_rolls_on_its_flank(scene: str) -> None:
+    """No slip at the contact, by velocities in the fixed frame."""
+    made = rolling(scene, 90.0)
+    phi = inside(made)
+    bodies = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
+    wanted = (bodies.roller, bodies.roller - bodies.turning)
+    found = made.effect("roller-spin").rolling.spin(phi, "right")
+    for own, other in zip(found, wanted, strict=False):
+        assert np.max(np.abs(own / omega(made) - other)) <= DIFFERENCE * np.max(np.abs(other))
+    (column,) = (each for each in made.effect("roller-spin").columns if each.name == "roller spin")
+    assert column.values(phi, "right") == pytest.approx(found[1] / RPM)
+
+
+@pytest.mark.parametrize("way", ["ccw", "cw"])
+def test_its_angular_momentum_changes_by_friction_and_traction(way: str) -> None:
+    """Over every cell; the force of the cam acts at the contact, along the tangent there."""
+    turned = [('"ccw"', '"cw"')] if way == "cw" else []
+    made = rolling("plate_translating", 200.0, 0.05, *turned)
+    roller, contact = made.effect("roller-spin").rolling, made.effect("contact-force")
+    speed = omega(made)
+
+    def moment(phi: FloatArray) -> FloatArray:
+        bodies = Bodies(made.cam, phi, contact.normal(phi, "right"))
+        tangent = 1j * bodies.outward
+        ahead = -made.cam.rotation * tangent  # as the contact moves along the flank
+        force = roller.traction(phi, "right") * ahead
+        own = np.imag(np.conj(bodies.arm) * force) + sum(bodies.moments(ROLLER))
+        return np.asarray(own / speed)
+
+    low, high = cells_of(contact.edges)
+    before, after = roller.spin(low, "right")[0], roller.spin(high, "left")[0]
+    gained = INERTIA * (after - before)
+    total = integrals(moment, low, high)
+    # The normal of the independent body is a difference, and exact to that.
+    assert np.max(np.abs(total - gained)) <= DIFFERENCE * np.max(np.abs(gained))
+    assert np.max(np.abs(gained)) > 1e3 * ROUNDING
+
+
+def test_it_skids_where_the_traction_does_not_suffice() -> None:
+    loose = rolling("plate_translating", 200.0, 1.0)
+    roller, contact = loose.effect("roller-spin").rolling, loose.effect("contact-force")
+    phi = np.linspace(0.0, contact.edges[-1], 20001)
+    share = np.abs(roller.traction(phi, "right") / contact.normal(phi, "right"))
+    needed = float(np.max(share))
+
+    def told(traction: float) -> Any:
+        found = rolling("plate_translating", 200.0, traction).effect("roller-spin").findings
+        return next(each for each in found if each.name == "traction-reserve")
+
+    assert told(1.01 * needed).severity == "ok"
+    assert told(1.01 * needed).value > 0.0
+    skids = told(0.99 * needed)
+    assert skids.severity == "warning"
+    assert "skids" in skids.sentence
+    assert skids.value < 0.0
+
+
+def test_in_a_groove_it_reverses_at_each_change_of_flanks() -> None:
+    path = SCENES.parent / "effects" / "groove_lever.toml"
+    table = {"moment_of_inertia": 4e-6, "traction": 0.06}
+    made = Design(load_scene(path).with_values({"effects.roller-spin": table}))
+    found = {each.name: each for each in made.effect("roller-spin").findings}
+    changes = [each for each in made.effects.findings("lift-off") if each.name == "flank-change"]
+    assert found["roller-reversal"].value == len(changes) == 4
+    assert found["roller-reversal"].cam_angle == pytest.approx(changes[0].cam_angle)
+    assert found["largest-roller-spin"].value > 0.0 > found["smallest-roller-spin"].value
