@@ -14,7 +14,6 @@ from camgeo.motion.laws import find_family
 from camgeo.motion.planning.request import AUTO
 from camgeo.scene.family_rules import families_vary
 from camgeo.scene.keys import Path
-from camgeo.scene.noted import unchanged
 from camgeo.scene.part_rules import (
     chamfers_have_edges,
     contact_and_part_agree,
@@ -23,7 +22,7 @@ from camgeo.scene.part_rules import (
 from camgeo.scene.print_rules import print_suits_the_part
 from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, NAMING, SHAPES, schema_for
 from camgeo.scene.tolerance_rules import tolerances_are_stated_once
-from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of
+from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of, unchanged_reads
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -77,7 +76,7 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     """
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
-    values.reads |= unchanged(earlier.reads, earlier.scene.exact, values.scene.exact)
+    values.reads |= unchanged_reads(earlier, values)
     found: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:

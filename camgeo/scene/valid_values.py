@@ -11,7 +11,7 @@ from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.kind import UNIT_OF, FollowerKind
 from camgeo.scene.document import Document
 from camgeo.scene.keys import Path, value_at
-from camgeo.scene.noted import Reads
+from camgeo.scene.noted import Reads, unchanged
 from camgeo.units import MM_PER, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
@@ -138,6 +138,11 @@ def far_end_of(values: ValidValues) -> Member | None:
     if linkage is None or (follower is None and values.has("follower")):
         return None
     return LINKAGES[linkage].members.get(values.lift_unit)
+
+
+def unchanged_reads(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
+    """What was read of an `earlier` scene and is the same `now`."""
+    return unchanged(earlier.reads, earlier.scene.exact, now.scene.exact)
 
 
 def tables_of(values: ValidValues, *names: str) -> dict[str, Any]:
