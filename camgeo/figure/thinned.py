@@ -130,8 +130,9 @@ def _kept(lines: Iterable[tuple[FloatArray, Scale]], most: float) -> list[slice 
     if long:
         ends = np.cumsum([0, *(len(points) for _, points in long)])
         kept = few_of(np.concatenate([points for _, points in long]), ends, most)
-        for (number, _), first, last in zip(long, ends[:-1], ends[1:], strict=True):
-            found[number] = kept[(kept >= first) & (kept < last)] - first
+        parts = np.split(kept, np.searchsorted(kept, ends[1:-1]))
+        for (number, _), part, first in zip(long, parts, ends[:-1], strict=True):
+            found[number] = part - first
     return found
 
 
