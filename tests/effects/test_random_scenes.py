@@ -147,7 +147,7 @@ def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
         return rng.choice(node["enum"])
     if kind:
         return number(rng, kind, wild=wild)
-    if key == "coupler_centre":
+    if key in ("coupler_centre", "restitution"):
         return round(rng.random(), 3)
     if key == "segments":
         return [number(rng, "load", wild=wild) for _ in range(5)]
