@@ -39,6 +39,8 @@ function ticks(axis: Axis, length: number): number[] {
   return found;
 }
 
+const RAISED: Record<string, string> = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
+
 export function numeral(value: number): string {
   return String(Number(value.toPrecision(6))).replace("-", "−");
 }
@@ -50,7 +52,7 @@ function numerals(axis: Axis, places: number[]): [string[], string] {
   const power = Math.floor(Math.log10(Math.max(...axis.limits.map(Math.abs))));
   const [least, most] = axis.powers ?? [-4, 7];
   if (power >= least && power < most) return [places.map(numeral), ""];
-  return [places.map((each) => numeral(each / 10 ** power)), `×10^${power}`.replace("-", "−")];
+  return [places.map((each) => numeral(each / 10 ** power)), `×10${[...String(power)].map((each) => RAISED[each] ?? each).join("")}`];
 }
 
 export function drawAxes(panel: Panel, parent: Node, { box, x, y }: Plane): void {
