@@ -1,5 +1,7 @@
 """What a sweep costs beyond its designs: engines, store and memory, as ratios of one run.
 
+- "batch": designs with another base radius, one by one and many at once, in CPU time: rows, with
+  their scenes and without, and curves and angles at 361 angles.
 - "engine": designs that take 10 ms without using a processor, by the loop, by one worker and by
   two: what handing out chunks costs, whatever else the machine does; under 5% over is wanted.
   Workers are started before the clock, as they are once for a whole run.
@@ -15,7 +17,7 @@
   store, and reads the rows again; the same for 1,000 and 100,000 is wanted.
 
     python benchmarks/sweep.py [--rounds 3] [--designs 600]
-        [--only engine cores driver memory cluster]
+        [--only batch engine cores driver memory cluster]
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from importlib import import_module
@@ -43,6 +45,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from camgeo.answers.sweep import answer_of
+from camgeo.cam.disc import Disc, discs_together
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from camgeo.sweep import engine
@@ -51,9 +54,10 @@ from camgeo.sweep.cluster import Cluster
 from camgeo.sweep.engine import Chunks, Engine, Loop
 from camgeo.sweep.family import Family, Point
 from camgeo.sweep.pool import Pool
-from camgeo.sweep.rows import Row, Work
+from camgeo.sweep.rows import Row, Work, rows_of
 from camgeo.sweep.stated import family_of
 from camgeo.sweep.sweep import sweep
+from camgeo.units import TURN
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
@@ -67,7 +71,20 @@ PAUSE: Final = 0.010
 ROWS: Final = (1_000, 100_000)
 """Designs for "memory"."""
 
-PARTS: Final = ("engine", "cores", "driver", "memory")
+THREE: Final = "transmission-angle,min:mu,peak:kappa"
+
+BATCHES: Final = {
+    "setzhub": ("transmission-angle", "min:mu", "peak:kappa", "peak:inner-x", "peak:a", THREE),
+    "tappet": ("min:mu", "peak:kappa"),
+}
+"""Scenes, and what is asked for "batch": a lever behind a linkage and a flat face on a guide."""
+
+ANGLES: Final = 361
+
+DISCS: Final = 64
+"""Designs whose curves are evaluated at once."""
+
+PARTS: Final = ("batch", "engine", "cores", "driver", "memory")
 
 OTHERS: Final = ("cluster",)
 
@@ -109,6 +126,77 @@ class Free:
 def family(count: int) -> Family:
     """Designs with other base radii."""
     return family_of(load_scene(SCENE), [f"follower.base_radius=45:60:{count}"])
+
+
+def cpu(call: Callable[[], object]) -> float:
+    """CPU seconds of a call."""
+    start = time.process_time()
+    call()
+    return time.process_time() - start
+
+
+def batch(scene: str, ask: str, count: int, rounds: int) -> None:
+    """Rows one by one and many at once, in alternating order, and print."""
+    base = load_scene(ROOT / "fixtures" / "scenes" / f"{scene}.toml")
+    radius = float(base.values["follower"]["base_radius"])
+    varied = family_of(base, [f"follower.base_radius={radius}:{1.2 * radius}:{count}"])
+    work = Work.of(varied, asked_of(Design(base), ask.split(",")))
+    points = list(varied.points())
+    found = []
+    for _ in range(rounds):
+        alone = cpu(lambda: [work.row(point) for point in points])
+        together = cpu(lambda: rows_of(work, points))
+        scenes = cpu(lambda: [work.scene_of(point) for point in points])
+        found.append((alone, together, scenes, alone / together))
+    alone, together, scenes, ratio = (statistics.median(each) for each in zip(*found, strict=True))
+    rest = statistics.median((a - s) / (t - s) for a, t, s, _ in found)
+    each = 1e3 / count
+    print(
+        f"batch: {scene}, {ask}: {each * alone:.2f} ms alone, {each * together:.2f} together, of"
+        f" which {each * scenes:.2f} for the scene; {ratio:.1f} times, without scenes {rest:.1f}"
+    )
+
+
+def discs_of(count: int, *, own: bool) -> list[Disc]:
+    """Designs with other base radii; each with an `own` motion, or all with the same."""
+    base = load_scene(SCENE)
+    return [
+        Design(
+            (load_scene(SCENE) if own else base).with_values({"follower.base_radius": radius})
+        ).cam.disc
+        for radius in np.linspace(45.0, 60.0, count).tolist()
+    ]
+
+
+def curves(count: int, rounds: int) -> None:
+    """Curves and angles at 361 angles, one design after the other and all at once; print.
+
+    One after the other also with a motion for each design, which is otherwise recalled.
+    """
+    phi = np.linspace(0.0, TURN, ANGLES)
+    quantities: dict[str, Callable[[Disc], Any]] = {
+        "pitch curve": lambda disc: disc.pitch_curve.point,
+        "inner curve": lambda disc: disc.inner_curve.point,
+        "curvature": lambda disc: disc.pitch_curve.curvature,
+        "transmission angle": lambda disc: disc.pitch_curve.transmission_angle,
+    }
+    for name, quantity in quantities.items():
+        found = []
+        for _ in range(rounds):
+            many = discs_together(discs_of(count, own=False))
+            groups = discs_of(count, own=True), list(many.members)
+            own, alone = (
+                cpu(lambda each=each, of=quantity: [of(disc)(phi, "right") for disc in each])  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
+                for each in groups
+            )
+            together = cpu(lambda many=many, of=quantity: many.everywhere(of, phi, "right"))  # type: ignore[misc]  # likewise
+            found.append((own, alone, together, own / together, alone / together))
+        *taken, whole, part = (statistics.median(each) for each in zip(*found, strict=True))
+        each_takes = [f"{1e6 * each / count:.0f}" for each in taken]
+        print(
+            f"batch: {name} at {ANGLES} angles: {each_takes[0]} microseconds alone, {each_takes[1]}"
+            f" with the motion at hand, {each_takes[2]} together; {whole:.1f} and {part:.1f} times"
+        )
 
 
 def seconds(engine: Engine, work: Work, points: list[Point]) -> float:
@@ -239,6 +327,11 @@ def main() -> None:
     designs = family(given.designs)
     points = list(designs.points())
     work = Work.of(designs, asked_of(Design(designs.scene), ASK))
+    if "batch" in given.only:
+        for scene, asks in BATCHES.items():
+            for ask in asks:
+                batch(scene, ask, given.designs, given.rounds)
+        curves(DISCS, given.rounds)
     if "engine" in given.only:
         idle = Pausing(work.text, work.contents, work.keys, work.asked, work.versions)
         ratios = compared(idle, points, given.rounds).items()

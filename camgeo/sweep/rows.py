@@ -36,7 +36,7 @@ MOST_BEGUN: Final = 64
 """Scenes that are kept for others to share their plan, so that memory stays flat."""
 
 MOST_TOGETHER: Final = 64
-"""Designs that are computed at once: of twice as many each would cost as much."""
+"""Designs that are computed at once: of 256 at once each costs 2 to 6 % less."""
 
 LISTED: Final = "; "
 """Between the reasons of one row."""
