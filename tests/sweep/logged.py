@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,8 +25,8 @@ class Logged(Work):
 
     log: str = ""
 
-    def row(self, point: Point, ledger: Ledger | None = None) -> Row:
-        """See `Work.row`."""
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+        """See `Work.rows`."""
         with Path(self.log).open("a") as file:
-            file.write(f"{mark(point)}\n")  # a line is written at once
-        return super().row(point, ledger)
+            file.write("".join(f"{mark(point)}\n" for point in points))  # written at once
+        return super().rows(points, ledger)
