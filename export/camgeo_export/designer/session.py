@@ -28,6 +28,9 @@ from camgeo_export.designer.pages import NOTHING, Message, Page, body, refused, 
 PAUSE: Final = 0.12
 """Seconds after the last picture before findings are computed."""
 
+FIRST: Final = 0.1
+"""Seconds that the rest of a picture waits for findings."""
+
 PATIENCE: Final = 4.0
 """Seconds after which a picture, or findings, are given up if there is a newer text. It costs a
 process, of which a new one takes a second to be ready."""
@@ -316,13 +319,16 @@ class Session:
             while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
                 await asyncio.sleep(left)
             revision = self._revision
-            self._wake.set()  # what has not been painted of it follows
+            # What has not been painted of it follows: a page shows findings sooner before it.
+            rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
             found = body({"faults": [], "findings": [], "cures": [], "places": []})
             if self.desk.text.strip():
                 try:
                     found = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
                     found = body({"faults": faults.told(error)})
+            rest.cancel()
+            self._wake.set()
         self._findings = Message("findings", {"revision": revision}, found)
         self._broadcast(self._findings)
 
