@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from camgeo.cli.main import main
-from camgeo.lazy import Ledger
+from camgeo.design import Design
 from camgeo.optimise.judging import Judge
 from camgeo.sweep.family import Point
+from camgeo.sweep.reading import Reading
 from camgeo.sweep.rows import Row
 from tests.sweep.families import FIXTURES
 
@@ -88,16 +90,15 @@ def test_what_cannot_be_written_is_told_before_the_search(tmp_path: Path, capsys
 def test_ctrl_c_gives_the_best_so_far(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    row = Judge.row
+    answers, judged = Judge.answers, list[Point]()
 
-    def interrupted(judge: Judge, point: Point, ledger: Ledger | None = None) -> Row:
+    def interrupted(judge: Judge, design: Design, point: Point, found: Sequence[Reading]) -> Row:
         judged.append(point)
         if len(judged) == 4:
             raise KeyboardInterrupt
-        return row(judge, point, ledger)
+        return answers(judge, design, point, found)
 
-    judged: list[Point] = []
-    monkeypatch.setattr(Judge, "row", interrupted)
+    monkeypatch.setattr(Judge, "answers", interrupted)
     best = tmp_path / "best.toml"
     assert call(*TASK, "-o", str(best)) == 130
     assert "ended: interrupted" in capsys.readouterr().out

@@ -27,6 +27,6 @@ class Logged(Work):
 
     def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
         """See `Work.rows`."""
-        with Path(self.log).open("a") as file:
-            file.write("".join(f"{mark(point)}\n" for point in points))  # written at once
+        with Path(self.log).open("ab", buffering=0) as file:  # lines of processes do not mix
+            file.write("".join(f"{mark(point)}\n" for point in points).encode())
         return super().rows(points, ledger)
