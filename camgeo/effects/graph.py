@@ -11,7 +11,7 @@ from camgeo.displayed import clipped
 from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
 from camgeo.effects.premises import qualified, trimming
 from camgeo.effects.registry import find_effect
-from camgeo.effects.results import CONTACT_FORCE, LostContact, Touching
+from camgeo.effects.results import CONTACT_FORCE, LIFT_OFF, LostContact, Touching
 from camgeo.effects.rules import Table
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -181,7 +181,19 @@ class Effects:
             return (*trimming(self.effect(name), self.subject), refusal)
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
-        return qualified(self.effect(name), result.findings, self.subject, lost, self.names)
+        at_speed_of_scene = not touching or name == CONTACT_FORCE
+        flown = self._flown() if lost and at_speed_of_scene else ()
+        effect = self.effect(name)
+        return qualified(effect, result.findings, self.subject, lost, self.names, flown)
+
+    def _flown(self) -> tuple[tuple[float, float], ...]:
+        """The ranges [rad] over which the follower flies, if the scene names what computes them."""
+        if LIFT_OFF not in self.tables:
+            return ()
+        try:
+            return self.result(LIFT_OFF).flown
+        except (EffectError, GeometryError):  # which its own findings report
+            return ()
 
     def _lost_contact(self, name: str) -> LostContact | None:
         """Where contact is lost; None if the effect `name` can do without contact, if no effect of

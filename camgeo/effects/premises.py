@@ -39,6 +39,7 @@ def qualified(
     subject: Subject,
     lost: LostContact | None,
     named: Sequence[str],
+    flown: Sequence[Range] = (),
 ) -> tuple[Finding, ...]:
     """The `findings` of `effect`, after those that say what they do not hold for.
 
@@ -46,12 +47,13 @@ def qualified(
     ----------
     lost : where the follower leaves the cam; None if that is not known.
     named : the effects that the scene names.
+    flown : where it then flies; empty if that is not known.
     """
     if all(each.value is None for each in findings):
         return findings  # without figures there is nothing to qualify
     broken: list[Finding] = []
     if effect.premise == "contact" and lost:
-        broken.append(_without_contact(lost, subject))
+        broken.append(_without_contact(lost, subject, flown))
     trimmed = tuple(trimming(effect, subject))
     if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
@@ -65,7 +67,7 @@ def _doubted(finding: Finding, effect: Effect) -> Finding:
     return replace(finding, severity="warning")
 
 
-def _without_contact(lost: LostContact, subject: Subject) -> Finding:
+def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]) -> Finding:
     """Where contact is lost, though the figures take it for granted."""
     ranges = [(each.start, each.end) for each in lost.ranges]
     touching = subject.cam.follower.touching
@@ -73,13 +75,14 @@ def _without_contact(lost: LostContact, subject: Subject) -> Finding:
     if lost.leaps:
         places.append(f"{angles(lost.leaps)}, where the velocity jumps away from it")
     low = lost.lowest
+    flight = f", and flies {over([_in_turn(each) for each in flown])}" if flown else ""
     force = "" if low is None else f": contact force {low.value:.6g} N {at(low.place)}"
     return Finding(
         name="contact-lost",
         severity="broken",
         sentence=(
-            f"the {touching} leaves the cam {listed(places)}{force}; these figures are for one"
-            " that stays on it"
+            f"the {touching} leaves the cam {listed(places)}{force}{flight}; these figures are for"
+            " one that stays on it"
         ),
         value=None if low is None else low.value,
         limit=0.0,
@@ -200,6 +203,11 @@ def _simplified(effect: Effect, named: Sequence[str]) -> Iterator[Finding]:
     )
     cautions = [each.caution for each in found if each.caution]
     yield Finding("simplified", "warning", "; ".join((sentence, *cautions)))
+
+
+def _in_turn(range_: Range) -> Range:
+    """The range with both ends in [0, 2 pi)."""
+    return range_[0] % TURN, range_[1] % TURN
 
 
 def _inside(phi: float, range_: Range) -> bool:

@@ -213,6 +213,19 @@ class Touching(Result):
     lost_contact: LostContact
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Leaving(Result):
+    """A result that includes where the follower flies.
+
+    Attributes
+    ----------
+    flown : ranges [rad] over which it is off its only flank at the speed of the scene, the start in
+        [0, 2 pi), the end beyond it; empty if it stays on it, or if that is not known.
+    """
+
+    flown: tuple[tuple[float, float], ...] = ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForce(Touching):
     """The normal force N [N] on the follower, positive where the inner flank carries.
@@ -269,5 +282,6 @@ GRAVITY: Final = Key[Gravity]("gravity")
 LOAD: Final = Key[Acting]("load")
 SPRING: Final = Key[Spring]("spring")
 FRICTION: Final = Key[Friction]("friction")
+LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")

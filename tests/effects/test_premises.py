@@ -96,6 +96,17 @@ def test_lift_off_and_contact_force_define_it_alike() -> None:
     assert np.degrees(stated) == pytest.approx(np.array(LOST), abs=1e-4)
 
 
+def test_each_effect_says_where_the_follower_flies() -> None:
+    """From the first place to the landing, which is beyond the second one."""
+    elastic = loaded("lift_off_elastic")
+    ((start, end),) = elastic.effect("lift-off").flown
+    flown = f"and flies from cam angle {math.degrees(start):.4f} to {math.degrees(end):.4f} deg;"
+    for effect in ("contact-force", "drive-torque", "contact-pressure", "vibration"):
+        assert flown in found(elastic, effect, "contact-lost").sentence
+    weak = loaded("pressure_off_the_cam")
+    assert "flies" not in found(weak, "contact-pressure", "contact-lost").sentence
+
+
 def test_a_follower_that_stays_loses_nothing() -> None:
     for name in ("press", "groove_lever", "tappet"):
         for effect in loaded(name).scene.effects:

@@ -6,11 +6,10 @@ import math
 from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Result
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.flight import Flight
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
-from camgeo.effects.results import Inertia, Range, Spring
+from camgeo.effects.results import Inertia, Leaving, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
 from camgeo.effects.wording import N_M, at, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
@@ -19,7 +18,7 @@ from camgeo.units import RPM, TURN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ForceClosed(Result):
+class ForceClosed(Leaving):
     """The contact of a roller on one flank.
 
     Attributes

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Bound, Result, Subject
+from camgeo.effects.effect import Bound, Subject
 from camgeo.effects.immovable import shocks
 from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_changes
-from camgeo.effects.results import ContactForce, Inertia
+from camgeo.effects.results import ContactForce, Inertia, Leaving
 from camgeo.effects.touching import sides_of
 from camgeo.effects.wording import at, degrees, placed
 from camgeo.numeric.extremes import Extreme, piecewise_lowest
@@ -22,7 +22,7 @@ LISTED: Final = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FormClosed(Result):
+class FormClosed(Leaving):
     """The contact of a roller in a groove, or of a follower between two discs.
 
     Attributes

@@ -26,6 +26,17 @@ class Flown:
     findings: tuple[Finding, ...] = ()
     errors: Mapping[str, Bound] = field(default_factory=dict)
 
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Over which the follower is off the flank, with flights that follow at once as one."""
+        found: list[tuple[float, float]] = []
+        for each in self.flights:
+            if found and found[-1][1] == each.leaving:
+                found[-1] = (found[-1][0], each.landing)
+            else:
+                found.append((each.leaving, each.landing))
+        return tuple(found)
+
 
 def flown_from(
     flank: Flank, inertia: Inertia | None, restitution: float, tolerance: float

@@ -66,6 +66,7 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
         closed,
         findings=(*closed.findings, *flown.findings),
         flights=flown.flights,
+        flown=flown.ranges,
         errors=flown.errors,
     )
 
