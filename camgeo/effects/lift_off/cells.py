@@ -1,11 +1,12 @@
-"""Cells of cam angle in which a flight is integrated."""
+"""Cells of cam angle in which a flight is integrated, and the nodes in them."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterator
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Self
 
 import numpy as np
 
@@ -18,6 +19,46 @@ before, so that a short flight is resolved as well as a long one."""
 
 LONGEST_CELL: Final = 0.25
 """Largest length of a cell as a share of a smooth piece, before cells are halved."""
+
+MOST_HALVINGS: Final = 6
+"""Largest number of times that all cells are halved to reach a tolerance."""
+
+ORDERS: Final = (16, 24)
+"""Nodes per cell of the solution for the error estimate, and of the final one."""
+
+ROUNDING: Final = 1e-12
+"""An estimated error below this share is rounding, whatever the tolerance."""
+
+Polynomial = np.polynomial.Chebyshev
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nodes:
+    """The Chebyshev nodes of a cell.
+
+    Attributes
+    ----------
+    places : (n,) of the nodes, from -1 to 1, ascending.
+    fit : (n, n) from the values at the nodes to coefficients.
+    """
+
+    places: FloatArray
+    fit: FloatArray
+
+    @classmethod
+    def of(cls, count: int) -> Self:
+        """So many nodes."""
+        places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
+        matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
+        return cls(places, np.asarray(np.linalg.inv(matrix), dtype=np.float64))
+
+    def function(self, values: FloatArray, ends: tuple[float, float]) -> Polynomial:
+        """With these `values` (n,) at the nodes of the cell with these `ends`."""
+        return Polynomial(self.fit @ values, ends)
+
+    def integral(self, values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
+        """The integral of that, which is `start` where the cell starts."""
+        return self.function(values, ends).integ(lbnd=ends[0]) + start
 
 
 def cells_from(start: float, edges: FloatArray, share: float) -> Iterator[tuple[float, float]]:

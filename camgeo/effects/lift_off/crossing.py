@@ -22,7 +22,7 @@ import numpy as np
 
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates
-from camgeo.effects.lift_off.cells import cells_from
+from camgeo.effects.lift_off.cells import MOST_HALVINGS, ORDERS, ROUNDING, Nodes, cells_from
 from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import leverage_of
@@ -31,17 +31,6 @@ from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
-
-Polynomial = np.polynomial.Chebyshev
-
-ORDERS: Final = (16, 24)
-"""Nodes per cell of the solution for the error estimate, and of the final one."""
-
-MOST_HALVINGS: Final = 6
-"""Largest number of times that all cells are halved to reach a tolerance."""
-
-ROUNDING: Final = 1e-12
-"""An estimated error below this share is rounding, whatever the tolerance."""
 
 MOST_AT_ONCE: Final = 64
 """Cells that are evaluated at a time at most."""
@@ -155,7 +144,7 @@ class Clearance:
             If the tolerance cannot be reached.
         """
         for halvings in range(MOST_HALVINGS + 1):
-            rough, fine = (self._flight(change, nodes, halvings) for nodes in ORDERS)
+            rough, fine = (self._flight(change, Nodes.of(n), halvings) for n in ORDERS)
             if fine is None and rough is None:
                 return None
             error = 1.0
@@ -177,24 +166,18 @@ class Clearance:
         )
 
     def _flight(
-        self, change: Change, nodes: int, halvings: int
+        self, change: Change, nodes: Nodes, halvings: int
     ) -> tuple[float, float, bool] | None:
         """Cam angle [rad] of the impact, rate of the gap [mm/s] there, whether it has crossed."""
-        x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
-        fit = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, nodes - 1))
         course = self.subject.state.course
         assert course is not None  # there is inertia, which needs a speed
         velocity = way = 0.0
-
-        def integral(values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
-            return Polynomial(fit @ values, ends).integ(lbnd=ends[0]) + start
-
         cells = cells_from(change.leaving, self.contact.edges, 0.5**halvings)
-        for cell in self._sampled(change, course, cells, x):
+        for cell in self._sampled(change, course, cells, nodes.places):
             low, high = ends = cell.low, cell.high
-            rate = integral(cell.push / cell.pace, velocity, ends)
-            path = integral(rate(cell.angles) / cell.pace, way, ends)
-            gap = Polynomial(fit @ (cell.lever * path(cell.angles)), ends)
+            rate = nodes.integral(cell.push / cell.pace, velocity, ends)
+            path = nodes.integral(rate(cell.angles) / cell.pace, way, ends)
+            gap = nodes.function(cell.lever * path(cell.angles), ends)
             end = _first(gap, low, high, self.backlash)
             if end is not None:
                 angle, crossed = end

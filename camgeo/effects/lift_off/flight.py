@@ -26,7 +26,14 @@ import numpy as np
 
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force, at_rates
-from camgeo.effects.lift_off.cells import cells_from
+from camgeo.effects.lift_off.cells import (
+    MOST_HALVINGS,
+    ORDERS,
+    ROUNDING,
+    Nodes,
+    Polynomial,
+    cells_from,
+)
 from camgeo.effects.results import ContactForce, Inertia, LostContact
 from camgeo.effects.touching import leverage_of, outwards_of
 from camgeo.effects.wording import missed
@@ -35,22 +42,11 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
 
-Polynomial = np.polynomial.Chebyshev
-
-ORDERS: Final = (16, 24)
-"""Nodes per cell of the solution for the error estimate, and of the final one."""
-
-MOST_HALVINGS: Final = 6
-"""Largest number of times that all cells are halved to reach a tolerance."""
-
 MOST_ITERATIONS: Final = 60
 """Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
 
 CLOSE: Final = 1e-14
 """Change of the gap, as a share of its size, at which they end."""
-
-ROUNDING: Final = 1e-12
-"""An estimated error below this share is rounding, whatever the tolerance."""
 
 EVEN: Final = np.linspace(0.0, 1.0, 65)
 EARLY: Final = np.append(0.0, np.geomspace(1e-9, 1.0, 128))
@@ -135,7 +131,8 @@ class FreeFollower:
         for halvings in range(MOST_HALVINGS + 1):
             try:
                 rough, fine = (
-                    tuple(self._chain(lost, restitution, nodes, halvings)) for nodes in ORDERS
+                    tuple(self._chain(lost, restitution, Nodes.of(count), halvings))
+                    for count in ORDERS
                 )
             except _StiffError:
                 continue
@@ -149,9 +146,9 @@ class FreeFollower:
         raise missed("the impact speed of a flight", error, "itself", tolerance)
 
     def _chain(
-        self, lost: LostContact, restitution: float, nodes: int, halvings: int
+        self, lost: LostContact, restitution: float, nodes: Nodes, halvings: int
     ) -> Iterator[Flight | float]:
-        """As `flights`, with so many `nodes` per cell, and cells halved so often."""
+        """As `flights`, with these `nodes` in each cell, and cells halved so often."""
         starts = _starts(lost)
         back = 0.0
         for begin, end in starts:
@@ -181,17 +178,14 @@ class FreeFollower:
         )
         return float((before - after) * self.course.rates(here)[0, 0])
 
-    def _flight(self, leaving: float, rate: float, nodes: int, halvings: int) -> _End | None:
+    def _flight(self, leaving: float, rate: float, nodes: Nodes, halvings: int) -> _End | None:
         """The end of the flight that begins at `leaving` [rad] with the `rate` of d [per s]."""
-        x = np.cos(np.pi * (np.arange(nodes) + 0.5) / nodes)[::-1]
-        matrix = np.polynomial.chebyshev.chebvander(x, nodes - 1)
-        fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
         here = np.array([leaving % TURN])
         outwards = float(outwards_of(self.subject, here, "right", self.sense)[0])
         way, most, flying, thrown = 0.0, 0.0, False, rate != 0.0
         for low, high in cells_from(leaving, self.contact.edges, 0.5**halvings):
-            angles: FloatArray = 0.5 * (low + high) + 0.5 * (high - low) * x
-            gap, speed = self._solved(angles, fit, (low, high), way, rate)
+            angles: FloatArray = 0.5 * (low + high) + 0.5 * (high - low) * nodes.places
+            gap, speed = self._solved(angles, nodes, (low, high), way, rate)
             probes = low + (high - low) * (EVEN if flying or not thrown else EARLY)
             away = outwards * gap(probes)
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
@@ -212,7 +206,7 @@ class FreeFollower:
     def _solved(
         self,
         angles: FloatArray,
-        fit: FloatArray,
+        nodes: Nodes,
         ends: tuple[float, float],
         way: float,
         rate: float,
@@ -231,8 +225,8 @@ class FreeFollower:
         for _ in range(MOST_ITERATIONS):
             moved = sum(_off(each, phi, here + d, pace + v) for each in free)
             push = (moved - bound - needed) / mass
-            speed = Polynomial(fit @ (push / omega), ends).integ(lbnd=ends[0]) + rate
-            gap = Polynomial(fit @ (speed(angles) / omega), ends).integ(lbnd=ends[0]) + way
+            speed = nodes.integral(push / omega, rate, ends)
+            gap = nodes.integral(speed(angles) / omega, way, ends)
             last, d, v = d, gap(angles), speed(angles)
             if np.max(np.abs(d - last)) <= CLOSE * np.max(np.abs(d)):
                 return gap, speed
