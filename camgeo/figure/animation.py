@@ -129,12 +129,11 @@ def animation(product: Product, *, moving: bool = False) -> Animation:
 
 
 def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float, str]:
-    """What turns with the cam, how far discs and base circle reach [mm], why there is no disc."""
+    """What turns with the cam, how far it reaches [mm], why there is no disc."""
     cam = product.cam
     base = cam.follower.base_radius
     note = ""
     marks = _discs(product, moving=moving)
-    reach = max([base, *map(_farthest, marks)])
     if not marks:
         try:
             drawn = flanks.whole(product, product.pictured.cut_off, 1.0)[0]
@@ -142,9 +141,9 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
             drawn = []
         note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
         marks += [mark for mark in drawn if not isinstance(mark, Text)]
-        reach = max(reach, *map(_farthest, marks))
     if cam.follower.has_pitch_curve:
         marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
+    reach = max([base, *map(_farthest, marks)])
     marks.append(Circle((0.0, 0.0), base, BASE, layer=2.0))
     return tuple(marks), reach, note
 

@@ -1,4 +1,4 @@
-"""A turn of the mechanism as data: flanks stay in the window, with a disc and without."""
+"""A turn of the mechanism as data: what turns stays in the window, with a disc and without."""
 
 from __future__ import annotations
 
@@ -9,22 +9,26 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.figure.animation import PITCH, animation
+from camgeo.figure.animation import animation
 from camgeo.figure.marks import Area, Line
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
+
+WHOLE: Final = ("groove", "conjugate_lever", "swallow_tail")
 
 WITHOUT_DISC: Final = sorted((FIXTURES / "refused").glob("*.toml"))
 
 
 @pytest.mark.parametrize(
-    "path", [FIXTURES / "scenes" / "groove.toml", *WITHOUT_DISC], ids=lambda path: path.stem
+    "path",
+    [*(FIXTURES / "scenes" / f"{name}.toml" for name in WHOLE), *WITHOUT_DISC],
+    ids=lambda path: path.stem,
 )
-def test_flanks_that_turn_stay_in_the_window(path: Path) -> None:
-    """So do those that are undercut, which reach beyond the base circle, with the signs on them."""
+def test_what_turns_stays_in_the_window(path: Path) -> None:
+    """So do flanks that are undercut, with the signs on them, and the pitch curve around a disc."""
     turn = animation(camgeo.load(path).disc)
     areas = [mark for mark in turn.turning if isinstance(mark, Area)]
-    lines = [mark for mark in turn.turning if isinstance(mark, Line) and mark.style is not PITCH]
+    lines = [mark for mark in turn.turning if isinstance(mark, Line)]
     points = np.concatenate(
         [*(ring for mark in areas for ring in mark.rings), *(mark.points for mark in lines)]
     )
