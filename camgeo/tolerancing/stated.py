@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from camgeo.design import Design
-from camgeo.errors import Fault, GeometryError, SceneError, meant
+from camgeo.errors import GeometryError, SceneError, meant
 from camgeo.outline.path import Flank
+from camgeo.scene.keys import Path, spelled
 from camgeo.scene.scene import Scene
 from camgeo.scene.tolerance_rules import TOLERANCE
 from camgeo.tolerancing.dimensions import Dimension, dimensions_of
@@ -63,7 +64,7 @@ def stated_of(design: Design) -> Stated:
     table: Table | None = scene.values.get(TOLERANCE)
     if table is None:
         message = "is missing: it states the tolerances, see docs/tolerance.md"
-        raise _refused(scene, TOLERANCE, "", message)
+        raise _refused(scene, (TOLERANCE,), message)
     if len(design.cams) > 1:
         raise GeometryError(
             "the two rollers of a conjugate pair are squeezed or have play where dimensions"
@@ -85,18 +86,18 @@ def stated_of(design: Design) -> Stated:
     )
 
 
-def _refused(scene: Scene, key: str, value: str, message: str, hint: str = "") -> SceneError:
-    return SceneError([Fault(key, value, message, hint)], scene.source.file)
+def _refused(scene: Scene, path: Path, message: str, hint: str = "") -> SceneError:
+    return SceneError([scene.stated.scene.fault(path, message, hint)], scene.source.file)
 
 
 def _dimensions(scene: Scene, machine: Machine, table: Table) -> Iterator[Source]:
     known = dimensions_of(machine)
     for index, each in enumerate(table.get("dimension", ())):
-        key, place = each["key"], f"{TOLERANCE}.dimension[{index + 1}]"
+        key, place = each["key"], (TOLERANCE, "dimension", index)
         if key not in known:
             kind = machine.cam.follower.kind
             message = f"is no dimension of this {kind} machine; it has {listed(sorted(known))}"
-            raise _refused(scene, f"{place}.key", key, message, meant(key, known))
+            raise _refused(scene, (*place, "key"), message, meant(key, known))
         dimension = known[key]
         distribution = _distribution(scene, place, each, dimension)
         yield ToleratedDimension(
@@ -104,16 +105,16 @@ def _dimensions(scene: Scene, machine: Machine, table: Table) -> Iterator[Source
         )
 
 
-def _distribution(scene: Scene, place: str, table: Table, dimension: Dimension) -> Distribution:
+def _distribution(scene: Scene, place: Path, table: Table, dimension: Dimension) -> Distribution:
     mm = MM_PER[scene.unit]
     per = math.radians(1.0) if dimension.is_angle else mm
     if "class" in table:
         if dimension.size is None:
             message = "belongs to lengths: this dimension takes plus_minus or limits"
-            raise _refused(scene, f"{place}.class", table["class"], message)
+            raise _refused(scene, (*place, "class"), message)
         low, high = (
             each * dimension.per_size
-            for each in _class(scene, f"{place}.class", table["class"], dimension.size)
+            for each in _class(scene, (*place, "class"), table["class"], dimension.size)
         )
     elif "limits" in table:
         low, high = (float(each) * per for each in table["limits"])
@@ -125,49 +126,49 @@ def _distribution(scene: Scene, place: str, table: Table, dimension: Dimension) 
     return Distribution(low, high, shape, None if sigma is None else float(sigma) * per)
 
 
-def _class(scene: Scene, key: str, name: str, size: float) -> tuple[float, float]:
+def _class(scene: Scene, path: Path, name: str, size: float) -> tuple[float, float]:
     try:
         return limits_of(name, size)
     except GeometryError as error:
-        raise _refused(scene, key, name, error.message) from error
+        raise _refused(scene, path, error.message) from error
 
 
 def _fits(scene: Scene, machine: Machine, table: Table) -> Iterator[Source]:
     for index, each in enumerate(table.get("clearance", ())):
-        place = f"{TOLERANCE}.clearance[{index + 1}]"
+        place = (TOLERANCE, "clearance", index)
         size = _size(scene, place, each)
         limits = {}
         for key, hole in (("hole", True), ("shaft", False)):
             if is_hole(each[key]) is not hole:
                 letters = "a capital letter" if hole else "a small letter"
-                raise _refused(scene, f"{place}.{key}", each[key], f"must begin with {letters}")
-            limits[key] = _class(scene, f"{place}.{key}", each[key], size)
+                raise _refused(scene, (*place, key), f"must begin with {letters}")
+            limits[key] = _class(scene, (*place, key), each[key], size)
         if limits["hole"][0] < limits["shaft"][1]:
             over = 1000.0 * (limits["shaft"][1] - limits["hole"][0])
             message = (
                 f"is no fit with clearance: {each['hole']}/{each['shaft']} may interfere by"
                 f" {over:.4g} micrometres; leave it out, or state a looser fit"
             )
-            raise _refused(scene, place, "", message)
+            raise _refused(scene, place, message)
         yield _clearance(place, each, machine, limits)
 
 
-def _size(scene: Scene, place: str, table: Table) -> float:
+def _size(scene: Scene, place: Path, table: Table) -> float:
     """The nominal diameter [mm]."""
     if "size" in table:
         return float(table["size"]) * MM_PER[scene.unit]
     if scene.part is None or scene.part.bore is None:
         message = "is missing: the scene has no part.bore, whose diameter is the default"
-        raise _refused(scene, f"{place}.size", "", message)
+        raise _refused(scene, (*place, "size"), message)
     return scene.part.bore
 
 
 def _clearance(
-    place: str, table: Table, machine: Machine, limits: Mapping[str, tuple[float, float]]
+    place: Path, table: Table, machine: Machine, limits: Mapping[str, tuple[float, float]]
 ) -> Source:
     shape: Shape = table.get("distribution", "normal")
     fit = Fit(*(Distribution(*limits[key], shape) for key in ("hole", "shaft")))
-    name = f"{place.removeprefix(f'{TOLERANCE}.')} {table['hole']}/{table['shaft']}"
+    name = f"{spelled(place[1:])} {table['hole']}/{table['shaft']}"
     at_cam = table["at"] == "cam"
     if at_cam and table.get("shifted", "anywhere") == "anywhere":
         return LooseClearance(name, "the cam lies anywhere in its clearance", fit)

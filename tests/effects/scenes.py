@@ -32,15 +32,16 @@ def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
     return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))
 
 
-def only_for(kind: Kind) -> set[tuple[str, str]]:
+def only_for(kind: Kind) -> tuple[tuple[str, str], ...]:
     """Effects of camgeo for machines of a `kind` alone, with the key if it is but that."""
-    return {
+    found = (
         (name, key)
         for name in EFFECTS
         for rule in find_effect(name).rules
         if isinstance(rule, Only) and rule.kind is kind
         for key in rule.keys or ("",)
-    }
+    )
+    return tuple(dict.fromkeys(found))
 
 
 def assert_refused(scene: str, effect: str, text: str, key: str, words: str = "") -> None:
