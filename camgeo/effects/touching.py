@@ -28,13 +28,13 @@ import numpy as np
 
 from camgeo.effects.immovable import shocks
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import LostContact, Range
+from camgeo.effects.results import Bearing, LostContact, Range
 from camgeo.errors import EffectError
 from camgeo.numeric.extremes import Extreme, Extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity, Subject
-    from camgeo.effects.results import Inertia
+    from camgeo.effects.results import ContactForce, Inertia
     from camgeo.numeric.arrays import FloatArray, Side
 
 INNER: Final = 1
@@ -128,6 +128,19 @@ def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> Fl
     """
     disc, flank = carrier(subject, sense)
     return flank * disc.state.curve.leverage(phi, side)
+
+
+def bearing_of(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
+    """How friction shares the load at n cam angles, on the side that carries; 0 without any."""
+    if contact.friction is None:
+        return Bearing(*np.zeros((3, len(phi))))
+    inner, outer = (contact.friction.bearing(phi, side, sense) for sense in (INNER, OUTER))
+    on_inner = contact.normal(phi, side) >= 0.0
+    return Bearing(
+        np.where(on_inner, inner.tangential, outer.tangential),
+        np.where(on_inner, inner.tilt, outer.tilt),
+        np.where(on_inner, inner.overhang, outer.overhang),
+    )
 
 
 def sides_of(subject: Subject) -> tuple[dict[int, str], str]:

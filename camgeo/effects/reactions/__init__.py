@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect
-from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, SPRING
+from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ONE_DISC, ROLLERS, UNLINKED, Only
 
 EFFECT: Final = Effect(
@@ -16,7 +16,7 @@ EFFECT: Final = Effect(
     schema=schema_beside(__file__),
     rules=(Only(UNLINKED), Only(ONE_DISC), Only(ONE_CONTACT), Only(ROLLERS)),
     needs=(CONTACT_FORCE,),
-    uses=(INERTIA, GRAVITY, SPRING, FRICTION),
+    uses=(INERTIA, GRAVITY, SPRING),
     numerical=True,
     refined_by=(RIGID, GIVEN_SPEED),
 )

@@ -28,14 +28,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.effects.touching import INNER, OUTER
+from camgeo.effects.touching import bearing_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from camgeo.effects.effect import Subject
-    from camgeo.effects.results import Bearing, ContactForce, Friction, Gravity, Inertia, Spring
+    from camgeo.effects.results import ContactForce, Gravity, Inertia, Spring
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +48,6 @@ class Bodies:
     inertia: Inertia | None
     gravity: Gravity | None
     spring: Spring | None
-    friction: Friction | None
 
     def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_c."""
@@ -58,7 +55,7 @@ class Bodies:
         ahead = relative.along[1] + 1j * relative.across[1]
         tangent = ahead / np.abs(ahead) * np.exp(1j * relative.axis)
         normal = self.contact.normal(phi, side)
-        along = np.abs(normal) * self._shared(phi, side, lambda each: each.tangential)
+        along = np.abs(normal) * bearing_of(self.contact, phi, side).tangential
         across = 1j * self.subject.cam.rotation * normal
         return np.asarray((across + along) * tangent)
 
@@ -84,7 +81,7 @@ class Bodies:
 
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""
-        friction = self.friction
+        friction = self.contact.friction
         follower = self.subject.cam.follower
         right = -1j * math.copysign(1.0, follower.reach) * follower.way
         load = self.of_cam(phi, side) + self.weight(phi)
@@ -92,10 +89,9 @@ class Bodies:
         if friction is None or friction.guide_length is None:
             return np.stack((-force, np.zeros(len(phi))))
         length = friction.guide_length
-        moment = np.abs(self.contact.normal(phi, side))
-        moment = moment * self._shared(phi, side, lambda each: each.tilt)
-        overhang = self._shared(phi, side, lambda each: each.overhang)
-        far = (overhang * force + moment) / length
+        bearing = bearing_of(self.contact, phi, side)
+        moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
+        far = (bearing.overhang * force + moment) / length
         return np.stack((-force - far, far))
 
     def _momentum(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -111,12 +107,3 @@ class Bodies:
         for each in self.inertia.masses:
             found += each.mass * turn * (each.place(phi, side) - pivot)
         return found
-
-    def _shared(
-        self, phi: FloatArray, side: Side, part: Callable[[Bearing], FloatArray]
-    ) -> FloatArray:
-        """(n,) what friction says of the side that carries; 0 without friction."""
-        if self.friction is None:
-            return np.zeros(len(phi))
-        inner, outer = (part(self.friction.bearing(phi, side, each)) for each in (INNER, OUTER))
-        return np.where(self.contact.normal(phi, side) >= 0.0, inner, outer)

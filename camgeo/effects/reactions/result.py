@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Result
 from camgeo.effects.reactions.bodies import Bodies
-from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, SPRING
+from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.wording import N_M, extreme_finding, missed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest
@@ -45,7 +45,7 @@ def compute(request: Request[Mapping[str, Any]]) -> Reactions:
     results = request.results
     contact = results[CONTACT_FORCE]
     optional = (results.get(INERTIA), results.get(GRAVITY), results.get(SPRING))
-    bodies = Bodies(request.subject, contact, *optional, results.get(FRICTION))
+    bodies = Bodies(request.subject, contact, *optional)
     edges = contact.edges
 
     def on_shaft(phi: FloatArray, side: Side) -> FloatArray:
@@ -82,7 +82,7 @@ def _of_pivot(bodies: Bodies, edges: FloatArray) -> tuple[list[Finding], dict[st
 
 def _of_guide(bodies: Bodies, edges: FloatArray) -> tuple[list[Finding], dict[str, Quantity]]:
     """Of both ends, or of the guide as a whole; forces to the right count positive."""
-    friction = bodies.friction
+    friction = bodies.contact.friction
     ended = friction is not None and friction.guide_length is not None
     findings: list[Finding] = []
     forces: dict[str, Quantity] = {}
@@ -104,7 +104,7 @@ def _friction_work(
     request: Request[Mapping[str, Any]], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
     """What friction in the pivot takes a turn under its real load, and under N alone."""
-    friction = bodies.friction
+    friction = bodies.contact.friction
     if friction is None or not friction.pivot_lever:
         return [], {}
     lever, tolerance = friction.pivot_lever, request.tolerance

@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import GIVEN_SPEED, RIGID, SPEED, Effect, data_of
-from camgeo.effects.results import CONTACT_FORCE, FRICTION
+from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.rules import ONE_CONTACT, ONE_ROLLER, ROLLERS, ROUND, Only
 
 
@@ -34,7 +34,6 @@ EFFECT: Final = Effect(
     parse=partial(data_of, RollerData),
     rules=(Only(ONE_ROLLER), Only(ONE_CONTACT), Only(ROLLERS), Only(ROUND)),
     needs=(CONTACT_FORCE,),
-    uses=(FRICTION,),
     keys=(SPEED,),
     tabled=True,
     regardless=("largest-roller-spin", "smallest-roller-spin"),

@@ -26,9 +26,9 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Result, Subject
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import CONTACT_FORCE, FRICTION, ContactForce, Friction
+from camgeo.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.effects.roller_spin import RollerData
-from camgeo.effects.touching import INNER, OUTER
+from camgeo.effects.touching import INNER, OUTER, bearing_of
 from camgeo.effects.wording import angles, extreme_findings, over, placed
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, Side
@@ -45,14 +45,12 @@ class Rolling:
     subject : the design.
     course : how the cam turns.
     contact : force at the contact.
-    friction : None without any.
     data : of the roller.
     """
 
     subject: Subject
     course: TimeCourse
     contact: ContactForce
-    friction: Friction | None
     data: RollerData
 
     def sense(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -81,11 +79,8 @@ class Rolling:
         sense, radius = self.sense(phi, side), self.subject.cam.follower.roller_radius
         lever = sense * self.subject.cam.rotation / radius
         needed = lever * self.data.moment_of_inertia * self.spin(phi, side)[2]
-        if self.friction is not None:
-            inner, outer = (
-                self.friction.bearing(phi, side, each).tangential for each in (INNER, OUTER)
-            )
-            needed += np.where(sense > 0.0, inner, outer) * np.abs(self.contact.normal(phi, side))
+        shared = bearing_of(self.contact, phi, side).tangential
+        needed += shared * np.abs(self.contact.normal(phi, side))
         return np.asarray(needed)
 
     def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -104,8 +99,7 @@ class RollerSpin(Result):
 def compute(request: Request[RollerData]) -> RollerSpin:
     """The spin at the speed of the scene."""
     contact = request.results[CONTACT_FORCE]
-    friction = request.results.get(FRICTION)
-    rolling = Rolling(request.subject, request.course, contact, friction, request.data)
+    rolling = Rolling(request.subject, request.course, contact, request.data)
     edges = contact.edges
 
     def on_pin(phi: FloatArray, side: Side) -> FloatArray:
