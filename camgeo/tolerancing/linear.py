@@ -132,8 +132,7 @@ class Linear:
     def worst(self) -> Extreme:
         """The error of the largest magnitude on the edges of the band."""
         low, high = self.band
-        errors = np.where(np.abs(low) > np.abs(high), low, high)
-        return self.largest(errors)
+        return self.largest(farther(high, low))
 
     def largest(self, values: FloatArray) -> Extreme:
         """Of values (ANGLES,) that with the largest magnitude, and its cam angle."""
@@ -175,9 +174,13 @@ class Linear:
                 raise GeometryError(f"{source.name}: {error.message}", error.key) from error
             errors = self.as_set(position - self.nominal.positions[0])
             apart = errors - size[:, np.newaxis] * row
-            each = apart[np.argmax(np.abs(apart), axis=0), np.arange(ANGLES)]
-            worst = np.where(np.abs(each) > np.abs(worst), each, worst)
+            worst = farther(worst, farther(*apart))
         return worst
+
+
+def farther(one: FloatArray, other: FloatArray) -> FloatArray:
+    """(n,) of two values (n,) each those of the larger magnitude."""
+    return np.where(np.abs(other) > np.abs(one), other, one)
 
 
 def _share(part: float, whole: float) -> float:

@@ -15,7 +15,7 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.sweep.family import Sample
 from camgeo.tolerancing.contact import ContactForces
 from camgeo.tolerancing.freedoms import Deviations
-from camgeo.tolerancing.linear import ANGLES, Linear, deviations_of
+from camgeo.tolerancing.linear import ANGLES, Linear, deviations_of, farther
 from camgeo.tolerancing.replay import replayed
 from camgeo.tolerancing.sources import Source
 
@@ -74,7 +74,7 @@ class Sampled:
     def worst(self) -> Extreme:
         """The quantile of the largest magnitude."""
         low, _, high = self.quantiles
-        return self.linear.largest(np.where(np.abs(low) > np.abs(high), low, high))
+        return self.linear.largest(farther(high, low))
 
     @property
     def sigma(self) -> Extreme:

@@ -15,7 +15,7 @@ from camgeo.scene.scene import Scene
 from camgeo.scene.tolerance_rules import TOLERANCE
 from camgeo.tolerancing.dimensions import Dimension, dimensions_of
 from camgeo.tolerancing.distribution import Distribution, Shape
-from camgeo.tolerancing.iso286 import is_hole, limits_of
+from camgeo.tolerancing.iso286 import PER_MM, is_hole, limits_of
 from camgeo.tolerancing.machine import Machine
 from camgeo.tolerancing.sources import (
     Fit,
@@ -144,7 +144,7 @@ def _fits(scene: Scene, machine: Machine, table: Table) -> Iterator[Source]:
                 raise _refused(scene, (*place, key), f"must begin with {letters}")
             limits[key] = _class(scene, (*place, key), each[key], size)
         if limits["hole"][0] < limits["shaft"][1]:
-            over = 1000.0 * (limits["shaft"][1] - limits["hole"][0])
+            over = PER_MM * (limits["shaft"][1] - limits["hole"][0])
             message = (
                 f"is no fit with clearance: {each['hole']}/{each['shaft']} may interfere by"
                 f" {over:.4g} micrometres; leave it out, or state a looser fit"
