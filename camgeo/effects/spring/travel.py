@@ -137,30 +137,33 @@ class BetweenPoints:
 
     def at(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
         """x (n,) and dx/dq (n,) with the rocker at q = `place` (n,) [rad]."""
-        half = (0.5 * self.swing_sense) * (place - self.start)
+        half = self._half(place)
         lever = self.anchor.conjugate() * self.attachment
         turned = lever * np.exp(2j * half)
         # r - r_0 = r_0 exp(i half) 2 i sin(half)
         gain = 4.0 * np.sin(half) * (lever * np.exp(1j * half)).imag
         before = abs(self.attachment - self.anchor)
-        after = self._length(half)
+        after = np.abs(self._ahead(half))
         rate = self.swing_sense * turned.imag / after
         return self.sense * gain / (after + before), self.sense * rate
 
     def length(self, phi: FloatArray, side: Side) -> FloatArray:
         """L (n,) [mm]."""
-        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
-        return self._length(half)
+        half = self._half(self.motion.jet(phi, side, 1)[0])
+        return np.asarray(np.abs(self._ahead(half)))
 
     def line(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) unit vectors of the force on the rocker: away from the fixed end by compression."""
-        half = (0.5 * self.swing_sense) * (self.motion.jet(phi, side, 1)[0] - self.start)
-        ahead = self.attachment * np.exp(2j * half) - self.anchor
+        ahead = self._ahead(self._half(self.motion.jet(phi, side, 1)[0]))
         return np.asarray(self.sense * ahead / np.abs(ahead))
 
-    def _length(self, half: FloatArray) -> FloatArray:
-        length: FloatArray = np.abs(self.attachment * np.exp(2j * half) - self.anchor)
-        return length
+    def _half(self, place: FloatArray) -> FloatArray:
+        """(n,) [rad] half the angle by which r is turned."""
+        return (0.5 * self.swing_sense) * (place - self.start)
+
+    def _ahead(self, half: FloatArray) -> ComplexArray:
+        """(n,) r - a [mm]."""
+        return np.asarray(self.attachment * np.exp(2j * half) - self.anchor)
 
 
 def along_guide(subject: Subject) -> Along:
