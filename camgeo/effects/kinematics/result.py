@@ -1,4 +1,4 @@
-"""Kinematics: velocity, acceleration and jerk over time, demanded and of the follower.
+"""Kinematics: velocity, acceleration and jerk over time, of output and follower.
 
 VDI 2143-1, eqs. (1) to (4), see `camgeo.motion.time_course`.
 """
@@ -40,7 +40,7 @@ class _Moving:
 
     Attributes
     ----------
-    prefix : of the names of its findings and columns: "" for the demanded motion, "rocker " or
+    prefix : of the names of its findings and columns: "" for that of the output, "rocker " or
         "follower " for that of a follower with a linkage.
     order : of the highest derivative that is continuous over the whole turn.
     """
@@ -115,7 +115,7 @@ def compute(request: Request[object]) -> Result:
 
 
 def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
-    """The demanded motion and, with a linkage, that of the follower."""
+    """The motion of the output and, with a linkage, that of the follower."""
     state, unit = subject.state, subject.drive.unit
     order, extremes = state.order, state.output_extremes(course)
     found = [_Moving("", state.output, unit, order, extremes)]

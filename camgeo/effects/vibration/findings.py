@@ -118,10 +118,8 @@ def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
 def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
     """The largest acceleration of the output, compared with that of a rigid train."""
     rigid = Output(clock, None)
-    demanded = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
-    times = (
-        f", {found.value / demanded.value:.4g} times" if demanded.value > 0.0 else ", compared with"
-    )
+    stiff = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
+    times = f", {found.value / stiff.value:.4g} times" if stiff.value > 0.0 else ", compared with"
     unit = f"{shown.unit}/s^2"
     return Finding(
         name="largest-output-acceleration",
@@ -129,7 +127,7 @@ def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
         sentence=(
             f"largest acceleration of the output {shown.scale * found.value:.6g} {unit}"
             f" {at(found.place)}{times} that of a rigid train,"
-            f" {shown.scale * demanded.value:.6g} {unit} {at(demanded.place)}"
+            f" {shown.scale * stiff.value:.6g} {unit} {at(stiff.place)}"
         ),
         value=shown.scale * found.value,
         unit=unit,

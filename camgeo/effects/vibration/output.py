@@ -40,18 +40,18 @@ class Clock:
         return inverse(self.time, lambda phi: 1.0 / self.course.rates(phi)[0], self.edges, t)
 
     def jet(self, t: FloatArray, side: Side) -> FloatArray:
-        """(4, n) demanded motion and its derivatives over time at `t` (n,) [s]."""
+        """(4, n) motion and its derivatives over time at `t` (n,) [s]."""
         phi = self.angle(t)
         return in_time(self.motion.jet(phi, side), self.course, phi)
 
     @property
     def base(self) -> Base:
-        """The demanded motion as the excitation of the train."""
+        """The motion as the excitation of the train."""
         return Base(self.jet, self.time(self.edges))
 
 
 def clock_of(subject: Subject, course: TimeCourse) -> Clock:
-    """The demanded motion of `subject` over time."""
+    """The motion of the output in the state of `subject`, over time."""
     edges = merged(np.concatenate((subject.state.output.borders, course.borders, [0.0, TURN])))
     return Clock(subject.state.output, course, edges)
 
@@ -62,7 +62,7 @@ class Output:
 
     Attributes
     ----------
-    clock : the demanded motion over time.
+    clock : the motion of the state over time.
     response : of the train in its steady state; None if the train is rigid, without mass.
     """
 
@@ -78,7 +78,7 @@ class Output:
         return out
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) output minus demanded motion [mm or rad] at `phi` (n,) [rad]."""
+        """(n,) output minus motion of the state [mm or rad] at `phi` (n,) [rad]."""
         found: FloatArray = self.states(phi, side)[0]
         return found
 

@@ -1,8 +1,8 @@
 """Effect `vibration`: an elastic follower train in its steady state, solved exactly.
 
-The train is a mass on a spring and a damper whose base has the demanded motion, or two of them in
-series; see `camgeo.numeric.oscillator.train` for the equations and their sources. The motion laws
-are piecewise smooth, and on each piece the response is known in closed form, see
+The train is a mass on a spring and a damper whose base has the motion of the state, or two of them
+in series; see `camgeo.numeric.oscillator.train` for the equations and their sources. The motion
+laws are piecewise smooth, and on each piece the response is known in closed form, see
 `camgeo.numeric.oscillator.mode`.
 """
 
