@@ -67,7 +67,7 @@ def replaced(tmp_path: Path, old: str, new: str) -> str:
     [
         (
             '"follower.arm"', '"follower.am"',
-            '"follower.am": is no dimension of this oscillating-roller machine; it has follower.arm,',
+            '"follower.am": is no dimension of this oscillating-roller machine; it has',
         ),
         ('"follower.arm"', '"follower.am"', "(did you mean follower.arm?)"),
         ('"follower.arm"', '"linkage.crank"', "is no dimension of this oscillating-roller machine"),
