@@ -3,7 +3,8 @@
 Builds each scene in every format that it can be written in, with this tree and with the tree of
 `--against REV`, which needs git, and compares file by file. What may differ is masked: hashes (the
 scene's identity is in the files, and changes their own hashes too) and the size of a 3MF file,
-which contains one in compressed form. Exits with 1 if anything else differs.
+which contains one in compressed form. Scenes that the earlier tree does not have are left out.
+Exits with 1 if anything else differs.
 
     python benchmarks/golden.py --against REV [--keep FOLDER] [SCENE ...]
 
@@ -38,13 +39,16 @@ SIZE: Final = re.compile(rb'("format": "3mf",\s+"sha256": "0+",\s+"bytes": )\d+'
 CERTIFICATE: Final = "certificate.json"
 
 
-def scenes() -> list[Path]:
-    """All fixture scenes that can be built."""
-    return sorted(
-        path
-        for name in ("scenes", "effects", "milling", "pairs")
-        for path in (ROOT / "fixtures" / name).glob("*.toml")
-    )
+def scenes(revision: str) -> list[Path]:
+    """All fixture scenes that can be built and that both trees have."""
+    folders = [f"fixtures/{name}" for name in ("scenes", "effects", "milling", "pairs")]
+    listed = subprocess.run(
+        ("git", "ls-tree", "-r", "--name-only", revision, *folders),
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    earlier = {ROOT / name for name in listed.stdout.splitlines()}
+    found = {path for folder in folders for path in (ROOT / folder).glob("*.toml")}
+    return sorted(found & earlier)
 
 
 def environment(tree: Path, folder: Path) -> dict[str, str]:
@@ -146,7 +150,7 @@ def main() -> int:
         here = environment(ROOT, work / "here")
         earlier: dict[str, str] = {}
         keep: Path = (arguments.keep or work / "before").resolve()
-        for scene in [each.resolve() for each in arguments.scenes] or scenes():
+        for scene in [each.resolve() for each in arguments.scenes] or scenes(arguments.against):
             before = keep / scene.parent.name / scene.stem
             if not (before / CERTIFICATE).exists():
                 if not earlier:
