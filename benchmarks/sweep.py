@@ -144,7 +144,7 @@ def batch(scene: str, ask: str, count: int, rounds: int) -> None:
     points = list(varied.points())
     found = []
     for _ in range(rounds):
-        alone = cpu(lambda: [work.row(point) for point in points])
+        alone = cpu(lambda: [work.rows([point]) for point in points])
         together = cpu(lambda: rows_of(work, points))
         scenes = cpu(lambda: [work.scene_of(point) for point in points])
         found.append((alone, together, scenes, alone / together))

@@ -157,12 +157,9 @@ class Work:
             self._begun[others] = found
         return found
 
-    def row(self, point: Point, ledger: Ledger | None = None) -> Row:
-        """The row of a design; if its scene is wrong, a row with the reason."""
-        return self.rows((point,), ledger)[0]
-
     def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
-        """The rows of designs, each with the bits that it has alone.
+        """The rows of designs, each with the bits that it has alone; with the reason if its scene
+        is wrong.
 
         What can be answered for many designs at once is.
         """

@@ -140,7 +140,7 @@ def computed(*ask: str, point: tuple[object, ...] = (50, "modified-sine")) -> se
     found = family()
     work = Work.of(found, asked_of(Design(found.scene), ask))
     ledger = Ledger()
-    row = work.row(point, ledger)  # type: ignore[arg-type]  # values of a point
+    (row,) = work.rows([point], ledger)  # type: ignore[list-item]  # values of a point
     assert not row.reason
     assert None not in row.values
     return {run.name for run in ledger.runs}
@@ -160,7 +160,7 @@ def test_only_what_is_asked_is_computed() -> None:
     )
     work = Work.of(lever, asked_of(Design(lever.scene), ["peak:spring-force"]))
     ledger = Ledger()
-    work.row(next(lever.points()), ledger)
+    work.rows([next(lever.points())], ledger)
     names = {run.name for run in ledger.runs if run.name.startswith("effects.")}
     assert names == {"effects.spring"}
 
@@ -169,7 +169,7 @@ def test_each_quantity_is_computed_once_for_all_questions() -> None:
     found = family()
     asked = asked_of(Design(found.scene), ["transmission-angle", "min:mu", "diameter", "verdict"])
     ledger = Ledger()
-    Work.of(found, asked).row((50, "modified-sine"), ledger)
+    Work.of(found, asked).rows([(50, "modified-sine")], ledger)
     names = [run.name for run in ledger.runs if run.name != "distances from outline"]
     assert len(names) == len(set(names))
 
@@ -225,7 +225,7 @@ def test_no_disc_is_a_reason() -> None:
     """The linkage is beyond its dead centre: there is no transmission angle, and why."""
     found = family("motion.2.to=58.5,900")
     work = Work.of(found, asked_of(Design(found.scene), ["transmission-angle", "diameter"]))
-    good, bad = (work.row(point) for point in found.points())
+    good, bad = work.rows([*found.points()])
     assert not good.reason
     assert bad.values == (None, None)
     assert bad.failed

@@ -31,7 +31,7 @@ def test_a_row_depends_on_its_design_alone() -> None:
     together = rows_of(work, points)
     backwards = rows_of(work, points[::-1])[::-1]
     sent = pickle.loads(pickle.dumps(work))
-    alone = [sent.row(point) for point in points]
+    alone = [sent.rows([point])[0] for point in points]
     assert list(together) == list(backwards) == alone
     assert [row.failed for row in together] == [False, True] * 3
     angle = next(f.value for f in Design(found.scene_of(points[0])).findings
@@ -61,7 +61,7 @@ def test_workers_need_no_file(tmp_path: Path) -> None:
     for each in tmp_path.iterdir():
         each.unlink()
     sent = pickle.loads(pickle.dumps(work))
-    assert tuple(sent.row(point) for point in found.points()) == here
+    assert tuple(sent.rows([*found.points()])) == here
 
 
 @pytest.mark.parametrize(

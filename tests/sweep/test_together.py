@@ -112,7 +112,7 @@ def mixed() -> tuple[Work, dict[Point, Row]]:
     """Designs of two contacts and laws, some of them impossible: work, and rows alone."""
     found = family("follower.base_radius=-1,1.2,44,50,50.199,53.7,61,130", CONTACTS, LAWS)
     work = work_on(found, "transmission-angle", "peak:kappa", "peak:a", "linkage-back-angle")
-    alone = {point: work.row(point) for point in found.points()}
+    alone = {point: work.rows([point])[0] for point in found.points()}
     assert {row.failed for row in alone.values()} == {True, False}
     return work, alone
 
@@ -215,4 +215,4 @@ def test_families_of_any_size() -> None:
     rows = rows_of(work, points)
     assert [row.point for row in rows] == points
     for place in (0, 63, 64, 66):
-        assert rows[place] == work.row(points[place])
+        assert [rows[place]] == work.rows([points[place]])
