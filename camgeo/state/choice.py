@@ -7,7 +7,6 @@ from camgeo.cam.drive import Drive
 from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError
 from camgeo.state.demanded import Demanded
-from camgeo.state.outline import OfOutline
 from camgeo.state.state import Model, State
 
 
@@ -34,7 +33,11 @@ def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> St
         replay = cam.disc.replay(flank)
     except GeometryError:  # the checks report it
         return demanded
-    return demanded if len(replay.drops) else OfOutline(cam, replay)
+    if len(replay.drops):
+        return demanded
+    from camgeo.state.outline import OfOutline  # few discs are trimmed
+
+    return OfOutline(cam, replay)
 
 
 def _on_one_flank(cam: Cam) -> bool:

@@ -210,6 +210,14 @@ def test_a_fresh_interpreter_imports_effects_and_their_needs(
     assert not loaded & {"ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export", "mpmath"}
 
 
+def test_flights_wires_and_trimmed_flanks_are_imported_where_there_are_some() -> None:
+    loaded = modules_of(SCENES.parent / "effects" / "lever.toml", "judge")
+    assert {"camgeo.effects.lift_off.force_closed", "camgeo.effects.spring.result"} <= loaded
+    assert not loaded & {
+        "camgeo.effects.lift_off.flight", "camgeo.effects.spring.coils", "camgeo.state.outline",
+    }  # fmt: skip
+
+
 def geometry(effects: str) -> dict[str, bytes]:
     found = design(SCENE, effects)
     contents, _ = make_files(found.discs, GEOMETRY, 0.01)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from camgeo.check.finding import Finding
 from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.flight import Flight
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
 from camgeo.effects.results import Inertia, Leaving, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
@@ -15,6 +15,9 @@ from camgeo.effects.wording import N_M, at, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
+
+if TYPE_CHECKING:
+    from camgeo.effects.lift_off.flight import Flight
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -41,12 +41,9 @@ class Flown:
 def flown_from(
     flank: Flank, inertia: Inertia | None, restitution: float, tolerance: float
 ) -> Flown:
-    """The flights from `flank` at the speed of the scene; none if the follower stays on it, or, as
-    a finding says, if they cannot be computed to the `tolerance`.
+    """The flights from `flank`, which the follower leaves, at the speed of the scene; none, as a
+    finding says, if they cannot be computed to the `tolerance`.
     """
-    lost = flank.contact.lost_contact
-    if not lost:
-        return Flown()
     why = _why_not(flank, inertia)
     course = flank.subject.state.course
     if why or inertia is None or course is None:
@@ -55,7 +52,7 @@ def flown_from(
     found: list[Finding] = []
     flights: list[Flight] = []
     try:
-        flown = free.flights(lost, restitution, tolerance)
+        flown = free.flights(flank.contact.lost_contact, restitution, tolerance)
     except EffectError as error:
         return _none(error.message)
     for each in flown:

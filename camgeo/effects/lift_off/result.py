@@ -14,7 +14,6 @@ from camgeo.effects.lift_off import ContactMargin
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.force_closed import ForceClosed, of_flank
 from camgeo.effects.lift_off.form_closed import FormClosed, of_groove
-from camgeo.effects.lift_off.landing import flown_from
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import GeometryError
@@ -61,6 +60,10 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
         )
     flank = Flank(subject, contact, subject.cam.contact.push, data.margin)
     closed = of_flank(flank, inertia, request.results.get(SPRING))
+    if not contact.lost_contact:
+        return closed
+    from camgeo.effects.lift_off.landing import flown_from  # few followers leave the flank
+
     flown = flown_from(flank, inertia, data.restitution, request.tolerance)
     return replace(
         closed,

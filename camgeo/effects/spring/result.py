@@ -11,7 +11,6 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Request, Subject, driving_slider
 from camgeo.effects.force import Force, unmoved
 from camgeo.effects.results import Spring
-from camgeo.effects.spring.coils import of_wire
 from camgeo.effects.spring.table import SpringData
 from camgeo.effects.spring.travel import (
     Travel,
@@ -72,7 +71,11 @@ def compute(request: Request[SpringData]) -> Spring:
         return magnitude(phi, side) / scale
 
     found = piecewise_extremes(shown, subject.state.smooth_angles)
-    wound = None if data.helical is None else of_wire(data.helical, magnitude, found)
+    wound = None
+    if data.helical is not None:
+        from camgeo.effects.spring.coils import of_wire  # few springs are stated so
+
+        wound = of_wire(data.helical, magnitude, found)
     return Spring(
         findings=(
             *force_findings(shown, found, subject, unit),
