@@ -43,6 +43,12 @@ SHARE: Final = 1e-11
 """Largest difference of other numbers, in addition to `LENGTHS`, as a share of the largest in their
 column, or in the certificate of themselves."""
 
+ROWS: Final = 1e-12
+"""Largest difference of an answer in a sweep, as a share of the largest magnitude in its column.
+
+That is 4500 roundings: kernels that differ by four of them, and formulas that amplify these a
+thousand times."""
+
 PICTURES: Final = (".svg", ".png", ".pdf")
 """Files that may differ between processors."""
 
@@ -281,15 +287,21 @@ def make_in_child(
     """`make` the files of scenes, each in a folder of its stem, in another process with another
     home, umask and working directory.
     """
-    home = folder.with_name(f"{folder.name}-home")
-    home.mkdir(parents=True)
-    command = [sys.executable, "-m", "tests.end_to_end.repeats", "--into", str(folder)]
+    command = ["tests.end_to_end.repeats", "--into", str(folder)]
     command += ["--tolerance", str(tolerance)] if tolerance else []
+    run_elsewhere([*command, *map(str, given)], folder.with_name(f"{folder.name}-home"), setting)
+
+
+def run_elsewhere(command: Sequence[str], home: Path, setting: dict[str, str]) -> None:
+    """Run a module, with its arguments, in another process with a `home` of its own, which is also
+    its working directory, and another umask.
+    """
+    home.mkdir(parents=True)
     path = os.pathsep.join((str(ROOT), os.environ.get("PYTHONPATH", "")))
     subprocess.run(
-        [*command, *map(str, given)],
+        [sys.executable, "-m", *command],
         env={**os.environ, "HOME": str(home), "PYTHONPATH": path, **setting},
-        cwd=home, umask=0o077, check=True,
+        cwd=home, umask=0o077, check=True, stdout=subprocess.DEVNULL,
     )  # fmt: skip
 
 

@@ -1,20 +1,26 @@
 """The same scene gives the same bytes, and on other processors differs in last digits only.
 
-Three scenes: one that can be written in every format, one in inches with a symmetric keyway, and
-one through measured points, whose joints moved farthest with the last digits.
+Three scenes are made: one that can be written in every format, one in inches with a symmetric
+keyway, and one through measured points, whose joints moved farthest with the last digits. One is
+swept.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pytest
 
+from camgeo.cli.main import main
+from camgeo.numeric.arrays import FloatArray
 from tests.end_to_end.repeats import (
     PICTURES,
     ROOT,
+    ROWS,
     SETTINGS,
     Difference,
     compared,
@@ -22,11 +28,20 @@ from tests.end_to_end.repeats import (
     differences,
     make,
     make_in_child,
+    run_elsewhere,
 )
 
 SCENES = [ROOT / "fixtures" / "scenes" / f"{name}.toml" for name in ("querhub", "inch", "measured")]
 
 SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv", ".asc", ".json", *PICTURES}
+
+SWEEP: Final = [
+    "sweep", str(ROOT / "fixtures" / "effects" / "linked_press.toml"),
+    "--vary", "follower.base_radius=48:60:3",
+    "--vary", "motion.2.law=polynomial-345,modified-sine",
+    "--ask", "transmission-angle,peak:a,min:mu,peak:kappa,peak:contact-force,diameter",
+]  # fmt: skip
+"""Designs of the Setzhub mechanism with forces: some answers are computed for several at once."""
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +76,27 @@ def test_what_breaks_the_promise_is_seen(suffix: str, here: Path) -> None:
         assert compared(file.name, read, replace(read, numbers=off)).broken == broken
     assert compared(file.name, read, replace(read, rest=read.rest[:-1])).broken
     assert compared(file.name, read, replace(read, numbers=read.numbers[:-1])).broken
+
+
+def answers(file: Path) -> FloatArray:
+    """(designs, questions) of a sweep."""
+    designs = json.loads(file.read_text())["designs"]
+    return np.array([[*each["answers"].values()] for each in designs], dtype=np.float64)
+
+
+def share_apart(here: FloatArray, there: FloatArray) -> float:
+    """Largest difference of two tables, as a share of the largest magnitude in the column."""
+    return float(np.max(np.abs(here - there) / np.max(np.abs(here), axis=0)))
+
+
+def test_rows_of_a_sweep_agree_on_other_processors(tmp_path: Path) -> None:
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+    assert main([*SWEEP, "-o", str(here)]) == 0
+    run_elsewhere(["camgeo", *SWEEP, "-o", str(there)], tmp_path / "home", SETTINGS["all"])
+    expected, found = answers(here), answers(there)
+    assert expected.shape == (6, 6)
+    assert share_apart(expected, found) <= ROWS
+    for row, column in np.ndindex(expected.shape):  # one that is off is seen
+        off = found.copy()
+        off[row, column] += 2.0 * ROWS * np.max(np.abs(expected[:, column]))
+        assert share_apart(expected, off) > ROWS
