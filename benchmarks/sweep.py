@@ -1,7 +1,7 @@
 """What a sweep costs beyond its designs: engines, store and memory, as ratios of one run.
 
-- "batch": designs with another base radius, one by one and many at once, in CPU time: rows, with
-  their scenes and without, and curves and angles at 361 angles.
+- "batch": designs with another base radius or coupler, one by one and many at once, in CPU time:
+  rows, with their scenes and without, and curves and angles at 361 angles.
 - "engine": designs that take 10 ms without using a processor, by the loop, by one worker and by
   two: what handing out chunks costs, whatever else the machine does; under 5% over is wanted.
   Workers are started before the clock, as they are once for a whole run.
@@ -45,7 +45,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from camgeo.answers.sweep import answer_of
-from camgeo.cam.disc import Disc, discs_together
+from camgeo.cam.disc import Disc
+from camgeo.cam.together import discs_together
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from camgeo.sweep import engine
@@ -71,13 +72,19 @@ PAUSE: Final = 0.010
 ROWS: Final = (1_000, 100_000)
 """Designs for "memory"."""
 
-THREE: Final = "transmission-angle,min:mu,peak:kappa"
+ONE: Final = ("transmission-angle", "min:mu", "peak:kappa")
+
+THREE: Final = ",".join(ONE)
+
+RADIUS: Final = "follower.base_radius"
 
 BATCHES: Final = {
-    "setzhub": ("transmission-angle", "min:mu", "peak:kappa", "peak:inner-x", "peak:a", THREE),
-    "tappet": ("min:mu", "peak:kappa"),
+    ("setzhub", RADIUS): (*ONE, "peak:inner-x", "peak:a", THREE),
+    ("setzhub", "linkage.coupler"): (*ONE, "peak:psi"),
+    ("tappet", RADIUS): ("min:mu", "peak:kappa"),
 }
-"""Scenes, and what is asked for "batch": a lever behind a linkage and a flat face on a guide."""
+"""Scenes, what varies, and what is asked for "batch": a lever behind a linkage and a flat face on a
+guide."""
 
 ANGLES: Final = 361
 
@@ -135,11 +142,12 @@ def cpu(call: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def batch(scene: str, ask: str, count: int, rounds: int) -> None:
+def batch(scene: str, key: str, ask: str, count: int, rounds: int) -> None:
     """Rows one by one and many at once, in alternating order, and print."""
     base = load_scene(ROOT / "fixtures" / "scenes" / f"{scene}.toml")
-    radius = float(base.values["follower"]["base_radius"])
-    varied = family_of(base, [f"follower.base_radius={radius}:{1.2 * radius}:{count}"])
+    body, name = key.split(".")
+    least = float(base.values[body][name])
+    varied = family_of(base, [f"{key}={least}:{1.2 * least}:{count}"])
     work = Work.of(varied, asked_of(Design(base), ask.split(",")))
     points = list(varied.points())
     found = []
@@ -152,8 +160,9 @@ def batch(scene: str, ask: str, count: int, rounds: int) -> None:
     rest = statistics.median((a - s) / (t - s) for a, t, s, _ in found)
     each = 1e3 / count
     print(
-        f"batch: {scene}, {ask}: {each * alone:.2f} ms alone, {each * together:.2f} together, of"
-        f" which {each * scenes:.2f} for the scene; {ratio:.1f} times, without scenes {rest:.1f}"
+        f"batch: {scene}, {key}, {ask}: {each * alone:.2f} ms alone, {each * together:.2f}"
+        f" together, of which {each * scenes:.2f} for the scene; {ratio:.1f} times, without scenes"
+        f" {rest:.1f}"
     )
 
 
@@ -328,9 +337,9 @@ def main() -> None:
     points = list(designs.points())
     work = Work.of(designs, asked_of(Design(designs.scene), ASK))
     if "batch" in given.only:
-        for scene, asks in BATCHES.items():
+        for (scene, key), asks in BATCHES.items():
             for ask in asks:
-                batch(scene, ask, given.designs, given.rounds)
+                batch(scene, key, ask, given.designs, given.rounds)
         curves(DISCS, given.rounds)
     if "engine" in given.only:
         idle = Pausing(work.text, work.contents, work.keys, work.asked, work.versions)

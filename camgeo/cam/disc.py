@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from camgeo.cam.contact import Contact, contact_of
 from camgeo.curve.extremes import Extremes, curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.together import Together, one_curve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.lazy import Ledger, lazy
-from camgeo.mechanism.several import several
-from camgeo.numeric.arrays import IntArray
 from camgeo.numeric.checked import hold
 from camgeo.outline.path import Flank
 from camgeo.pickled import Pickled
@@ -153,15 +149,3 @@ class Disc(Pickled):
             for flank in Flank
         )
         return inner, outer
-
-
-def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
-    """Discs that differ in numbers of their followers only, on drives that are equal."""
-
-    def joined(some: tuple[Disc, ...], which: IntArray, times: int) -> Disc:
-        follower = several([disc.follower for disc in some], which)
-        one = replace(some[0], follower=follower, ledger=Ledger())
-        vars(one)["pitch_curve"] = one_curve([disc.pitch_curve for disc in some], which, times)
-        return one
-
-    return Together(tuple(discs), joined)

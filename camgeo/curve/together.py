@@ -1,15 +1,16 @@
-"""Many curves, or cams, with the same motion as one, to be evaluated at once."""
+"""Many curves, or discs, with motions that one plan demands, as one to be evaluated at once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 import numpy as np
 
 from camgeo.curve.blocks import BLOCK
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.several import several
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
 from camgeo.numeric.arrays import FloatArray, IntArray, Side
@@ -67,11 +68,37 @@ class Repeated(Pickled):
         return np.tile(jet, self.times)
 
 
+@dataclass(frozen=True, slots=True)
+class LinkedMotions(LinkedMotion):
+    """The followers' motions behind `several` linkages, each of which is known to close."""
+
+    def __post_init__(self) -> None:
+        """Nothing to check."""
+
+
+def one_motion(motions: Sequence[Motion], which: IntArray, times: int) -> Motion:
+    """The `motions` as one, see `Join`: one and the same, or `LinkedMotion`s that the same motion
+    is demanded of, with linkages that are `alike`.
+    """
+
+    def repeated(motion: Motion) -> Motion:
+        return motion if times == 1 else Repeated(motion, times)
+
+    first = motions[0]
+    if all(each is first for each in motions):
+        return repeated(first)
+    linked = cast("Sequence[LinkedMotion]", motions)
+    linkage = several([each.linkage for each in linked], which)
+    return LinkedMotions(repeated(linked[0].demanded), linkage)
+
+
 def one_curve(curves: Sequence[PitchCurve], which: IntArray, times: int) -> PitchCurve:
-    """`curves` of the same motion and sense, with followers that are `alike`, as one: a `Join`."""
-    first = curves[0]
-    motion = first.motion if times == 1 else Repeated(first.motion, times)
-    return replace(first, motion=motion, follower=several([c.follower for c in curves], which))
+    """`curves` of the same sense, with motions for `one_motion` and followers that are `alike`, as
+    one: a `Join`.
+    """
+    motion = one_motion([curve.motion for curve in curves], which, times)
+    follower = several([curve.follower for curve in curves], which)
+    return replace(curves[0], motion=motion, follower=follower)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,5 +153,5 @@ class Together(Generic[Member]):
 
 
 def curves_together(curves: Sequence[PitchCurve]) -> Together[PitchCurve]:
-    """Pitch curves of the same motion and sense, with followers that are `alike`."""
+    """Pitch curves as for `one_curve`."""
     return Together(tuple(curves), one_curve)

@@ -84,16 +84,43 @@ class FourBar(RockerCrank):
     @cached_property
     def _start_bend(self) -> float:
         """beta at motion 0 [rad]: the lever's direction, measured from that of the second shaft."""
-        return self.lever_angle - phase(self.shaft)
+        return self.lever_angle - self._shaft_angle
+
+    @cached_property
+    def _shaft_angle(self) -> float:
+        """arg D_0 [rad]."""
+        return phase(self.shaft)
+
+    @cached_property
+    def _shaft_distance(self) -> float:
+        """|D_0| [mm]."""
+        return abs(self.shaft)
+
+    @property
+    def _far_shaft(self) -> bool:
+        return self._shaft_distance > self.lever
 
     def _bend(self, motion: FloatArray) -> FloatArray:
         return self._start_bend + self.lever_sense * motion
 
     def _distance(self, motion: FloatArray) -> FloatArray:
         """d = |P| (n,) [mm] at `motion` (n,) [rad], without cancellation."""
-        distance, lever = abs(self.shaft), self.lever
-        near = 2.0 * math.sqrt(lever * distance) * np.cos(0.5 * self._bend(motion))
-        return np.hypot(lever - distance, near)
+        near = self._widest * np.cos(0.5 * self._bend(motion))
+        return np.hypot(self.lever - self._shaft_distance, near)
+
+    @cached_property
+    def _widest(self) -> float:
+        """2 sqrt(l_c |D_0|) [mm]."""
+        return 2.0 * math.sqrt(self.lever * self._shaft_distance)
+
+    @property
+    def _least_square(self) -> float:
+        """(l_c - |D_0|)^2 [mm^2]."""
+        return (self.lever - self._shaft_distance) ** 2
+
+    @property
+    def _start_cosine(self) -> float:
+        return math.cos(self._start_bend)
 
     @cached_property
     def _start_gaps(self) -> tuple[float, float]:
@@ -112,18 +139,18 @@ class FourBar(RockerCrank):
         """d^2 minus its value at motion 0 [mm^2], as a product."""
         half = 0.5 * self.lever_sense * motion
         growth = np.sin(self._start_bend + half) * np.sin(half)
-        growth *= -4.0 * self.lever * abs(self.shaft)
+        growth *= -4.0 * self.lever * self._shaft_distance
         return np.asarray(growth)
 
     def _farthest_and_nearest(
         self, motion: FloatArray, reach: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-        distance, lever = abs(self.shaft), self.lever
+        distance, lever = self._shaft_distance, self.lever
         found = about(self._bend(motion), reach).cosine
-        start = math.cos(self._start_bend)
+        least, start = self._least_square, self._start_cosine
 
         def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
-            square = (lever - distance) ** 2 + 2.0 * lever * distance * (1.0 + level)
+            square = least + 2.0 * lever * distance * (1.0 + level)
             return 2.0 * lever * distance * (level - start), np.sqrt(square)
 
         return at(found.high), at(found.low)
@@ -140,10 +167,10 @@ class FourBar(RockerCrank):
         """arg P (n,) [rad], continuous over any motion: that of the longer of D_0 and l_c, with
         which P turns, plus less than a quarter turn.
         """
-        bend, distance = self._bend(motion), abs(self.shaft)
-        if distance > self.lever:
+        bend, distance = self._bend(motion), self._shaft_distance
+        if self._far_shaft:
             about = 1.0 + (self.lever / distance) * np.exp(1j * bend)
-            return np.asarray(phase(self.shaft) + np.angle(about))
+            return np.asarray(self._shaft_angle + np.angle(about))
         about = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
         return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(about))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Hashable, Sequence
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from types import MethodType
 from typing import Any, Generic, TypeVar, cast
 
@@ -42,6 +42,8 @@ def _sort(value: Any) -> Hashable:
     """The type of a measure, and whatever else decides between formulas."""
     if type(value) is tuple:
         return tuple(map(_sort, value))
+    if is_dataclass(value):
+        return alike(value)
     found: Hashable = type(value).__name__ if type(value) in (float, complex) else value
     return found
 
@@ -67,6 +69,8 @@ class _Several(Generic[Member]):
             return first
         if type(first) is tuple:
             return tuple(self._column(name, [*each]) for each in zip(*values, strict=True))
+        if is_dataclass(first):
+            return several(values, self._which)
         column = np.array(values)
         if column.dtype.kind in "fc":
             same = column.tobytes() == column[:1].tobytes() * len(values)

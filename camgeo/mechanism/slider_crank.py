@@ -30,6 +30,7 @@ from camgeo.motion.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.interval import Angles
+from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.mechanism.linkage_protocol import Size
@@ -84,6 +85,10 @@ class SliderCrank(RockerCrank):
         """e_sk, distance of the guide from the rocker shaft [mm]."""
         return self.crank * math.cos(self.deflection)
 
+    @property
+    def _height_square(self) -> float:
+        return self.guide_height**2
+
     @cached_property
     def start_position(self) -> float:
         """s_0, X at stroke 0 [mm]."""
@@ -123,7 +128,7 @@ class SliderCrank(RockerCrank):
     def pin(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray]:
         """X (n,) and d = |P| (n,) [mm] at `stroke` (n,) [mm]."""
         x = self.start_position + self.stroke_direction * stroke
-        return x, np.sqrt(x * x + self.guide_height**2)
+        return x, np.sqrt(x * x + self._height_square)
 
     def _distance(self, stroke: FloatArray) -> FloatArray:
         """d (n,) [mm], from the shaft to the pin."""
@@ -229,7 +234,8 @@ class SliderCrank(RockerCrank):
             theta3 += mixed * of_crank
         swing = np.subtract(theta, self.start_angle, out=out[0])
         if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
-            swing -= 2.0 * math.pi * np.ceil((swing - math.pi) / (2.0 * math.pi))
+            beyond = (swing > math.pi) | (swing <= -math.pi)
+            swing[beyond] -= TURN * np.ceil((swing[beyond] - math.pi) / TURN)
         return np.negative(out, out=out) if self.mirrored else out
 
     @property

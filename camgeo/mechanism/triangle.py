@@ -93,6 +93,10 @@ class RockerCrank(ABC):
         """
 
     @property
+    def _crank_longer(self) -> bool:
+        return self.crank > self.coupler
+
+    @property
     @abstractmethod
     def _start_gaps(self) -> tuple[float, float]:
         """(crank + coupler)^2 - d^2 and d^2 - (crank - coupler)^2 [mm^2] at position 0."""
@@ -114,11 +118,12 @@ class RockerCrank(ABC):
         """
         outer, inner = self._start_gaps
         difference = self.crank - self.coupler
-        reach = d + abs(difference)
+        shortest = abs(difference)
+        reach = d + shortest
         near = (inner + growth) / reach  # d - |l_sk - l_4|
         cancels = inner + np.abs(growth) > reach * reach  # the pin has come close to the shaft
-        near = np.where(cancels, d - abs(difference), near)
-        short, long = (near, reach) if difference > 0.0 else (reach, near)
+        near = np.where(cancels, d - shortest, near)
+        short, long = (near, reach) if self._crank_longer else (reach, near)
         total = d + (self.crank + self.coupler)
         first = (outer - growth) / total * short
         second = long * total
@@ -224,10 +229,10 @@ def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
     """
     if np.all(divisor):
         return divisor
-    resting = np.all(jet[1:] == 0.0, axis=0)
-    if np.any((divisor == 0.0) & ~resting):
+    dead = divisor == 0.0
+    if np.any(jet[1:, dead]):
         raise GeometryError(f"dead centre: {what} infinite", key="linkage")
-    return np.where(resting, 1.0, divisor)
+    return np.where(dead, 1.0, divisor)
 
 
 def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.cam.disc import Disc, discs_together
+from camgeo.cam.disc import Disc
+from camgeo.cam.drive import Drive
+from camgeo.cam.together import discs_together, drives_together
 from camgeo.check.finding import Finding, forbidding
 from camgeo.check.judge import (
     linkage_findings,
@@ -24,12 +26,18 @@ from camgeo.check.transmission_angle import (
     transmission_angle_extremes,
 )
 from camgeo.curve.pieces import turn_enclosed
+from camgeo.curve.together import Member, Together
 from camgeo.errors import CamgeoError, EffectError, SceneError
 from camgeo.mechanism.several import alike
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extremes
 from camgeo.numeric.many import Quantity
-from camgeo.product.quantities import of_effect, quantities_of_disc, quantities_of_drive
+from camgeo.product.quantities import (
+    Columns,
+    of_effect,
+    quantities_of_disc,
+    quantities_of_drive,
+)
 from camgeo.product.value_table import bare
 from camgeo.sweep.asked import DIAMETER, Asked, Group, hyphened
 from camgeo.units import LengthUnit
@@ -37,6 +45,7 @@ from camgeo.wording import shortened
 
 if TYPE_CHECKING:
     from camgeo.design import Design
+    from camgeo.scene.scene import Scene
 
 LONGEST_REASON: Final = 400
 """Characters of a reason; what a scene with many faults says beyond is left out."""
@@ -97,14 +106,15 @@ def read_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
 
 
 def alike_designs(design: Design) -> Hashable:
-    """Equal for designs that differ in numbers of the follower only, and in what nothing that is
-    `TOGETHER` depends on.
+    """Equal for designs that differ in numbers of follower and linkage only, and in what nothing
+    that is `TOGETHER` depends on.
     """
-    scene, follower = design.scene, design.scene.follower
-    drive = id(scene.plan), id(scene.linkage), scene.speed, id(scene.speed_curve)
+    scene = design.scene
+    drive = id(scene.plan), scene.speed, id(scene.speed_curve)
     units = scene.unit, scene.lift_unit
     disc = scene.rotation, scene.contact, scene.side_clearance
-    return drive, units, disc, None if follower is None else alike(follower)
+    bodies = (None if body is None else alike(body) for body in (scene.linkage, scene.follower))
+    return drive, units, disc, *bodies
 
 
 def reason_of(error: Exception) -> str:
@@ -233,26 +243,64 @@ def _curves(design: Design, asked: Asked) -> Reading:
 
 
 def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
-    """The extreme of a column for designs that are alike; one of the motion is the same for all."""
+    """The extreme of a column for designs that are alike."""
     first = designs[0]
     drive, scene = first.drive, first.scene
-    for heading, quantity in quantities_of_drive(drive, scene.lift_unit, scene.unit):
+    for place, (heading, quantity) in enumerate(_of_drive(scene, drive)):
         if hyphened(bare(heading)) == asked.name:
-            return [_extreme(first, asked, heading, quantity)] * len(designs)
+            if all(design.drive.motion is drive.motion for design in designs):
+                return [_extreme(first, asked, heading, quantity)] * len(designs)
+            of_drive = partial(_quantity_of_drive, place, scene)
+            found = _extremes_of_each(designs, _drives, of_drive)
+            return [_read(each, asked, heading) for each in found]
     if scene.follower is not None:
         disc = first.cam.disc
         for place, (heading, _) in enumerate(quantities_of_disc(disc, scene.unit)):
             if hyphened(bare(heading)) == asked.name:
-                many = discs_together([design.cam.disc for design in designs])
-                of_disc = partial(_quantity, place, scene.unit)
-                with np.errstate(all="ignore"):  # a value that is not finite has a reason
-                    found = extremes_of_each(many, of_disc, drive.smooth_angles)
+                of_disc = partial(_quantity_of_disc, place, scene.unit)
+                found = _extremes_of_each(designs, _discs, of_disc)
                 return [_read(each, asked, heading) for each in found]
     raise NoValueError(f'has no column "{asked.name}"')
 
 
-def _quantity(place: int, unit: LengthUnit, disc: Disc) -> Quantity:
+def _of_drive(scene: Scene, drive: Drive) -> Columns:
+    return quantities_of_drive(drive, scene.lift_unit, scene.unit)
+
+
+def _quantity_of_drive(place: int, scene: Scene, drive: Drive) -> Quantity:
+    return _of_drive(scene, drive)[place][1]
+
+
+def _quantity_of_disc(place: int, unit: LengthUnit, disc: Disc) -> Quantity:
     return quantities_of_disc(disc, unit)[place][1]
+
+
+def _drives(designs: Sequence[Design]) -> Together[Drive]:
+    return drives_together([design.drive for design in designs])
+
+
+def _discs(designs: Sequence[Design]) -> Together[Disc]:
+    return discs_together([design.cam.disc for design in designs])
+
+
+def _extremes_of_each(
+    designs: Sequence[Design],
+    together: Callable[[Sequence[Design]], Together[Member]],
+    quantity: Callable[[Member], Quantity],
+) -> list[Extremes]:
+    """The extremes of a quantity for designs that are alike, at once for those of them whose motion
+    is smooth between the same angles.
+    """
+    groups: dict[bytes, list[int]] = {}
+    for number, design in enumerate(designs):
+        groups.setdefault(design.drive.smooth_angles.tobytes(), []).append(number)
+    found: dict[int, Extremes] = {}
+    for numbers in groups.values():
+        some = [designs[number] for number in numbers]
+        with np.errstate(all="ignore"):  # a value that is not finite has a reason
+            each = extremes_of_each(together(some), quantity, some[0].drive.smooth_angles)
+        found |= zip(numbers, each, strict=True)
+    return [found[number] for number in range(len(designs))]
 
 
 def _effects(design: Design, asked: Asked) -> Reading:

@@ -193,7 +193,7 @@ class Work:
         """What can be answered for many designs at once, by their numbers and what is asked."""
         words = [asked for asked in self.asked if asked.group in TOGETHER]
         groups: dict[Hashable, list[int]] = {}
-        for number, design in designs.items() if words else ():
+        for number, design in sorted(designs.items(), key=_linkage) if words else ():
             groups.setdefault(alike_designs(design), []).append(number)
         return {
             (number, asked.word): reading
@@ -217,6 +217,11 @@ class Work:
             tuple(each.unit for each in found),
             LISTED.join(stated),
         )
+
+
+def _linkage(item: tuple[int, Design]) -> int:
+    """Designs with the same linkage one after another have the same motion: the plan keeps one."""
+    return id(item[1].scene.linkage)
 
 
 def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:

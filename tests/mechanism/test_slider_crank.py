@@ -226,6 +226,23 @@ def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:
     assert caught.value.key == "linkage"
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_the_swing_at_a_stroke_does_not_depend_on_the_others(mirrored: bool) -> None:
+    """Not in its last bit: within half a turn, beyond it, and at rest in a dead centre."""
+    across = SliderCrank(60.0, 92.0, -1.134, True, 1, 1, 1, mirrored)
+    dead = SliderCrank(40.0, 60.0, math.pi / 2.0, False, 1, -1, -1, mirrored)
+    moving = np.zeros((4, 4))
+    moving[0], moving[1] = (-60.0, 0.0, 3.0, -200.0), (1.0, 0.0, -1.0, 2.0)
+    resting = np.zeros((4, 3))
+    resting[0] = 0.0, 3.0, -0.0
+    assert abs(across.crank_angle(moving[0]) - across.start_angle)[3] > math.pi
+    for linkage, jet in ((across, moving), (dead, resting)):
+        together = linkage.transform(jet)
+        for place in range(jet.shape[1]):
+            alone = linkage.transform(jet[:, [place]])
+            assert alone.tobytes() == together[:, [place]].tobytes()
+
+
 # Joints, for masses and loads ------------------------------------------------------------------
 
 

@@ -54,8 +54,8 @@ from tests.reference import POLYNOMIAL
 
 ROOMS = ("mechanism", "curve")
 
-HOLDERS = {"LeverTable"}
-"""Classes that hold what was computed."""
+HOLDERS = {"LeverTable", "LinkedMotions"}
+"""Classes that hold what was computed, or is checked before."""
 
 RISE = MotionPlan((Move(Decimal(180), 5.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)))
 ROLLER = TranslatingRoller(40.0, 10.0, offset=5.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -18,7 +19,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.design import Design
 from camgeo.errors import GeometryError, SceneError
 from camgeo.lazy import Ledger
-from camgeo.mechanism.declared.registry import FOLLOWERS
+from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.mechanism.follower import RelativeJet
 from camgeo.mechanism.several import alike, several
 from camgeo.motion.plan import MotionPlan
@@ -46,16 +47,22 @@ STEPS: Final = (1.0, 1.0005, 1.003, 0.9996, 1.001)
 """Small enough for every scene; large enough for other roots, and as many steps to them."""
 
 
-def numbers_of(scene: Scene) -> list[str]:
-    """Keys of the numbers in [follower]."""
-    found = []
-    for key, value in scene.values["follower"].items():
-        if key == "pivot":
-            found += ["follower.pivot[1]", "follower.pivot[2]"]
-        elif isinstance(value, int | Decimal) and key != "side_clearance":  # of the groove
-            found.append(f"follower.{key}")
-    return found
+BODIES: Final = ("follower", "linkage")
 
+
+def numbers_of(scene: Scene) -> list[str]:
+    """Keys of the numbers in [follower] and [linkage]."""
+    found = []
+    for body in BODIES:
+        for key, value in scene.values.get(body, {}).items():
+            if isinstance(value, tuple | list):
+                found += [f"{body}.{key}[{place}]" for place in (1, 2)]
+            elif isinstance(value, int | Decimal) and not isinstance(value, bool):
+                found.append(f"{body}.{key}")
+    return [key for key in found if key != "follower.side_clearance"]  # of the groove
+
+
+COUPLERS: Final = "linkage.coupler=20,122.87,150,170"
 
 CONTACTS: Final = "follower.contact=inner,outer"
 
@@ -70,8 +77,9 @@ def varied(scene: Scene, *keys: str) -> list[Design]:
     for step in STEPS:
         edits = {}
         for key in keys:
-            name, _, place = key.removeprefix("follower.").partition("[")
-            value = scene.values["follower"][name]
+            body, _, within = key.partition(".")
+            name, _, place = within.partition("[")
+            value = scene.values[body][name]
             value = value[int(place.removesuffix("]")) - 1] if place else value
             edits[key] = float(value) * step
         found.append(Design(scene.with_values(edits)))
@@ -84,6 +92,8 @@ def check_alike(scene: Scene, *keys: str) -> None:
     own: tuple[str, ...] = BY_CURVE[first.cam.follower.has_pitch_curve]
     if "follower.roller_radius" in keys:
         own = own[1:]  # parallels at several distances are not one curve
+    if "linkage" in scene.values:
+        own += ("max:psi",) if first.cam.lift_unit == "rad" else ("max:s",)
     for asked in asked_of(first, (*ASKED, *own)):
         designs = varied(scene, *keys)
         assert len({alike_designs(design) for design in designs}) == 1
@@ -93,25 +103,30 @@ def check_alike(scene: Scene, *keys: str) -> None:
         assert all(reading.value is not None for reading in alone)
 
 
-def test_every_follower_has_a_scene() -> None:
-    assert {scene.values["follower"]["kind"] for scene in SCENES.values()} == set(FOLLOWERS)
+@pytest.mark.parametrize(("body", "kinds"), [("follower", FOLLOWERS), ("linkage", LINKAGES)])
+def test_every_kind_has_a_scene(body: str, kinds: Mapping[str, object]) -> None:
+    found = {scene.values[body]["kind"] for scene in SCENES.values() if body in scene.values}
+    assert found == set(kinds)
 
 
 @pytest.mark.parametrize(("name", "key"), some(VARIED, of=6))
-def test_one_number_of_the_follower(name: str, key: str) -> None:
+def test_one_number(name: str, key: str) -> None:
     check_alike(SCENES[name], key)
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_all_numbers_of_the_follower(name: str) -> None:
+def test_all_numbers(name: str) -> None:
     check_alike(SCENES[name], *numbers_of(SCENES[name]))
 
 
 @cache
 def mixed() -> tuple[Work, dict[Point, Row]]:
-    """Designs of two contacts and laws, some of them impossible: work, and rows alone."""
-    found = family("follower.base_radius=-1,1.2,44,50,50.199,53.7,61,130", CONTACTS, LAWS)
-    work = work_on(found, "transmission-angle", "peak:kappa", "peak:a", "linkage-back-angle")
+    """Designs of two contacts and laws, some of them impossible, behind linkages of which one does
+    not close, and crank and coupler are either the longer one: work, and rows alone.
+    """
+    found = family("follower.base_radius=-1,1.2,50,53.7,130", COUPLERS, CONTACTS, LAWS)
+    asked = "transmission-angle", "peak:kappa", "peak:a", "peak:psi", "linkage-back-angle"
+    work = work_on(found, *asked)
     alone = {point: work.rows([point])[0] for point in found.points()}
     assert {row.failed for row in alone.values()} == {True, False}
     return work, alone
@@ -155,11 +170,12 @@ def test_designs_that_are_not_alike() -> None:
         (lever, {"cam.rotation": "ccw"}),
         (lever, {"cam.speed": 91}),
         (lever, {"motion[2].to": 11}),
-        (linked, {"linkage.coupler": 123}),
+        (linked, {"linkage.mirrored": True, "follower.direction": "outward"}),
     ):
         other = base.with_values(edits)
         assert alike_designs(Design(other)) != alike_designs(Design(base)), edits
-    same = linked.with_values({"follower.arm": 61.3, "limits.transmission_angle": 40})
+    numbers = {"follower.arm": 61.3, "linkage.coupler": 123}
+    same = linked.with_values({**numbers, "limits.transmission_angle": 40})
     assert alike_designs(Design(same)) == alike_designs(Design(linked))
 
 
