@@ -1,16 +1,22 @@
-"""The error of the position by exact sensitivities, as independent sources add up."""
+"""The error of the position by exact sensitivities, as independent sources add up.
+
+Its extremes are sought between the angles where the motion has a kink, and are exact but for
+rounding; shares of the variance and what is not linear are of the angles of the analysis.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.extremes import Extreme
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.tolerancing.distribution import SIGMAS
 from camgeo.tolerancing.freedoms import Deviations, Freedom
 from camgeo.tolerancing.replay import replayed
@@ -23,6 +29,12 @@ ANGLES: Final = 360
 """Cam angles of a turn; the first of them is 0."""
 
 
+def even_angles() -> FloatArray:
+    """(ANGLES,) cam angles [rad]."""
+    found: FloatArray = np.linspace(0.0, TURN, ANGLES + 1)[:-1]
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Contribution:
     """What one source does to the position.
@@ -30,84 +42,76 @@ class Contribution:
     Attributes
     ----------
     source : what deviates.
-    sensitivity : of the largest magnitude, error [mm or rad] per mm or rad; of a source with a
-        random direction its amplitude, without sign.
-    spread : the largest three standard deviations [mm or rad].
-    mean : error of the largest magnitude that all machines share.
-    share : of the variance, averaged over the turn.
+    sensitivity : of the largest magnitude over the turn, error [mm or rad] per mm or rad; of a
+        source with a random direction its amplitude, without sign.
+    share : of the variance, averaged over the angles of the analysis.
     share_at_worst : of the variance where it is largest.
     remainder : how far the exact motion is off the linear one where the source deviates by three
-        standard deviations, to either side.
+        standard deviations, to either side; the largest at the angles of the analysis.
     """
 
     source: Source
     sensitivity: Extreme
-    spread: Extreme
-    mean: Extreme
     share: float
     share_at_worst: float
     remainder: Extreme
 
+    @property
+    def spread(self) -> Extreme:
+        """The largest three standard deviations [mm or rad]."""
+        sigma = math.sqrt(self.source.moments.variance)
+        return Extreme(SIGMAS * sigma * abs(self.sensitivity.value), self.sensitivity.place)
 
-@dataclass(frozen=True)
+    @property
+    def mean(self) -> Extreme:
+        """Error of the largest magnitude that all machines share."""
+        value = self.source.moments.mean * self.sensitivity.value
+        return Extreme(value + 0.0, self.sensitivity.place)
+
+
+@dataclass(frozen=True, eq=False)
 class Linear:
-    """The linear analysis.
+    """The linear analysis at cam angles.
 
     Attributes
     ----------
     stated : tolerances and machine.
+    angles : (n,) cam angles [rad]; `ANGLES` of a turn, unless others are given.
     """
 
     stated: Stated
-
-    @cached_property
-    def phi(self) -> FloatArray:
-        """(n,) cam angles [rad], of which the last is that at which the error is set to 0, if it is
-        set.
-        """
-        grid: FloatArray = np.linspace(0.0, TURN, ANGLES + 1)[:-1]
-        at = self.stated.set_at
-        return grid if at is None else np.append(grid, at)
+    angles: FloatArray = field(default_factory=even_angles)
 
     @cached_property
     def nominal(self) -> Sensitivities:
-        """Of the nominal machine at these angles."""
-        return Sensitivities(self.stated.machine, self.phi)
+        """Of the nominal machine at these angles, and last at that at which the error is set to 0,
+        if it is set.
+        """
+        at = self.stated.set_at
+        phi = self.angles if at is None else np.append(self.angles, at)
+        return Sensitivities(self.stated.machine, phi)
 
     def as_set(self, errors: FloatArray) -> FloatArray:
-        """(..., ANGLES) errors after the machine has been set, from those at `phi`."""
+        """(..., n) errors after the machine has been set, from those of `nominal`."""
         if self.stated.set_at is None:
             return errors
-        return np.asarray(errors[..., :ANGLES] - errors[..., -1:])
+        return np.asarray(errors[..., :-1] - errors[..., -1:])
 
-    @property
-    def angles(self) -> FloatArray:
-        """(ANGLES,) cam angles [rad] of the results."""
-        return self.phi[:ANGLES]
+    def sensitivity(self, source: Source) -> FloatArray:
+        """(units, n) error [mm or rad] per unit."""
+        return self.as_set(np.stack([self.nominal.of(unit) for unit in source.units]))
 
     @cached_property
     def sensitivities(self) -> tuple[FloatArray, ...]:
-        """(units, ANGLES) of each source: error [mm or rad] per unit."""
-        return tuple(
-            self.as_set(np.stack([self.nominal.of(unit) for unit in source.units]))
-            for source in self.stated.sources
-        )
+        """(units, n) of each source: error [mm or rad] per unit."""
+        return tuple(map(self.sensitivity, self.stated.sources))
 
     @cached_property
     def variances(self) -> FloatArray:
-        """(sources, ANGLES) of the error."""
-        return np.stack([
-            np.sum([m.variance * row**2 for m, row in zip(source.moments, rows, strict=True)], 0)
-            for source, rows in self._pairs
-        ])  # fmt: skip
-
-    @cached_property
-    def means(self) -> FloatArray:
-        """(sources, ANGLES) of the error."""
-        return np.stack([
-            np.sum([m.mean * row for m, row in zip(source.moments, rows, strict=True)], 0)
-            for source, rows in self._pairs
-        ])  # fmt: skip
+        """(sources, n) of the error."""
+        return np.stack(
+            [source.moments.variance * np.sum(rows**2, axis=0) for source, rows in self._pairs]
+        )
 
     @property
     def _pairs(self) -> list[tuple[Source, FloatArray]]:
@@ -115,58 +119,89 @@ class Linear:
 
     @cached_property
     def mean(self) -> FloatArray:
-        """(ANGLES,) mean error."""
-        return np.asarray(np.sum(self.means, axis=0))
+        """(n,) mean error."""
+        return np.asarray(
+            np.sum([each.moments.mean * np.sum(rows, axis=0) for each, rows in self._pairs], axis=0)
+        )
 
     @cached_property
     def sigma(self) -> FloatArray:
-        """(ANGLES,) standard deviation of the error."""
+        """(n,) standard deviation of the error."""
         return np.asarray(np.sqrt(np.sum(self.variances, axis=0)))
 
     @cached_property
     def band(self) -> tuple[FloatArray, FloatArray]:
-        """Mean less and plus three standard deviations, (ANGLES,) each."""
+        """Mean less and plus three standard deviations, (n,) each."""
         return self.mean - SIGMAS * self.sigma, self.mean + SIGMAS * self.sigma
 
-    @property
-    def worst(self) -> Extreme:
-        """The error of the largest magnitude on the edges of the band."""
-        low, high = self.band
-        return self.largest(farther(high, low))
+    # Over the turn --------------------------------------------------------------------------------
 
-    def largest(self, values: FloatArray) -> Extreme:
-        """Of values (ANGLES,) that with the largest magnitude, and its cam angle."""
-        place = int(np.argmax(np.abs(values)))
-        return Extreme(float(values[place]) + 0.0, float(self.angles[place]))
+    @cached_property
+    def _edges(self) -> FloatArray:
+        """Cam angles [rad] between which sensitivities are smooth, and have few turning points.
+
+        Where a machine is set on one of many waves, there are as many of these in a turn.
+        """
+        edges = self.stated.machine.cam.drive.smooth_angles
+        if self.stated.set_at is None:
+            return edges
+        units = (unit for source in self.stated.sources for unit in source.units)
+        waves = max(unit.freedom.waves for unit in units)
+        return merged(np.concatenate((edges, np.linspace(0.0, TURN, waves + 1)[1:-1])))
+
+    def _extremes(self, values: Callable[[Linear], FloatArray]) -> Extremes:
+        """Over the turn, of `values` (n,) of an analysis; exact but for rounding."""
+
+        def quantity(phi: FloatArray, _: Side) -> FloatArray:
+            return values(replace(self, angles=phi))
+
+        return piecewise_extremes(quantity, self._edges)
+
+    @cached_property
+    def worst(self) -> Extreme:
+        """The error of the largest magnitude on the edges of the band, over the turn."""
+        lowest = self._extremes(lambda each: each.band[0]).lowest
+        return _larger(Extremes(lowest, self._extremes(lambda each: each.band[1]).highest))
 
     @cached_property
     def contributions(self) -> tuple[Contribution, ...]:
         """Of the sources, in the order of the scene."""
-        total = np.sum(self.variances, axis=0)
-        worst = int(np.argmax(total))
-        whole = float(np.mean(total))
-        found = []
-        for k, (source, rows) in enumerate(self._pairs):
-            single = len(rows) == 1
-            found.append(
-                Contribution(
-                    source,
-                    self.largest(rows[0] if single else np.hypot(*rows)),
-                    self.largest(SIGMAS * np.sqrt(self.variances[k])),
-                    self.largest(self.means[k]),
-                    _share(float(np.mean(self.variances[k])), whole),
-                    _share(float(self.variances[k][worst]), float(total[worst])),
-                    self.largest(self._remainder(source, rows)),
-                )
+        place = self._extremes(lambda each: each.sigma).highest.place
+        there = replace(self, angles=np.array([place])).variances[:, 0]
+        mean = np.mean(self.variances, axis=1)
+        return tuple(
+            Contribution(
+                source,
+                self._largest_sensitivity(source),
+                _share(float(mean[k]), float(np.sum(mean))),
+                _share(float(there[k]), float(np.sum(there))),
+                self.largest(self._remainder(source, rows)),
             )
-        return tuple(found)
+            for k, (source, rows) in enumerate(self._pairs)
+        )
+
+    def _largest_sensitivity(self, source: Source) -> Extreme:
+        """See `Contribution`."""
+
+        def signed(each: Linear) -> FloatArray:
+            rows = each.sensitivity(source)
+            return np.asarray(rows[0] if len(rows) == 1 else np.hypot(*rows))
+
+        return _larger(self._extremes(signed))
+
+    # At the angles --------------------------------------------------------------------------------
+
+    def largest(self, values: FloatArray) -> Extreme:
+        """Of values (n,) that with the largest magnitude, and its cam angle."""
+        place = int(np.argmax(np.abs(values)))
+        return Extreme(float(values[place]) + 0.0, float(self.angles[place]))
 
     def _remainder(self, source: Source, rows: FloatArray) -> FloatArray:
-        """(ANGLES,) of the larger magnitude of both sides, see `Contribution`."""
-        sizes = [m.mean + SIGMAS * np.sqrt(m.variance) * np.array([1.0, -1.0])
-                 for m in source.moments]  # fmt: skip
-        worst = np.zeros(ANGLES)
-        for unit, size, row in zip(source.units, sizes, rows, strict=True):
+        """(n,) of the larger magnitude of both sides, see `Contribution`."""
+        own, count = source.moments, len(self.angles)
+        size = own.mean + SIGMAS * np.sqrt(own.variance) * np.array([1.0, -1.0])
+        worst = np.zeros(count)
+        for unit, row in zip(source.units, rows, strict=True):
             deviations = Deviations(2, {unit.freedom: size * unit.factor})
             try:
                 position = replayed(self.nominal, deviations).position[0]
@@ -181,6 +216,13 @@ class Linear:
 def farther(one: FloatArray, other: FloatArray) -> FloatArray:
     """(n,) of two values (n,) each those of the larger magnitude."""
     return np.where(np.abs(other) > np.abs(one), other, one)
+
+
+def _larger(found: Extremes) -> Extreme:
+    """That of the larger magnitude."""
+    lowest, highest = found.lowest, found.highest
+    chosen = lowest if -lowest.value > highest.value else highest
+    return Extreme(chosen.value + 0.0, chosen.place)
 
 
 def _share(part: float, whole: float) -> float:

@@ -15,7 +15,7 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.sweep.family import Sample
 from camgeo.tolerancing.contact import ContactForces
 from camgeo.tolerancing.freedoms import Deviations
-from camgeo.tolerancing.linear import ANGLES, Linear, deviations_of, farther
+from camgeo.tolerancing.linear import Linear, deviations_of, farther
 from camgeo.tolerancing.replay import replayed
 from camgeo.tolerancing.sources import Source
 
@@ -43,7 +43,7 @@ class Sampled:
     ----------
     linear : the analysis that they are compared with.
     seed : of what was drawn.
-    errors : (machines, ANGLES) of the position [mm or rad].
+    errors : (machines, n) of the position [mm or rad].
     accelerations : (machines,) largest magnitude of the position's second derivative [mm or rad per
         rad^2] at the cam angles of the analysis.
     acceleration : that of the nominal machine.
@@ -66,7 +66,7 @@ class Sampled:
 
     @property
     def quantiles(self) -> FloatArray:
-        """(3, ANGLES) errors below which the shares `QUANTILES` of all machines are."""
+        """(3, n) errors below which the shares `QUANTILES` of all machines are."""
         found: FloatArray = np.quantile(self.errors, QUANTILES, axis=0)
         return found
 
@@ -124,16 +124,17 @@ def sampled(
     if not 0 <= seed < 2**63:
         raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
     errors, accelerations, forces = [], [], []
+    angles = len(linear.angles)
     for machines in _machines(linear.stated.sources, count, seed):
         found = replayed(linear.nominal, machines)
         position = found.position
         if contact is not None:
             off = found.follower - linear.nominal.lifts[:3, np.newaxis]
-            normal = contact.of(off[..., :ANGLES], found.leverage[:, :ANGLES])
+            normal = contact.of(off[..., :angles], found.leverage[:, :angles])
             forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
         errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
-        accelerations.append(np.max(np.abs(position[2][:, :ANGLES]), axis=1))
-    nominal = float(np.max(np.abs(linear.nominal.positions[2][:ANGLES])))
+        accelerations.append(np.max(np.abs(position[2][:, :angles]), axis=1))
+    nominal = float(np.max(np.abs(linear.nominal.positions[2][:angles])))
     return Sampled(
         linear,
         seed,

@@ -29,7 +29,8 @@ class Source(Protocol):
     name : its key.
     sense : what a positive deviation is, in words.
     units : of the numbers by which machines deviate.
-    moments : of these numbers, which are uncorrelated, one for each unit.
+    moments : of each of these numbers, which are uncorrelated; of two, in a random direction, the
+        mean is 0.
     draws : uniformly distributed numbers that make one machine.
     limits : of what is stated [mm or rad].
     shape : of its distribution, in a word.
@@ -46,7 +47,7 @@ class Source(Protocol):
     def units(self) -> tuple[Unit, ...]: ...
 
     @property
-    def moments(self) -> tuple[Moments, ...]: ...
+    def moments(self) -> Moments: ...
 
     @property
     def draws(self) -> int: ...
@@ -87,9 +88,9 @@ class ToleratedDimension:
         return (self.unit,)
 
     @property
-    def moments(self) -> tuple[Moments, ...]:
+    def moments(self) -> Moments:
         """See `Source`."""
-        return (Moments(self.distribution.mean, self.distribution.variance),)
+        return Moments(self.distribution.mean, self.distribution.variance)
 
     @property
     def draws(self) -> int:
@@ -178,9 +179,9 @@ class PressedClearance(Clearance):
         return (Unit(Freedom(Way.GROWTH), float(self.flank_sign)),)
 
     @property
-    def moments(self) -> tuple[Moments, ...]:
+    def moments(self) -> Moments:
         """See `Source`."""
-        return (self.fit.half,)
+        return self.fit.half
 
     @property
     def draws(self) -> int:
@@ -202,10 +203,10 @@ class LooseClearance(Clearance):
         return Unit(Freedom(Way.SEAT)), Unit(Freedom(Way.SEAT), 1j)
 
     @property
-    def moments(self) -> tuple[Moments, ...]:
+    def moments(self) -> Moments:
         """See `Source`: half the mean square of the distance in each direction."""
         half = self.fit.half
-        return (Moments(0.0, 0.5 * (half.mean**2 + half.variance)),) * 2
+        return Moments(0.0, 0.5 * (half.mean**2 + half.variance))
 
     @property
     def draws(self) -> int:
@@ -242,9 +243,9 @@ class FormError:
         return Unit(freedom), Unit(freedom, 1j)
 
     @property
-    def moments(self) -> tuple[Moments, ...]:
+    def moments(self) -> Moments:
         """See `Source`: at any place the phase is uniformly distributed."""
-        return (Moments(0.0, 0.5 * self.height**2),) * 2
+        return Moments(0.0, 0.5 * self.height**2)
 
     @property
     def draws(self) -> int:

@@ -36,7 +36,10 @@ def test_all_renderings_say_the_same(answer: ToleranceAnalysis) -> None:
     quantiles = np.abs([rows.columns[f"{each} quantile [deg]"] for each in ("1%", "99%")])
     assert np.max(quantiles) == pytest.approx(abs(machines["quantile"]["value"]), rel=1e-12)
     edges = np.abs([rows.columns[f"mean {sign} 3 sigma [deg]"] for sign in "+-"])
-    assert np.max(edges) == pytest.approx(abs(worst["value"]), rel=1e-12)
+    # The table has the band at whole degrees; between two of them it rises by the square of half of
+    # one, 7.6e-5, times half its relative curvature.
+    assert np.max(edges) == pytest.approx(abs(worst["value"]), rel=1e-3)
+    assert np.max(edges) <= abs(worst["value"])
     assert sum(each["share"] for each in reported["sources"]) == pytest.approx(1.0)
     roller = reported["sources"][0]
     assert roller["limits"] == pytest.approx([-0.0065, 0.0])  # half of h6 of 20 mm

@@ -12,9 +12,11 @@ from camgeo.outline.path import Flank
 from camgeo.scene.load import load_scene
 from camgeo.scene.scene import Scene
 from camgeo.tolerancing.freedoms import Deviations, Unit
+from camgeo.tolerancing.linear import Linear
 from camgeo.tolerancing.machine import Machine
 from camgeo.tolerancing.replay import replayed
 from camgeo.tolerancing.sensitivity import Sensitivities
+from camgeo.tolerancing.stated import stated_of
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -69,3 +71,26 @@ def errors(nominal: Sensitivities, unit: Unit, *sizes: float) -> np.ndarray[Any,
 def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:
     """(angles,) a place on the cam, in the frame."""
     return np.asarray(place * np.exp(1j * nominal.machine.cam.rotation * nominal.phi))
+
+
+def linear_of(scene: Scene) -> Linear:
+    """Its linear analysis."""
+    return Linear(stated_of(Design(scene)))
+
+
+def lifter(
+    *dimensions: dict[str, Any], motion: list[dict[str, Any]] | None = None, **table: Any
+) -> Linear:
+    """A flat face, on a round disc unless it has a motion; its [tolerance] has this `table`."""
+    return linear_of(
+        Scene({
+            "camgeo": 1,
+            "name": "lifter",
+            "cam": {"rotation": "ccw"},
+            "follower": {
+                "kind": "translating-flat", "base_radius": ROUND, **FOLLOWERS["translating-flat"],
+            },
+            "motion": motion or [{"dwell": 360}],
+            "tolerance": {"dimension": list(dimensions), **table},
+        })
+    )  # fmt: skip

@@ -34,7 +34,7 @@ def text(answer: ToleranceAnalysis) -> str:
     ]
     if answer.set_at is not None:
         lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
-    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "at", "share", "worst",
+    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "share", "worst",
              "not linear"]]  # fmt: skip
     rows += [_row(each) for each in answer.sources]
     lines += ["", *aligned(rows), ""]
@@ -88,7 +88,6 @@ def _row(each: Share) -> list[str]:
         cam_angle(each.sensitivity.place),
         f"{each.mean.value:+.3g}",
         f"{each.spread.value:.3g}",
-        cam_angle(each.spread.place),
         f"{100.0 * each.share:.1f} %",
         f"{100.0 * each.share_at_worst:.1f} %",
         f"{each.remainder.value:.1g}",
