@@ -290,7 +290,7 @@ class Builder:
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""
-        self.values.raw(EFFECTS)
+        self.values.raw(EFFECTS)  # notes that `effects` are read, see `kept`
         if not self.values.has("part"):
             return None
         top, name = self._top("part"), self.values.get("name")
@@ -330,7 +330,7 @@ class Builder:
         No further faults are reported if one of its keys is among those `faulted`. `output` is that
         of the scene.
         """
-        self.values.raw(OUTPUT)
+        self.values.raw(OUTPUT)  # notes that `output` is read, see `kept`
         named = any(self.values.has(name) for name in MILLING)
         if not (named or "gcode" in output.options.given):
             return None
