@@ -291,7 +291,8 @@ def _follower(
         if np.any(lost):
             break
         last = max(float(np.max(np.abs(dq))), float(np.max(np.abs(du))) ** 2)
-    place = float(np.degrees(phi[int(np.argmax(np.any(lost, axis=0)))]))
+    off = np.where(np.any(lost), lost, np.abs(dq))  # where nothing is lost it does not settle
+    place = float(np.degrees(phi[int(np.argmax(np.max(off, axis=0)))]))
     raise GeometryError(LOST.format(place))
 
 

@@ -10,9 +10,11 @@ import pytest
 from camgeo.contour.contour import Contour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
+from camgeo.errors import GeometryError
 from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.replay import replay_contour
+from camgeo.tolerancing import replay
 from camgeo.tolerancing.dimensions import dimensions_of
 from camgeo.tolerancing.freedoms import Deviations, Freedom, Unit, Way
 from camgeo.tolerancing.replay import replayed
@@ -63,6 +65,17 @@ def test_exact_sensitivities_are_the_limits_of_differences(name: str) -> None:
         small, large = (difference(nominal, unit, step) for step in (STEP, 10.0 * STEP))
         scale = float(np.max(np.abs(nominal.of(unit))))
         assert small <= 0.015 * large + ROUNDING * scale, key
+
+
+def test_what_does_not_settle_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step is the linear error."""
+    monkeypatch.setattr(replay, "STEPS", 1)
+    nominal = fixture("tappet")
+    unit = dimensions_of(nominal.machine)["mounting.x"].unit
+    worst = np.degrees(nominal.phi[np.argmax(np.abs(nominal.of(unit)))])
+    assert worst > 1.0
+    with pytest.raises(GeometryError, match=f"at cam angle {worst:.6g} deg"):
+        errors(nominal, unit, 0.01)
 
 
 @pytest.mark.parametrize("name", MACHINES)
