@@ -20,7 +20,11 @@ APART: Final = 1e-6
 """By which packed numbers may be off, relative to the extent of theirs along each axis."""
 
 ROUNDING: Final = 2.0**-24
-"""Most by which a single float is off, relative to its value."""
+LEAST: Final = 2.0**-150
+"""Most by which a single float is off, relative to its value and at all."""
+
+LARGEST: Final = float(np.finfo(np.float32).max)
+"""Beyond it there is no single float."""
 
 
 def packed(picture: Figure | Animation) -> dict[str, Any]:
@@ -37,7 +41,8 @@ def _packed(array: FloatArray) -> Any:
         return listed(array)
     rows = array.reshape(-1, array.shape[-1] if array.ndim > 1 else 1)
     low, high = np.fmin.reduce(rows), np.fmax.reduce(rows)  # leave gaps out
-    off = ROUNDING * np.maximum(-low, high)
-    kind = "f4" if bool(np.all(off <= APART * (high - low))) else "f8"
+    size = np.maximum(-low, high)
+    fine = np.maximum(ROUNDING * size, LEAST) <= APART * (high - low)
+    kind = "f4" if bool(np.all(fine & (size <= LARGEST))) else "f8"
     text = b64encode(array.astype(f"<{kind}").tobytes()).decode("ascii")
     return {"packed": kind, "shape": list(array.shape), "numbers": text}

@@ -70,6 +70,13 @@ def test_packed_numbers_are_near_relative_to_their_extent(offset: float) -> None
     assert np.nanmax(np.abs(found - points) / np.array([360.0, np.sin(1.0)])) <= APART
 
 
+@pytest.mark.parametrize("size", [1e39, 1e-42])
+def test_numbers_that_are_no_single_floats_stay(size: float) -> None:
+    x = np.linspace(0.0, 1.0, 200)
+    points = np.column_stack((x, size * np.sin(x)))
+    assert lists(packed(drawn(points))) == drawn(points).to_data()
+
+
 def test_short_lists_and_empty_gaps_are_as_they_were() -> None:
     for points in ([[0.0, 1.0], [2.0, 3.0]], np.empty((0, 2)), np.full((40, 2), np.nan)):
         assert lists(packed(drawn(points))) == drawn(points).to_data()
