@@ -219,6 +219,10 @@ class StubProduct(Product):
         return cast("DrawnDisc", self)
 
     @property
+    def untrimmed(self) -> Part:
+        return self.part
+
+    @property
     def printed(self) -> PrintedDisc:
         return PrintedDisc(lambda _: self.part, PartSpec(), None)
 
