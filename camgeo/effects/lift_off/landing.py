@@ -11,7 +11,7 @@ from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS, Flight, FreeFollower
 from camgeo.effects.results import Inertia
 from camgeo.effects.touching import FLANKS
-from camgeo.effects.wording import at, degrees, placed
+from camgeo.effects.wording import at, between, degrees, placed
 from camgeo.errors import EffectError
 from camgeo.numeric.extremes import Extreme, piecewise_lowest
 from camgeo.units import TURN
@@ -111,7 +111,7 @@ def _finding(flank: Flank, flight: Flight) -> tuple[Finding, Finding]:
             name="flight",
             severity="warning",
             sentence=(
-                f"the {who} {again} {side} from cam angle {degrees(start)} to {degrees(end)}, up to"
+                f"the {who} {again} {side} {between((flight.leaving, flight.landing))}, up to"
                 f" {gap:.6g} {unit} of lift beyond it"
             ),
             value=gap,
@@ -123,7 +123,7 @@ def _finding(flank: Flank, flight: Flight) -> tuple[Finding, Finding]:
         Finding(
             name="impact-speed",
             severity="ok",
-            sentence=f"it lands at {degrees(end)} at {flight.speed:.6g} mm/s",
+            sentence=f"it lands {at(end)}, at {flight.speed:.6g} mm/s",
             value=flight.speed,
             unit="mm/s",
             cam_angle=end,
