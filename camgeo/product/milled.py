@@ -11,6 +11,7 @@ from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
+from camgeo.motion.kept import Kept, kept_with_owner
 from camgeo.pickled import Pickled
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class MilledDisc(Pickled):
         needs; None if it is all.
     program : number of this one from 0.
     first : the first side of the disc, if this is the second.
+    kept : its latest program, see `kept_with_owner`: times, findings and files come from one plan.
     """
 
     drawn: DrawnDisc
@@ -56,6 +58,7 @@ class MilledDisc(Pickled):
     whole: MilledDisc | None = None
     program: int = 0
     first: MilledDisc | None = None
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @built
     def second(self) -> MilledDisc | None:
@@ -198,6 +201,7 @@ class MilledDisc(Pickled):
                 raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
         return found
 
+    @kept_with_owner
     def toolpath(self, tolerance: float) -> Toolpath:
         """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
         from camgeo.toolpath.machine import load
