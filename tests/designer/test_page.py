@@ -239,3 +239,18 @@ def test_what_is_built_again_is_listed_again(page: Page) -> None:
         page.click("#build-files")
         page.wait_for_selector(f".build a[download$='.{name}']")
         assert page.locator(".build a[download]").count() == 2  # with the certificate
+
+
+def test_a_scene_with_faults_is_not_told_to_be_well(page: Page) -> None:
+    verdict = page.locator("a.verdict")
+    text = page.locator("#text-area")
+    stated = text.input_value()
+    old = settled(page, -1)
+    text.fill(stated.replace("roller_radius = 7", "roller_radius = -7"))
+    old = settled(page, old)
+    assert verdict.inner_text() == "✗ The scene has a fault."
+    assert verdict.get_attribute("href") == "#text"
+    text.fill(stated)
+    settled(page, old)
+    page.wait_for_function("() => document.querySelector('a.verdict').textContent.startsWith('✓')")
+    assert verdict.get_attribute("href") == "#findings"

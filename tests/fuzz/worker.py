@@ -77,7 +77,8 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when the worker imports numpy
-        self._process = context.Process(target=serve, args=(theirs,), daemon=True)
+        # Not a daemon, which may start no processes; it ends with the pipe.
+        self._process = context.Process(target=serve, args=(theirs,))
         self._process.start()
         theirs.close()
         self._pipe = ours

@@ -7,9 +7,13 @@ import { t } from "./strings";
 
 const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗" };
 
+// Where the verdict leads to.
+const FINDINGS = "#findings";
+const FAULTS = "#text";
+
 export class Findings {
   readonly element = el("div", { class: "findings" });
-  readonly verdict = el("a", { href: "#findings", class: "verdict" });
+  readonly verdict = el("a", { href: FINDINGS, class: "verdict" });
   private readonly sentence = el("p", { class: "sentence" });
   private readonly bad = el("ul", { class: "list" });
   private readonly kept = el("ul", { class: "list" });
@@ -26,17 +30,18 @@ export class Findings {
   }
 
   update(): void {
-    const found = this.session.findings;
+    const { findings: found, faults } = this.session;
     const old = !found || found.revision < this.session.revision;
     this.element.classList.toggle("old", old);
+    if (faults.length > 0) return this.faulty(faults.length);
+    if (this.verdict.hash === FAULTS) this.tell("waiting", FINDINGS, t("findings.waiting"), t("findings.waiting"));
     // Not while something is dragged: what grows above a picture would move it.
     if (!found || old || this.session.held) return;
     const all = found.findings ?? [];
     const bad = all.filter((each) => each.severity !== "ok");
     const verdict = found.verdict || t(all.length ? "findings.kept" : "findings.none");
-    say(this.sentence, verdict);
-    say(this.verdict, `${bad.length ? this.sign(bad) : SIGNS["ok"]} ${verdict}`);
-    attribute(this.verdict, "class", `verdict ${bad.length ? this.worst(bad) : "ok"}`);
+    const worst = bad.length ? this.worst(bad) : "ok";
+    this.tell(worst, FINDINGS, `${SIGNS[worst] ?? "!"} ${verdict}`, verdict);
     this.list(this.bad, bad);
     const kept = all.filter((each) => each.severity === "ok");
     shown(this.more, kept.length > 0);
@@ -62,8 +67,19 @@ export class Findings {
     return ["invalid", "no-disc", "broken", "warning"].find((each) => bad.some((one) => one.severity === each)) ?? "warning";
   }
 
-  private sign(bad: Finding[]): string {
-    return SIGNS[this.worst(bad)] ?? "!";
+  // A scene with faults has no findings; the faults are listed beside its text.
+  private faulty(count: number): void {
+    this.tell("invalid", FAULTS, `${SIGNS["invalid"]} ${t("findings.faults", { n: count })}`, t("findings.faulty"));
+    this.list(this.bad, []);
+    shown(this.more, false);
+    shown(this.cures, false);
+  }
+
+  private tell(severity: string, place: string, verdict: string, sentence: string): void {
+    say(this.sentence, sentence);
+    say(this.verdict, verdict);
+    attribute(this.verdict, "class", `verdict ${severity}`);
+    attribute(this.verdict, "href", place);
   }
 
   // Drawn anew only if it says something else, so that no button goes from under a pointer.

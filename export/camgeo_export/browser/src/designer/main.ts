@@ -107,7 +107,7 @@ function start(root: HTMLElement): void {
 
   const compare = parts.find((each) => each.section.id === "compare")?.section;
   session.on(["curves", "faults"], () => {
-    const name = session.curves?.name?.slice(0, NAME) || t("page.new-scene");
+    const name = session.curves?.name?.slice(0, NAME) || session.state?.file || t("page.new-scene");
     say(title, name);
     document.title = `${session.state?.saved === false ? "• " : ""}${t("page.title", { name })}`;
     form.update(session.curves?.form ?? []);

@@ -135,6 +135,8 @@ export const STRINGS = {
   "findings.show": "Show at {angle}°",
   "findings.none": "There are no findings.",
   "findings.waiting": "Findings are being computed.",
+  "findings.faults": { one: "The scene has a fault.", many: "The scene has {n} faults." },
+  "findings.faulty": "A scene with faults has no findings. The faults are listed with its text.",
   "findings.all": { one: "Show the finding that is kept", many: "Show the {n} findings that are kept" },
   "findings.kept": "All limits are kept.",
   "findings.edit": "Go to {key}",
