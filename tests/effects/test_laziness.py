@@ -17,7 +17,7 @@ from camgeo.effects.graph import node_name
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.writing.write import CERTIFICATE, make_files
 from tests.effects.scenes import SCENES, design
-from tests.long_form import LONG, some
+from tests.long_form import LONG
 
 SCENE = "plate_translating"
 
@@ -90,7 +90,7 @@ def subject(names: tuple[str, ...]) -> Design:
     return design(SCENE, text_of(names))
 
 
-SETS = [(name,) for name in EFFECTS] + some(itertools.combinations(EFFECTS, 2), of=2)
+SETS = [(name,) for name in EFFECTS] + list(itertools.combinations(EFFECTS, 2))
 
 
 def test_every_effect_has_a_table_here() -> None:
