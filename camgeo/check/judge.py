@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.closure import check_closure
@@ -39,6 +41,9 @@ WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
 """Beginnings of the names of findings for which a cure can be sought."""
 
+LINKAGE: Final = "linkage"
+"""Name of the check of the linkage."""
+
 CONVEXITY: Final = "convexity"
 """Name of the finding for which a cure of a flat face can be sought."""
 
@@ -49,6 +54,30 @@ TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
 
 RETURN: Final = "return"
 """Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
+
+FINDINGS: Final = "findings."
+"""Prefix of the names under which ledgers record checks."""
+
+ByCheck = Mapping[str, tuple[Finding, ...]]
+"""Findings by the check that makes them."""
+
+
+class Checks(dict[str, tuple[Finding, ...]]):
+    """What checks find, by their names in the order of running; `ledger` records each."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        super().__init__()
+        self._ledger = ledger
+
+    def run(self, name: str, check: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
+        """The findings of `check`, kept by `name`."""
+        self[name] = self._ledger.run(f"{FINDINGS}{name}", lambda: tuple(check()))
+        return self[name]
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Of all checks."""
+        return tuple(chain.from_iterable(self.values()))
 
 
 @dataclass(frozen=True)
@@ -74,42 +103,56 @@ class Judgement(Pickled, Displayed):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     @lazy
-    def findings(self) -> Findings:
-        """All findings, good and bad, worst first.
+    def by_check(self) -> ByCheck:
+        """The findings of each check, good and bad.
 
         For a conjugate pair also those of the return disc, and of both together; without a
         follower those of the linkage and of the motion.
         """
-        found = (*self._of_main(), *self._of_pair(), *motion_findings(self.drive))
+        if self.cams:
+            found = disc_checks(self.cams[0], self.limits, self.ledger)
+            _of_yoke(self.cams[0], self.limits, found)
+        else:
+            found = Checks(self.ledger)
+            found.run(LINKAGE, lambda: linkage_findings(self.drive, self.limits))
+        if len(self.cams) > 1:
+            self._of_pair(found)
+        found.run("motion", lambda: motion_findings(self.drive))
+        return found
+
+    @lazy
+    def findings(self) -> Findings:
+        """All findings, worst first."""
+        found = chain.from_iterable(self.by_check.values())
         return Findings(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
 
-    def _of_main(self) -> tuple[Finding, ...]:
-        if not self.cams:
-            return linkage_findings(self.drive, self.limits)
-        main = self.cams[0]
-        return (*disc_findings(main, self.limits), *_of_yoke(main, self.limits))
-
-    def _of_pair(self) -> list[Finding]:
-        """What is found in the return disc and in both discs together; nothing if there is one."""
-        if len(self.cams) < 2:
-            return []
+    def _of_pair(self, found: Checks) -> None:
+        """What is found in the return disc and in both discs together."""
         from camgeo.check.form_closure import check_pair  # few cams are pairs
 
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
-        shared = linkage_findings(self.drive, self.limits)
-        found = [
-            replace(each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}")
-            for each in disc_findings(other, self.limits)
-            if each not in shared
-        ]
-        if forbidding(shared):
-            return found
-        curves = main.disc.pitch_curve, other.disc.pitch_curve
-        try:
-            return [*found, *check_pair(*curves, self.tolerance, self.limits.closing_error)]
-        except GeometryError:  # a cusp, which the findings of its disc report
-            return found
+        shared = found.get(LINKAGE, ())
+
+        def of_return() -> list[Finding]:
+            return [
+                replace(
+                    each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}"
+                )
+                for each in disc_findings(other, self.limits)
+                if each not in shared
+            ]
+
+        def of_both() -> Iterable[Finding]:
+            curves = main.disc.pitch_curve, other.disc.pitch_curve
+            try:
+                return check_pair(*curves, self.tolerance, self.limits.closing_error)
+            except GeometryError:  # a cusp, which the findings of its disc report
+                return ()
+
+        found.run(RETURN, of_return)
+        if not forbidding(shared):
+            found.run("pair", of_both)
 
     @property
     def has_outline(self) -> bool:
@@ -164,13 +207,23 @@ def motion_findings(drive: Drive) -> tuple[Finding, ...]:
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
     """What the checks find in the mechanism and the disc, without the motion."""
+    return disc_checks(cam, limits, cam.ledger).findings
+
+
+def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
+    """The findings of `disc_findings` by check; `ledger` records each."""
+    found = Checks(ledger)
     inside = cam.contact.runs_inside
-    found = [*check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance)]
-    of_linkage = linkage_findings(cam.drive, limits)
-    found += of_linkage
-    if forbidding(of_linkage):
-        return tuple(found)
-    return (*found, *OF_DISC[cam.follower.touching](cam, limits, found))
+    found.run(
+        "follower",
+        lambda: check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance),
+    )
+    if cam.drive.linkage is not None:
+        of_linkage = found.run(LINKAGE, lambda: linkage_findings(cam.drive, limits))
+        if forbidding(of_linkage):
+            return found
+    OF_DISC[cam.follower.touching](cam, limits, found)
+    return found
 
 
 def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
@@ -181,16 +234,17 @@ def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
     return check_linkage(motion, limit or default_linkage_transmission_angle(drive.speed))
 
 
-def _of_yoke(cam: Cam, limits: Limits) -> list[Finding]:
+def _of_yoke(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether both sides of a yoke touch throughout the turn; nothing without one."""
     if cam.breadth is None:
-        return []
+        return
     from camgeo.check.form_closure import check_breadth
 
-    return [check_breadth(cam.breadth, cam.yoke_breadth, limits.closing_error)]
+    breadth, given = cam.breadth, cam.yoke_breadth
+    found.run("yoke", lambda: [check_breadth(breadth, given, limits.closing_error)])
 
 
-def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
+def _of_face(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether there is a cam for a flat face, and how the face is used."""
     from camgeo.check.face import (  # few cams have a flat face
         check_convexity,
@@ -199,15 +253,19 @@ def _of_face(cam: Cam, limits: Limits, _: list[Finding]) -> list[Finding]:
     )
 
     curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
-    found = [*check_convexity(curve, severity)]
-    wrong = [finding for finding in found if finding.severity != "ok"]
+    bent = found.run("convexity", lambda: check_convexity(curve, severity))
+    wrong = [finding for finding in bent if finding.severity != "ok"]
+    left: tuple[Finding, ...] = ()
     if len(wrong) == 1 and is_undercut(wrong[0]):
-        found += _left_of_face(cam, severity)
-    if not forbidding(found):
-        found.append(check_transmission_angle(curve, transmission_angle_limit(cam, limits)))
-        found += check_face(curve, cam.disc.outline(Flank.INNER).path)
-        found += check_closure(curve)
-    return _naming_trim(found)
+        left = found.run("outline", lambda: _left_of_face(cam, severity))
+    if not forbidding((*bent, *left)):
+        found.run(
+            "transmission-angle",
+            lambda: [check_transmission_angle(curve, transmission_angle_limit(cam, limits))],
+        )
+        found.run("face", lambda: check_face(curve, cam.disc.outline(Flank.INNER).path))
+        found.run("closure", lambda: check_closure(curve))
+    _name_trim(found)
 
 
 def _left_of_face(cam: Cam, severity: Severity) -> list[Finding]:
@@ -228,48 +286,56 @@ def _of_undercut(limits: Limits) -> Severity:
     return "broken" if limits.undercut == "trim" else "no-disc"
 
 
-def _of_roller(cam: Cam, limits: Limits, before: list[Finding]) -> list[Finding]:
+def _of_roller(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether a roller can follow the curve, and what remains of the flanks in use."""
     disc = cam.disc
     curve = disc.pitch_curve
-    stands = check_standstill(curve)
-    if stands:
-        return [*stands]
+    if found.run("standstill", lambda: check_standstill(curve)):
+        return
     severity = _of_undercut(limits)
-    found = [check_transmission_angle(curve, transmission_angle_limit(cam, limits))]
-    mechanism = not any(finding.severity == "invalid" for finding in (*before, *found))
+    limit = transmission_angle_limit(cam, limits)
+    found.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
+    mechanism = not any(finding.severity == "invalid" for finding in found.findings)
     radius = cam.follower.roller_radius
     try:
         bends = disc.bends
     except GeometryError as error:
-        return [*found, Finding("curvature", "no-disc", error.message)]
+        reason = error.message
+        found.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
+        return
+
+    def of_flank(flank: WorkingCurve, name: str) -> Iterable[Finding]:
+        yield check_radius_ratio(flank, name, bends, limits.radius_ratio, radius)
+        yield from check_undercut(flank, name, bends, severity)
+
     for name, flank in disc.flanks:
-        found.append(check_radius_ratio(flank, name, bends, limits.radius_ratio, radius))
-        found += check_undercut(flank, name, bends, severity)
+        found.run(f"curvature-{name}", partial(of_flank, flank, name))
         if mechanism:
-            found += _of_outline(cam, name, flank, severity)
+            found.run(f"outline-{name}", partial(_of_outline, cam, name, flank, severity))
     if cam.clearance > 0.0:
         from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
 
-        found.append(check_side_clearance(curve, cam.clearance))
-    found += check_closure(curve, severity)
-    return _naming_trim(found) if mechanism and severity == "no-disc" else found
+        found.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
+    found.run("closure", lambda: check_closure(curve, severity))
+    if mechanism and severity == "no-disc":
+        _name_trim(found)
 
 
-def _naming_trim(found: list[Finding]) -> list[Finding]:
-    """`found`; if the disc is refused but could be trimmed, one of them names the key for that."""
-    refused = [finding.name for finding in found if finding.severity == "no-disc"]
+def _name_trim(found: Checks) -> None:
+    """If the disc is refused but could be trimmed, one of the findings names the key for that."""
+    refused = [finding.name for finding in found.findings if finding.severity == "no-disc"]
     if any(name.startswith(UNMENDED) for name in refused):
-        return found
+        return
     for named in ("lost-stroke-", "tangent-closure"):
         if any(name.startswith(named) for name in refused):
-            return [
-                replace(each, sentence=f"{each.sentence}; {TRIM}")
-                if each.name.startswith(named)
-                else each
-                for each in found
-            ]
-    return found
+            for part, own in found.items():
+                found[part] = tuple(
+                    replace(each, sentence=f"{each.sentence}; {TRIM}")
+                    if each.name.startswith(named)
+                    else each
+                    for each in own
+                )
+            return
 
 
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:

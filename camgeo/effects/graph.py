@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
+from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
 from camgeo.effects.premises import qualified, trimming
@@ -179,6 +180,10 @@ class Effects:
                 cam_range=error.cam_range,
             )
             return (*trimming(self.effect(name), self.subject), refusal)
+        return self.ledger.run(FINDINGS + node_name(name), lambda: self._qualified(name, result))
+
+    def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
+        """The findings of the result of `name`, after those that say what they do not hold for."""
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.answers.check import check
 from camgeo.answers.explain import GOALS, explain
 from camgeo.answers.render import text
 from camgeo.design import Design
@@ -15,6 +16,8 @@ from tests.answers.documents import FIXTURES, SCENES, document, explained
 
 SPRUNG = FIXTURES / "effects" / "press.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
+MILLED = FIXTURES / "scenes" / "ring.toml"
+REFUSED = sorted((FIXTURES / "refused").glob("*.toml"))
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
@@ -37,3 +40,28 @@ def test_text_and_document_are_of_one_result(goal: str, scene: Path) -> None:
     (line,) = [line for line in text(changed).splitlines() if "the-moon" in line]
     assert "has no answer" in line
     assert "the-moon" not in text(found)
+
+
+@pytest.mark.parametrize("scene", [SPRUNG, PAIR, MILLED, *REFUSED], ids=lambda path: path.stem)
+def test_each_finding_of_a_check_stands_at_what_made_it(scene: Path) -> None:
+    design = Design(load_scene(scene))
+    found = explain(design)
+    told = [each for own in found.findings.values() for each in own]
+    assert sorted(told, key=repr) == sorted(check(design).everything, key=repr)
+    runs = [each.name for each in found.computed if each.name in found.findings]
+    assert sorted(runs) == sorted(found.findings)
+
+
+def test_a_command_that_judges_nothing_has_no_findings() -> None:
+    found = explain(Design(load_scene(FIXTURES / "effects" / "lever.toml")), "table")
+    assert not found.findings
+    assert "findings" in found.left_alone
+
+
+def test_text_names_findings_with_severities_other_than_ok() -> None:
+    found = explain(Design(load_scene(SPRUNG)))
+    (name, own), *_ = ((name, own) for name, own in found.findings.items() if len(own) > 1)
+    changed = replace(own[0], name="the-moon", severity="broken")
+    words = text(replace(found, findings={**found.findings, name: (changed, changed, *own[2:])}))
+    (line,) = [line for line in words.splitlines() if f"  {name}: " in line]
+    assert "2 the-moon (broken)" in line

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from camgeo.answers.answer import Answer, exit_code
 from camgeo.check.finding import Finding, forbidding
-from camgeo.check.judge import RETURN
+from camgeo.check.judge import FINDINGS, RETURN
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import Joint, joints
 
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from camgeo.product.judged_part import PartFound
     from camgeo.product.machining import Machining
     from camgeo.scene.scene import Scene
+
+OF_PART: Final = f"{FINDINGS}part"
+OF_MILLING: Final = f"{FINDINGS}milling"
+"""Names under which a ledger records them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,13 +134,16 @@ def _parts(design: Design) -> dict[str, PartFound]:
     from camgeo.product.judged_part import part_of  # a motion alone has none
     from camgeo.product.product import with_pair
 
-    return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
+    def found() -> dict[str, PartFound]:
+        return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
+
+    return design.ledger.run(OF_PART, found)
 
 
 def _machining(design: Design) -> Machining:
     from camgeo.product.machining import machining_of  # few scenes are milled
 
-    return machining_of(design.discs)
+    return design.ledger.run(OF_MILLING, lambda: machining_of(design.discs))
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import ClassVar, Final
 
 from camgeo.answers.answer import Answer
-from camgeo.answers.check import check
+from camgeo.answers.check import OF_MILLING, OF_PART, Check, check
 from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Drive
-from camgeo.check.judge import Judgement
+from camgeo.check.finding import Finding
+from camgeo.check.judge import FINDINGS, Judgement
 from camgeo.design import Design
 from camgeo.lazy import Run, lazy_names
 from camgeo.product.drawn import DrawnDisc
@@ -19,6 +21,9 @@ from camgeo.scene.scene import Scene
 
 EFFECTS: Final = "effects."
 """Prefix of the names of quantities that are effects."""
+
+BY_CHECK: Final = "by_check"
+"""The quantity of `Judgement` that has the findings of its checks."""
 
 OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
 """Classes with quantities that are computed on demand, in the order of the stages."""
@@ -35,6 +40,7 @@ class Explanation(Answer):
     computed : quantities, in the order in which they were finished.
     reasons : why effects among them were computed, by the names of the quantities.
     left_alone : quantities and effects that were not computed.
+    findings : of the checks, effects and parts among them, by the names of the quantities.
     """
 
     command: ClassVar[str] = "explain"
@@ -44,16 +50,31 @@ class Explanation(Answer):
     computed: tuple[Run, ...]
     reasons: Mapping[str, str]
     left_alone: tuple[str, ...]
+    findings: Mapping[str, tuple[Finding, ...]]
 
 
 def explain(design: Design, goal: str = "check") -> Explanation:
     """Do what a command of `GOALS` does with a new design, and report what that took."""
-    GOALS[goal](design)
+    made = GOALS[goal](design)
     runs = tuple(design.ledger.runs)
     ran = {each.name for each in runs}
     reasons = {name: _reason(design, name) for name in sorted(ran) if name.startswith(EFFECTS)}
     alone = tuple(name for name in quantities() if name not in ran)
-    return Explanation(design.scene, goal, runs, reasons, alone)
+    found = _found(design, made) if BY_CHECK in ran else {}
+    return Explanation(design.scene, goal, runs, reasons, alone, found)
+
+
+def _found(design: Design, made: object) -> dict[str, tuple[Finding, ...]]:
+    """The findings of each check, effect and part, by the names of the quantities."""
+    found = {f"{FINDINGS}{name}": own for name, own in design.judgement.by_check.items()}
+    if isinstance(made, Check):
+        found |= {f"{FINDINGS}{EFFECTS}{name}": own for name, own in made.effects.items()}
+        if made.parts:
+            own = (each.findings for each in made.parts.values())
+            found[OF_PART] = tuple(chain.from_iterable(own))
+        if made.machining is not None:
+            found[OF_MILLING] = made.machining.findings
+    return found
 
 
 def _table(design: Design) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from typing import Final
 
 from camgeo.answers.explain import Explanation
+from camgeo.check.finding import Finding
 from camgeo.lazy import Run
 from camgeo.wording import counted
 
@@ -20,7 +23,8 @@ def text(answer: Explanation) -> str:
     return "\n".join(
         (
             f"What `{command}` computes for {answer.scene.name}, each quantity below the one",
-            "that first asked for it. Times in ms: with all that it asked for, and its own.",
+            "that first asked for it. Times in ms: with all that it asked for, and its own. Checks",
+            "name their findings.",
             "",
             f"{'all':>10}{'own':>10}",
             *tree_lines(answer),
@@ -44,10 +48,12 @@ def tree_lines(answer: Explanation) -> list[str]:
         for each in below.get(asker, []):
             notes = (answer.reasons.get(each.name, ""), "has no answer" if each.failed else "")
             note = "; ".join(filter(None, notes))
+            told = each.name in answer.findings
             name = INDENT * depth + each.name
             found.append(
                 f"{MILLI * each.seconds:10.3f}{MILLI * each.own_seconds:10.3f}  {name}"
                 + (f"  ({note})" if note else "")
+                + (f": {found_words(answer.findings[each.name])}" if told else "")
             )
             if each.name not in shown:
                 shown.add(each.name)
@@ -55,3 +61,13 @@ def tree_lines(answer: Explanation) -> list[str]:
         return found
 
     return lines("", 0)
+
+
+def found_words(findings: Iterable[Finding]) -> str:
+    """The names of findings, with the severities of those that are not "ok"."""
+    counts = Counter(
+        each.name if each.severity == "ok" else f"{each.name} ({each.severity})"
+        for each in findings
+    )
+    words = (name if count == 1 else f"{count} {name}" for name, count in counts.items())
+    return ", ".join(words) or "none"
