@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from camgeo.product.product import Product
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
+    from camgeo.state.written import Writing
     from camgeo.writing.write import Report
 
 
@@ -132,10 +133,24 @@ class Design(Pickled, Displayed):
         scene = self.scene
         model = model_of(scene.model, scene.limits)
         moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model)
+        if model == "written":
+            moved = replace(moved, writing=self.writing)
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
             subject = replace(moved, disc=each.drawn, returning=subject)
         return Effects(subject or moved, scene.effects, self.ledger)
+
+    @property
+    def writing(self) -> Writing:
+        """How the scene writes its contours: those of the drawing, in another form if [state] says
+        so.
+        """
+        from camgeo.formats.dxf import FORMAT, SINGLE
+        from camgeo.state.written import Writing
+
+        output = self.scene.output
+        entity = self.scene.contour or output.options[FORMAT].entity
+        return Writing("arcs" if entity == SINGLE else entity, output.tolerance, output.fit)
 
     def effect(self, name: str) -> Any:
         """The result of the effect `name`, see `camgeo.effects.effect.Result`.

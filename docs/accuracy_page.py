@@ -14,9 +14,9 @@ from typing import Final
 import camgeo
 from camgeo.accuracy.contours import contour_rows
 from camgeo.accuracy.knee import advice, drawing_knee
-from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Form
+from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
 from camgeo.accuracy.survey import Survey, survey
-from camgeo.contour.contour import Effort
+from camgeo.contour.contour import Effort, Form
 from camgeo.figure.accuracy import figure
 from camgeo_export.plots.render import render
 

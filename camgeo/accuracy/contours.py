@@ -8,16 +8,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, TypeVar
 
-from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost, Form
-from camgeo.contour.contour import Contour, Effort, Fit
+from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost
+from camgeo.contour.contour import Contour, Effort, Form
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
-from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
 from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.boundary import fitted
 from camgeo.product.product import Product
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import contour_time
@@ -84,12 +84,6 @@ def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
             fitted(flank, form, effort, tolerance)
         except (ToleranceError, GeometryError):  # which the row will state
             return
-
-
-def fitted(flank: CurveBoundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
-    """The contour of `flank` in one of the forms; raises as `camgeo.part.part.Boundary`."""
-    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(flank, form)  # a method for each form
-    return fit(tolerance, effort)
 
 
 def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:

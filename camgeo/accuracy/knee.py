@@ -31,7 +31,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from camgeo.accuracy.rows import FORMS, ContourRow, Form
+from camgeo.accuracy.rows import FORMS, ContourRow
+from camgeo.contour.contour import Form
 from camgeo.wording import counted
 
 SLACK: Final = 1.05

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final, Literal
+from typing import Final
 
-from camgeo.contour.contour import Effort
-
-Form = Literal["polyline", "arcs", "spline"]
+from camgeo.contour.contour import Effort, Form
 
 FORMS: Final[tuple[Form, ...]] = ("polyline", "arcs", "spline")
 """Forms of a contour, named by the entities of a drawing."""

@@ -188,6 +188,9 @@ class Contour:
 Effort = Literal["fast", "fewest"]
 """Effort of a fit: one pass, or the fewest pieces and then the least deviation."""
 
+Form = Literal["polyline", "arcs", "spline"]
+"""Form of a contour, named by the entities of a drawing."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:

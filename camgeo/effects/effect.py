@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
     from camgeo.state.state import Model, State
+    from camgeo.state.written import Writing
     from camgeo.units import LengthUnit, LiftUnit
 
 GROUP: Final = "camgeo.effects"
@@ -60,6 +61,7 @@ class Subject:
     model : whose motion the effects are computed for, where that can be told (`state`).
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, with the same motion; None without one.
+    writing : how the contour is written whose motion is meant by the model "written".
     """
 
     drive: Drive
@@ -69,10 +71,16 @@ class Subject:
     model: Model = "demanded"
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
+    writing: Writing | None = None
 
     @cached_property
     def state(self) -> State:
         """The motion that the effects are computed for."""
+        if self.writing is not None:
+            from camgeo.state.written import written  # only if it is asked for
+
+            held_back = self.returning is not None
+            return written(self.cam, self.made.part, self.writing, paired=held_back)
         from camgeo.state.choice import state_of
 
         cam = None if self.disc is None else self.disc.cam

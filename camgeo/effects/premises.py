@@ -4,8 +4,8 @@ Three things are checked for every effect, whatever it computes: that the follow
 (`camgeo.effects.touching.lost_contact`); that the disc makes the motion of the state, which a
 trimmed one does not if that is the demanded motion; and that no other effect of the scene has a
 better model (`Effect.refined_by`). Each that fails gives one finding. While one of the first two
-fails, no figure of the effect is "ok". Where the state is the motion of a trimmed disc, that is
-told too.
+fails, no figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of
+the contour as it is written, that is told too.
 """
 
 from __future__ import annotations
@@ -22,12 +22,20 @@ from camgeo.wording import listed
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
+    from camgeo.contour.contour import Form
     from camgeo.effects.effect import Effect, Subject
     from camgeo.effects.results import LostContact
     from camgeo.outline.replay_result import Replay
 
 Range = tuple[float, float]
 """Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
+
+WORDS: Final[dict[Form, str]] = {
+    "arcs": "lines and arcs",
+    "polyline": "straight pieces",
+    "spline": "cubic splines",
+}
+"""Forms of a contour, in words."""
 
 SLACK: Final = 1e-9
 """Cam angles [rad] this close are equal but for rounding."""
@@ -57,7 +65,8 @@ def qualified(
     trimmed = tuple(trimming(effect, subject))
     if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    return (*broken, *trimmed, *_simplified(effect, named), *findings)
+    told = _as_written(effect, subject)
+    return (*broken, *trimmed, *told, *_simplified(effect, named), *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
@@ -140,7 +149,25 @@ class _Trimmed:
 
 def _follows(effect: Effect, subject: Subject) -> bool:
     """Whether the figures of `effect` are for the motion that the trimmed disc makes."""
-    return subject.state.model == "outline" and not effect.of_plan
+    return subject.state.model != "demanded" and not effect.of_plan
+
+
+def _as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """That the figures are for the motion that the contour makes as it is written."""
+    writing = subject.writing
+    if writing is None or effect.premise == "disc" or effect.of_plan:
+        return
+    _, unit = STATED["mm"]
+    yield Finding(
+        name="written-motion",
+        severity="ok",
+        sentence=(
+            "these figures are for the motion that the written contour makes,"
+            f" {WORDS[writing.form]} within {writing.tolerance:g} {unit}"
+        ),
+        value=writing.tolerance,
+        unit=unit,
+    )
 
 
 def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:

@@ -65,6 +65,13 @@ def angles(places: Sequence[float]) -> str:
     return at_cam_angles(*places, form=".4f", most=MOST_LISTED)
 
 
+def by_place(places: Sequence[float]) -> list[Sequence[float]]:
+    """The `places` [rad] of one kind of finding: one finding each, or a single one for many."""
+    if len(places) > MOST_LISTED:
+        return [places]
+    return [[place] for place in places]
+
+
 def over(ranges: Sequence[tuple[float, float]]) -> str:
     """The ranges (from, to) [rad], one or more, in words."""
     if len(ranges) == 1:

@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow, Form
+from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow
 from camgeo.accuracy.survey import Survey
+from camgeo.contour.contour import Form
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
 from camgeo.numeric.checked import instance, one_of
 
 SINGLE: Final = "lines-and-arcs"
+
+Entity = Literal["arcs", "lines-and-arcs", "polyline", "spline"]
 
 ENTITIES: Final = ("arcs", SINGLE, "polyline", "spline")
 """The entities that curves are drawn as."""
@@ -27,7 +29,7 @@ class DxfSpec:
     auxiliary : whether pitch curve, base circle and centre mark are drawn too, on their own layers.
     """
 
-    entity: str = "arcs"
+    entity: Entity = "arcs"
     auxiliary: bool = True
 
     def __post_init__(self) -> None:

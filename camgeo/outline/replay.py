@@ -78,7 +78,7 @@ def replay_contour(
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
     borders, numbers = pressed(found, path, press, whole)
-    lift = ActualLift(path, pitch.motion, found, borders, numbers)
+    lift = ActualLift(path, pitch.motion, found, borders, numbers).without_corners(corner)
     return _replay(pitch, lift, press, step, corner)
 
 

@@ -13,7 +13,7 @@ the one at which the follower's path at phi meets the parallel.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -193,6 +193,14 @@ class ActualLift:
         at_start = np.zeros(1), np.full(1, self.path.start)
         along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
         return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
+
+    def without_corners(self, corner: float) -> ActualLift:
+        """The same lift where the roller does not turn about corners of up to `corner` [rad]: the
+        branch before one goes on, off by less than the square of the turn.
+        """
+        _, turns = self.held_by(self.numbers)
+        kept = turns > corner
+        return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the branch at `phi` (n,) [rad]."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
-from camgeo.contour.contour import Contour, Effort, Fit
+from camgeo.contour.contour import Contour, Effort, Fit, Form
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import shown
@@ -85,6 +86,14 @@ class Boundary(Protocol):
 
     def nearest(self) -> float:
         """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
+
+
+def fitted(boundary: Boundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
+    """The contour of `boundary` in one of the forms within `tolerance` [mm]; raises as `Boundary`
+    does.
+    """
+    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(boundary, form)  # a method for each
+    return fit(tolerance, effort)
 
 
 def require_boundary(value: Any) -> None:

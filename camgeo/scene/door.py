@@ -278,6 +278,7 @@ class Builder:
             "limits": self.kept("limits", Builder._limits),
             "part": self.kept("part", lambda own: own.part(effects)),
             "model": get("state", "motion"),
+            "contour": get("state", "contour"),
             "printing": self.kept("printing", Builder._printing),
             "drawing": self.kept("drawing", Builder._drawing),
         }

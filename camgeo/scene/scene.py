@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.cam.breadth import Yoke
     from camgeo.cam.contact import Contact
     from camgeo.check.limits import Limits
+    from camgeo.contour.contour import Form
     from camgeo.formats.drawing import DrawingSpec
     from camgeo.formats.format import OutputSpec
     from camgeo.mechanism.conjugate import Mount
@@ -64,6 +65,7 @@ class Scene:
     part : the disc as a body; None if the scene has no `[part]`.
     drawing : what the sheet states; the defaults if the scene has no `[drawing]`.
     model : whose motion the effects are computed for; None for the default of its `limits`.
+    contour : form of the contour that the model "written" is of; None for that of the drawing.
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
@@ -96,6 +98,7 @@ class Scene:
     milling: MillingSpec | None
     printing: PrintSpec | None
     model: Model | None
+    contour: Form | None
 
     def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
         """A scene from its tables, nested as in TOML; a float is the number that Python prints.

@@ -9,9 +9,9 @@ from camgeo.motion.motion import Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 
-Model = Literal["demanded", "outline"]
-"""Whose motion it is: the one that the scene demands, or the one that the real outline of the disc
-makes.
+Model = Literal["demanded", "outline", "written"]
+"""Whose motion it is: the one that the scene demands, the one that the real outline of the disc
+makes, or the one that its contour makes as it is written.
 """
 
 

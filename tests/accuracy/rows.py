@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from camgeo.accuracy.rows import ContourRow, Count, FileCost, Form
-from camgeo.contour.contour import Effort
+from camgeo.accuracy.rows import ContourRow, Count, FileCost
+from camgeo.contour.contour import Effort, Form
 
 DECIMALS = 4
 

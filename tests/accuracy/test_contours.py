@@ -20,6 +20,7 @@ from camgeo.design import Design
 from camgeo.errors import ToleranceError
 from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
+from camgeo.part.boundary import fitted
 from camgeo.writing.writer import find_writer
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -115,12 +116,10 @@ def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = measuring.fitted
-
     def some(flank: Any, form: Any, effort: Any, tolerance: float) -> Any:
         if tolerance < 1e-2:
             raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
-        return original(flank, form, effort, tolerance)
+        return fitted(flank, form, effort, tolerance)
 
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))

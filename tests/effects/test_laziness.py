@@ -215,6 +215,7 @@ def test_flights_wires_and_trimmed_flanks_are_imported_where_there_are_some() ->
     assert {"camgeo.effects.lift_off.force_closed", "camgeo.effects.spring.result"} <= loaded
     assert not loaded & {
         "camgeo.effects.lift_off.flight", "camgeo.effects.spring.coils", "camgeo.state.outline",
+        "camgeo.state.written",
     }  # fmt: skip
 
 

@@ -17,7 +17,8 @@ import pytest
 
 import camgeo
 from camgeo.accuracy.contours import drawn_as
-from camgeo.accuracy.rows import FORMS, Form
+from camgeo.accuracy.rows import FORMS
+from camgeo.contour.contour import Form
 from camgeo.design import Design
 from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
 from camgeo.writing.write import Report

@@ -9,7 +9,7 @@ import trimesh
 from ezdxf.filemanagement import read
 
 from camgeo.cam.contact import Contact
-from camgeo.formats.dxf import ENTITIES, DxfSpec
+from camgeo.formats.dxf import ENTITIES, DxfSpec, Entity
 from camgeo.formats.step import StepSpec
 from camgeo.part.engraving import Engraving, text_of
 from camgeo.part.mass import solid
@@ -71,7 +71,7 @@ def test_a_solid_is_closed_and_lacks_the_letters(part: Part) -> None:
 
 
 @pytest.mark.parametrize("entity", ENTITIES)
-def test_letters_are_on_layers_of_their_depth(part: Part, entity: str) -> None:
+def test_letters_are_on_layers_of_their_depth(part: Part, entity: Entity) -> None:
     """A laser would cut through what is on layer CUT."""
     product = PartProduct(given=part, dxf=DxfSpec(entity))
     data = DXF.write(product, TOLERANCE).data

@@ -19,7 +19,7 @@ from camgeo.effects.touching import (
     require_convex,
     sides_of,
 )
-from camgeo.effects.wording import at, placed
+from camgeo.effects.wording import angles, at, by_place, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 
@@ -135,10 +135,10 @@ def shock_findings(request: Request[ForceLimit]) -> list[Finding]:
             name="shock",
             severity="broken",
             sentence=(
-                f"the velocity jumps {at(angle)}: the inertia force at the contact is infinite for"
-                " an instant, and not included in any value"
+                f"the velocity jumps {angles(places)}: the inertia force at the contact is infinite"
+                " for an instant, and not included in any value"
             ),
-            cam_angle=angle,
+            cam_angle=places[0],
         )
-        for angle in shocks(request.subject, inertia)
+        for places in by_place(shocks(request.subject, inertia))
     ]

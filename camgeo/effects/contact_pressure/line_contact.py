@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_lowest
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.state.state import Model
 
 CUSP: Final = 1e-12
 """Values of 1 + d kappa up to here are a rounded 0, a cusp."""
@@ -130,8 +133,7 @@ class LineContact:
     def _refuse(self, angle: float, radius: float) -> NoReturn:
         value = radius / self.scale
         what = "a cusp of the flank" if value >= -CUSP else "an undercut flank"
-        if self.subject.state.model == "outline":
-            what = "a sharp corner of the trimmed flank"
+        what = CORNERS.get(self.subject.state.model, what)
         raise EffectError(
             f"the pressure is infinite {at(angle)}: {what} carries the roller there; 1 + d kappa is"
             f" {value:.6g} and must be above 0",
@@ -141,6 +143,12 @@ class LineContact:
             cam_angle=angle % TURN,
         )
 
+
+CORNERS: Final[dict[Model, str]] = {
+    "outline": "a sharp corner of the trimmed flank",
+    "written": "a vertex of the written contour",
+}
+"""What holds the roller where the pressure is infinite, by the motion of the state."""
 
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
 from camgeo.effects.results import Inertia, Leaving, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
-from camgeo.effects.wording import N_M, at, degrees, placed
+from camgeo.effects.wording import N_M, angles, at, by_place, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -52,7 +53,7 @@ def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> Fo
         flank.subject, contact.normal, contact.extremes, edges, inertia, flank.margin
     )
     lost, leaps = off.ranges, off.leaps
-    found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in leaps]
+    found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in by_place(leaps)]
     if not found:
         found.append(_kept(flank, lowest))
     if not lost and flank.margin == 0.0 and lowest.value <= least:
@@ -112,17 +113,17 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
     )
 
 
-def _leap(flank: Flank, angle: float) -> Finding:
+def _leap(flank: Flank, places: Sequence[float]) -> Finding:
     return Finding(
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the {flank.toucher} {_leaves(flank)} {at(angle)}: the velocity jumps away from it,"
-            " and no force can hold it at that instant"
+            f"the {flank.toucher} {_leaves(flank)} {angles(places)}: the velocity jumps away from"
+            " it, and no force can hold it at that instant"
         ),
         limit=flank.margin,
         unit="N",
-        cam_angle=angle,
+        cam_angle=places[0],
     )
 
 

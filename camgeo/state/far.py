@@ -1,0 +1,98 @@
+"""The motion of the far end of a linkage that the follower drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.mechanism.linkage_protocol import Linkage
+from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.numeric.arrays import FloatArray, Side
+
+STEPS = 12
+"""Most Newton steps; from a demanded position that is off by a tolerance a few are enough."""
+
+SETTLED = 2.0**-50
+"""After a step below this share of the largest position no other one is needed."""
+
+MISSED = 1e-9
+"""A last step above this share of the largest position shows that there is no such place."""
+
+
+@dataclass(frozen=True)
+class FarMotion:
+    """The motion of the far end for a motion of the follower near the demanded one; see `Motion`.
+
+    With q = T(x) from the far end's position x to the follower's coordinate q, the chain rule gives
+    q' = T_1 x', q'' = T_1 x'' + T_2 x'^2 and q''' = T_1 x''' + 3 T_2 x' x'' + T_3 x'^3.
+
+    Attributes
+    ----------
+    follower : the motion of the follower.
+    linkage : between both.
+    demanded : of the far end, near which its positions are sought.
+    """
+
+    follower: Motion
+    linkage: Linkage
+    demanded: Motion
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self.follower.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.follower.borders
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """See `Motion`: it rests with the follower."""
+        return self.follower.dwells
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`.
+
+        Raises
+        ------
+        GeometryError
+            If the follower goes beyond a dead centre of the linkage, or rests there.
+        """
+        own = self.follower.jet(phi, side, FULL_ORDER)
+        x = self.demanded.jet(phi, side, 1)[0].copy()
+        scale, last = max(1.0, float(np.max(np.abs(x), initial=0.0))), 0.0
+        for _ in range(STEPS):
+            away = own[0] - self._along(x)[0]
+            step = away * self.linkage.per_follower(x)
+            x = x + step
+            last = float(np.max(np.abs(step), initial=0.0))
+            if last <= SETTLED * scale:
+                break
+        if not last <= MISSED * scale:
+            raise GeometryError(
+                "the far end does not follow the motion on the written contour: the linkage is at"
+                " a dead centre",
+                key="linkage",
+            )
+        _, first, second, third = self._along(x)
+        out = np.empty_like(own)
+        out[0] = x
+        out[1] = own[1] / first
+        out[2] = (own[2] - second * out[1] ** 2) / first
+        out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
+        return out[: order + 1]
+
+    def _along(self, x: FloatArray) -> Jet:
+        """(4, n) the follower's coordinate and its derivatives by the far end's position."""
+        way = np.zeros((4, len(x)))
+        way[0], way[1] = x, 1.0
+        return self.linkage.transform(way)
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`: without any bound."""
+        jet = self.jet(0.5 * (low + high))
+        return jet, np.full_like(jet, np.inf)

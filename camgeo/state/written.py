@@ -1,0 +1,240 @@
+"""The motion that the contour makes as it is written into a file: its lines, arcs or cubics.
+
+A written contour keeps to the exact curve within a tolerance, and its tangents and curvatures less
+and less closely: the lift is off by the tolerance over the sine of the transmission angle, the
+acceleration by the error of the curvature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.cam.cam import Cam
+from camgeo.cam.drive import smooth_angles
+from camgeo.contour.contour import Effort, Form
+from camgeo.contour.spline import SplineContour
+from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.errors import GeometryError
+from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.motion.time_course import TimeCourse, TimeExtremes, time_extremes
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side
+from camgeo.outline.path import Flank
+from camgeo.outline.replay import replay_contour
+from camgeo.outline.replay_result import DiscLift, Replay
+from camgeo.part.boundary import fitted
+from camgeo.state.far import FarMotion
+from camgeo.state.state import Model
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.part.part import Part
+
+KEY: Final = "state.motion"
+MODEL: Final = "written"
+
+RESTING = 1e-10
+"""A piece over which the derivatives of the lift are below this share of the largest of the turn is
+an arc about the cam axis: the follower rests."""
+
+
+@dataclass(frozen=True, slots=True)
+class Writing:
+    """How a contour is written.
+
+    Attributes
+    ----------
+    form : of its pieces.
+    tolerance : within which it keeps to the exact curve [mm].
+    effort : of the fit.
+    """
+
+    form: Form
+    tolerance: float
+    effort: Effort = "fewest"
+
+
+@dataclass(frozen=True)
+class WrittenMotion:
+    """The motion of a follower on a contour of pieces, without linkage; see `Motion`.
+
+    Attributes
+    ----------
+    lift : on the contour, with all its pieces.
+    """
+
+    lift: DiscLift
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`: where the roller passes from piece to piece."""
+        return self.lift.borders
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.lift.borders
+
+    @cached_property
+    def _rests(self) -> BoolArray:
+        """(k,) whether the follower rests from each of the borders to the next."""
+        starts = self.lift.borders
+        middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
+        rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
+        most = np.max(rates, axis=1, keepdims=True)
+        found: BoolArray = np.all(rates <= RESTING * most, axis=0)
+        return found
+
+    @cached_property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """See `Motion`."""
+        starts, rests = self.lift.borders, self._rests
+        if np.all(rests):
+            return (Dwell(0.0, TURN),)
+        firsts = np.flatnonzero(rests & ~np.roll(rests, 1))
+        ends = np.flatnonzero(~rests & np.roll(rests, 1))
+        found = []
+        for first in firsts.tolist():
+            end = ends[np.argmin(np.remainder(ends - first, len(starts)))]
+            span = float(starts[end] - starts[first]) % TURN
+            found.append(Dwell(float(starts[first]), span))
+        return tuple(found)
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`; the derivatives of a rest are 0, without rounding."""
+        jet = self.lift.jet(phi, side, 3)[: order + 1]
+        resting = self._rests[self.piece(phi, side)]
+        jet[1:, resting] = 0.0
+        return jet
+
+    def piece(self, phi: FloatArray, side: Side) -> IntArray:
+        """(n,) number of the range between borders at `phi` (n,) [rad], from 0."""
+        found = np.searchsorted(self.lift.borders, np.remainder(phi, TURN), side) - 1
+        return np.asarray(found, dtype=np.intp)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) whether a vertex of the contour holds the roller at `phi` (n,) [rad]."""
+        elements, _ = self.lift.held_by(self.lift.number(phi, side))
+        return np.asarray(elements < 0)
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`: without any bound."""
+        jet = self.jet(0.5 * (low + high))
+        return jet, np.full_like(jet, np.inf)
+
+
+@dataclass(frozen=True)
+class Written:
+    """The motion on the written contour of the only flank; see `camgeo.state.state.State`.
+
+    The roller touches a vertex of the contour as it does a piece, along the normal of the path of
+    its centre.
+
+    Attributes
+    ----------
+    cam : whose flank it is.
+    replay : of the contour; the lift does not jump.
+    deviation : proved, of the contour from the exact curve [mm].
+    pieces : of the contour.
+    """
+
+    cam: Cam
+    replay: Replay
+    deviation: float
+    pieces: int
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return MODEL
+
+    @cached_property
+    def motion(self) -> WrittenMotion:
+        """See `State`."""
+        return WrittenMotion(self.replay.lift)
+
+    @cached_property
+    def output(self) -> Motion:
+        """See `State`."""
+        drive = self.cam.drive
+        if drive.linkage is None:
+            return self.motion
+        return FarMotion(self.motion, drive.linkage, drive.plan)
+
+    @property
+    def course(self) -> TimeCourse | None:
+        """See `State`."""
+        return self.cam.drive.time_course
+
+    @cached_property
+    def smooth_angles(self) -> FloatArray:
+        """See `State`."""
+        return smooth_angles(self.motion, self.course)
+
+    @property
+    def order(self) -> int:
+        """See `State`: from piece to piece the acceleration jumps; cubics of one spline alone pass
+        it on.
+        """
+        return 0 if self.shocks else 1
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """See `State`: where the roller touches two pieces in a corner that turns in."""
+        return tuple(self.replay.shocks.phi.tolist())
+
+    @cached_property
+    def curve(self) -> PitchCurve:
+        """See `State`."""
+        return PitchCurve(self.motion, self.cam.follower, self.cam.rotation)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """See `State`."""
+        return self.motion.on_corner(phi, side)
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return time_extremes(self.output, course, self.cam.drive.unit)
+
+
+def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> Written:
+    """The motion of the follower of `cam` on the flank of `part`, written as `writing` says.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if the follower does not run on a single flank by a roller, or drops off an
+        edge of the contour; from the replay, if it cannot be followed.
+    ToleranceError
+        If the tolerance cannot be reached.
+    UndercutError
+        If there is no disc.
+    """
+    _require_single_flank(cam, paired=paired)
+    side = Flank(cam.contact.main)
+    (boundary,) = (each for each in part.boundaries if each.name == "outline")
+    fit = fitted(boundary, writing.form, writing.effort, writing.tolerance)
+    contour = fit.contour
+    if isinstance(contour, SplineContour):
+        raise GeometryError("the motion on a spline is not known", key=KEY, value=MODEL)
+    replay = replay_contour(cam.disc.pitch_curve, contour, side)
+    if len(replay.drops):
+        raise GeometryError(
+            "the follower drops off an edge of the contour: its velocity is unbounded there",
+            key=KEY,
+            value=MODEL,
+        )
+    return Written(cam, replay, fit.deviation, len(contour))
+
+
+def _require_single_flank(cam: Cam, *, paired: bool) -> None:
+    if not cam.follower.has_pitch_curve:
+        why = "a flat face rests on the vertices of a contour, where its contact stands still"
+    elif cam.contact.closed_by_form or cam.yoke is not None or paired:
+        why = "the follower is held both ways, and which contour moves it depends on the forces"
+    else:
+        return
+    raise GeometryError(f"{why}: its motion is not computed", key=KEY, value=MODEL)

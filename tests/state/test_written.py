@@ -1,0 +1,253 @@
+"""The motion of the written contour, against one that knows nothing but the piece that is touched.
+
+The oracle solves in mpmath for the lift at which the roller touches a line, an arc or a vertex, and
+differentiates it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgeo.contour.contour import Contour, Form
+from camgeo.design import Design
+from camgeo.effects.results import CONTACT_FORCE
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import SIDES
+from camgeo.part.boundary import fitted
+from camgeo.scene.load import load_scene
+from camgeo.state.written import Writing, Written
+from tests.effects.scenes import design
+from tests.effects.test_trimmed_cams import on_guide, on_rocker
+
+EFFECTS: Final = "[effects.inertia]\nmass = 2\n[effects.spring]\nstiffness = 9\npreload = 400\n"
+GUIDED: Final = f"{EFFECTS}[effects.contact-force]\n"
+PRESS: Final = Path(__file__).resolve().parents[2] / "fixtures" / "effects" / "linked_press.toml"
+
+Place = Callable[[Any], Any]
+
+
+@cache
+def asked(scene: str, form: Form, tolerance: float, effects: str = "") -> Design:
+    """The fixture scene with the motion of its written contour."""
+    edits = {"state.motion": "written", "state.contour": form, "output.tolerance": tolerance}
+    made = design(scene, effects)
+    return Design(made.scene.with_values(edits))
+
+
+def state_of(made: Design) -> Written:
+    state = made.effects.subject.state
+    assert isinstance(state, Written)
+    return state
+
+
+def contour_of(made: Design) -> Contour:
+    writing = made.effects.subject.writing
+    assert isinstance(writing, Writing)
+    (outline,) = (each for each in made.disc.drawn.part.boundaries if each.name == "outline")
+    found = fitted(outline, writing.form, writing.effort, writing.tolerance).contour
+    assert isinstance(found, Contour)
+    return found
+
+
+def gap_on(contour: Contour, element: int, place: Place, cam: Any) -> Callable[[Any, Any], Any]:
+    """Of lift and cam angle: 0 where the roller touches that element, numbered as in `Replay`."""
+    radius, number = (
+        mpmath.mpf(cam.follower.roller_radius),
+        element if element >= 0 else -1 - element,
+    )
+    start, end = (
+        mpmath.mpmathify(complex(each[number])) for each in (contour.vertices, contour.ends)
+    )
+    sweep = float(contour.sweeps[number]) if element >= 0 else 0.0
+    centre = mpmath.mpmathify(complex(contour.centres[number])) if sweep else start
+
+    def gap(lift: Any, phi: Any) -> Any:
+        point = place(lift) * mpmath.expj(-cam.rotation * phi)
+        if element >= 0 and not sweep:
+            return mpmath.im(mpmath.conj(end - start) * (start - point)) / abs(end - start) - radius
+        reach = radius + (mpmath.sign(sweep) * abs(start - centre) if sweep else 0)
+        return abs(point - centre) - abs(reach)
+
+    return gap
+
+
+CASES: Final[list[tuple[str, Callable[[Any], Place]]]] = [
+    ("plate_translating", on_guide),
+    ("swallow_tail", on_guide),
+    ("querhub", on_rocker),
+]
+
+
+@pytest.mark.parametrize("form", ["arcs", "polyline"])
+@pytest.mark.parametrize(("scene", "path"), CASES)
+def test_the_lift_is_that_of_a_roller_that_touches_its_piece(
+    scene: str, path: Callable[[Any], Place], form: Form
+) -> None:
+    made = asked(scene, form, 1e-3)
+    state, contour, cam = state_of(made), contour_of(made), made.cam
+    place = path(cam.follower)
+    lift = state.motion.lift
+    middles = 0.5 * (lift.borders + np.append(lift.borders[1:], lift.borders[0] + 2.0 * math.pi))
+    places = middles[np.linspace(0, len(middles) - 1, 12).astype(int)]
+    elements, _ = lift.held_by(lift.number(places))
+    for phi, element, jet in zip(
+        places, elements.tolist(), state.motion.jet(places).T, strict=True
+    ):
+        gap = gap_on(contour, element, place, cam)
+        with mpmath.workdps(30):
+
+            def moved(angle: Any, gap: Any = gap, guess: float = float(jet[0])) -> Any:
+                return mpmath.findroot(lambda q: gap(q, angle), guess)
+
+            wanted = [float(mpmath.diff(moved, mpmath.mpf(float(phi)), k)) for k in range(4)]
+        scale = max(map(abs, wanted)) + 1.0
+        assert jet == pytest.approx(wanted, abs=1e-8 * scale)
+
+
+def test_the_force_is_that_of_the_written_motion() -> None:
+    """m q'' and the spring, over the lever of the normal of the touched piece."""
+    made = asked("plate_translating", "polyline", 1e-2, GUIDED)
+    state, cam, course = state_of(made), made.cam, made.drive.time_course
+    force = made.effect(CONTACT_FORCE)
+    phi = np.linspace(0.01, 6.27, 400)
+    jet = state.motion.jet(phi)
+    assert course is not None
+    omega = course.rates(phi)[0]
+    assert np.all(course.rates(phi)[1] == 0.0)
+    # dn/dq = 1 / sqrt(1 + (Z'/dq direction)^2): by the velocity of the centre in the cam.
+    point, step = state.curve.point, 1e-6
+    along = (point(phi + step) - point(phi - step)) / (2.0 * step)
+    inner = np.abs(phi[:, None] - state.motion.borders[None, :]).min(axis=1) > 2.0 * step
+    guide = np.exp(1j * (np.angle(complex(cam.follower.way)) - cam.rotation * phi))
+    lever = np.abs((np.conj(1j * along / np.abs(along)) * guide).real)
+    wanted = (2e-3 * jet[2] * omega**2 + 400.0 + 9.0 * jet[0]) / lever
+    assert force.normal(phi, "right")[inner] == pytest.approx(wanted[inner], rel=1e-6)
+
+
+@given(
+    st.sampled_from(["arcs", "polyline"]),
+    st.sampled_from(["plate_translating", "swallow_tail", "querhub"]),
+    st.sampled_from([1e-1, 1e-2, 1e-3, 1e-4]),
+)
+@settings(max_examples=12, deadline=None)
+def test_the_lift_is_off_by_what_the_tolerance_allows(
+    form: Form, scene: str, tolerance: float
+) -> None:
+    """A contour within eps of the exact one holds the centre within eps of the pitch curve, which
+    is reached along the path of the follower within eps over the sine of its angle with the normal.
+    """
+    made = asked(scene, form, tolerance)
+    state, own = state_of(made), Design(load_scene_of(scene)).effects.subject.state
+    phi = np.linspace(0.0, 2.0 * math.pi, 2000)
+    off = np.abs(state.motion.jet(phi)[0] - own.motion.jet(phi)[0])
+    lever = np.abs(own.curve.leverage(phi))
+    # To the second order in eps: a tenth more covers the change of the lever over that way.
+    assert np.all(off * lever <= 1.1 * state.deviation)
+    assert state.deviation <= tolerance
+
+
+@cache
+def load_scene_of(scene: str) -> Any:
+    return design(scene, "").scene
+
+
+def test_the_velocity_jumps_where_the_roller_touches_two_chords() -> None:
+    """At a corner that turns in: each chord alone gives q' = -n . dZ/dphi / n . dZ/dq."""
+    made = asked("setzhub", "polyline", 1e-2)
+    state, contour, cam = state_of(made), contour_of(made), made.cam
+    assert state.shocks
+    place = on_rocker(cam.follower)
+    ways = contour.ends - contour.vertices
+    lift = state.motion.lift
+    for shock in state.shocks:
+        sides = []
+        for side in SIDES:
+            at = np.array([shock])
+            element = int(lift.held_by(lift.number(at, side))[0][0])
+            jet = state.motion.jet(at, side)[:, 0]
+            centre = complex(place(float(jet[0]))) * np.exp(-1j * cam.rotation * shock)
+            normal = -1j * ways[element] / abs(ways[element])
+            foot = centre - cam.follower.roller_radius * normal
+            share = ((foot - contour.vertices[element]) * np.conj(ways[element])).real
+            assert 0.0 <= share <= abs(ways[element]) ** 2  # it touches the chord, not its line
+            assert cam.follower.pivot is not None
+            arm = centre - complex(cam.follower.pivot) * np.exp(-1j * cam.rotation * shock)
+            along = 1j * cam.follower.swing_sense * arm
+            turn = -1j * cam.rotation * centre
+            velocity = -(np.conj(normal) * turn).real / (np.conj(normal) * along).real
+            assert jet[1] == pytest.approx(velocity, abs=1e-9)
+            sides.append((velocity, element))
+        (before, one), (after, other) = sides
+        assert one != other
+        assert abs(after - before) > 1e-6
+
+
+def test_dwells_stay_dwells_in_arcs_and_none_is_left_in_chords() -> None:
+    for form, count in (("arcs", 2), ("polyline", 0)):
+        state = state_of(asked("setzhub", form, 1e-3))
+        rests = state.motion.dwells
+        assert len(rests) == count
+        for rest in rests:
+            inside = np.linspace(rest.start + 1e-9, rest.start + rest.span - 1e-9, 7)
+            assert not np.any(state.motion.jet(inside)[1:])
+        spans = [math.degrees(rest.span) for rest in rests]
+        assert spans == pytest.approx([20.0, 170.0][:count], abs=1e-6)
+
+
+def test_behind_a_linkage_the_far_end_moves_with_the_follower() -> None:
+    """Its own motion, put through the linkage, is that of the follower on the contour."""
+    scene = load_scene(PRESS).with_values({"state.motion": "written", "output.tolerance": 1e-2})
+    made = Design(scene)
+    state, linkage = made.effects.subject.state, made.drive.linkage
+    assert linkage is not None
+    phi = np.linspace(0.0, 2.0 * math.pi, 999)
+    own, far = state.motion.jet(phi), state.output.jet(phi)
+    back = linkage.transform(far)
+    for mine, his in zip(own, back, strict=True):
+        assert mine == pytest.approx(his, abs=1e-11 * (1.0 + float(np.max(np.abs(own[3])))))
+    demanded = made.drive.plan.jet(phi)
+    assert 1e-4 < np.max(np.abs(far[0] - demanded[0])) < 0.1
+    assert np.array_equal(far[1:, 0], np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [("tappet", "flat face"), ("groove", "held both ways"), ("conjugate_lever", "held both ways")],
+)
+def test_what_is_not_computed_is_refused_with_the_key(scene: str, words: str) -> None:
+    made = Design(
+        design(scene, "[effects.kinematics]").scene.with_values({"state.motion": "written"})
+    )
+    with pytest.raises(GeometryError, match=words) as caught:
+        made.effect("kinematics")
+    assert caught.value.key == "state.motion"
+
+
+def test_figures_say_that_they_are_of_the_written_contour() -> None:
+    made = asked("plate_translating", "arcs", 1e-3, GUIDED)
+    for name in ("inertia", "spring", "contact-force"):
+        (told,) = (each for each in made.effects.findings(name) if each.name == "written-motion")
+        assert told.severity == "ok"
+        assert "lines and arcs within 0.001 mm" in told.sentence
+
+
+def test_many_shocks_are_one_finding() -> None:
+    made = asked(
+        "setzhub",
+        "polyline",
+        1e-3,
+        "[effects.inertia]\nmoment_of_inertia = 0.01\n[effects.contact-force]",
+    )
+    assert len(state_of(made).shocks) > 8
+    (told,) = (each for each in made.effects.findings("contact-force") if each.name == "shock")
+    assert "more" in told.sentence or "others" in told.sentence
