@@ -14,11 +14,9 @@ from camgeo.numeric.arrays import FloatArray, Side
 STEPS = 12
 """Most Newton steps; from a demanded position that is off by a tolerance a few are enough."""
 
-SETTLED = 2.0**-50
-"""After a step below this share of the largest position no other one is needed."""
-
-MISSED = 1e-9
-"""A last step above this share of the largest position shows that there is no such place."""
+SETTLED = 1e-9
+"""After a step below this share of the largest position no other one is needed: the next would be
+of the order of its square."""
 
 
 @dataclass(frozen=True)
@@ -64,21 +62,20 @@ class FarMotion:
         """
         own = self.follower.jet(phi, side, FULL_ORDER)
         x = self.demanded.jet(phi, side, 1)[0].copy()
-        scale, last = max(1.0, float(np.max(np.abs(x), initial=0.0))), 0.0
+        scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
         for _ in range(STEPS):
-            away = own[0] - self._along(x)[0]
-            step = away * self.linkage.per_follower(x)
+            here, slope = self._along(x, 1)
+            step = (own[0] - here) / slope
             x = x + step
-            last = float(np.max(np.abs(step), initial=0.0))
-            if last <= SETTLED * scale:
+            if np.max(np.abs(step), initial=0.0) <= SETTLED * scale:
                 break
-        if not last <= MISSED * scale:
+        else:
             raise GeometryError(
                 "the far end does not follow the motion on the written contour: the linkage is at"
                 " a dead centre",
                 key="linkage",
             )
-        _, first, second, third = self._along(x)
+        _, first, second, third = self._along(x, FULL_ORDER)
         out = np.empty_like(own)
         out[0] = x
         out[1] = own[1] / first
@@ -86,11 +83,11 @@ class FarMotion:
         out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
         return out[: order + 1]
 
-    def _along(self, x: FloatArray) -> Jet:
-        """(4, n) the follower's coordinate and its derivatives by the far end's position."""
+    def _along(self, x: FloatArray, order: int) -> Jet:
+        """(order + 1, n) the follower's coordinate and its derivatives by the position `x` (n,)."""
         way = np.zeros((4, len(x)))
         way[0], way[1] = x, 1.0
-        return self.linkage.transform(way)
+        return self.linkage.transform(way, order)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """See `Motion`: without any bound."""

@@ -1,0 +1,123 @@
+"""What accuracy buys, against bare sampling of both motions and against the theory of its orders."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Final
+
+import numpy as np
+import pytest
+
+from camgeo.accuracy.benefit import BenefitRow, benefit_rows
+from camgeo.contour.contour import Form
+from camgeo.design import Design
+from camgeo.numeric.arrays import SIDES
+from tests.effects.scenes import design
+
+LOADED: Final = (
+    "[effects.inertia]\nmoment_of_inertia = 0.02\n[effects.spring]\nstiffness = 3\npreload = 480\n"
+)
+SPEEDS: Final = (10.0, 30.0)
+
+
+@cache
+def setzhub() -> Design:
+    return design("setzhub", LOADED)
+
+
+@cache
+def rows(form: Form) -> tuple[BenefitRow, ...]:
+    return benefit_rows(setzhub(), (1e-1, 1e-3), SPEEDS, forms=(form,))
+
+
+def written(form: Form, tolerance: float) -> Design:
+    edits = {"state.motion": "written", "state.contour": form, "output.tolerance": tolerance}
+    return Design(setzhub().scene.with_values(edits))
+
+
+@pytest.mark.parametrize("form", ["arcs", "polyline"])
+def test_the_deviation_is_that_of_dense_samples(form: Form) -> None:
+    (row, _, _, _) = rows(form)
+    state, demanded = written(form, 1e-1).effects.subject.state, setzhub().drive.plan
+    phi = np.linspace(0.0, 2.0 * math.pi, 40001)
+    off = SPEEDS[0] ** 2 * np.abs(state.output.jet(phi)[2] - demanded.jet(phi)[2])
+    assert row.acceleration is not None
+    assert np.max(off) <= row.acceleration * (1.0 + 1e-12)
+    assert np.max(off) == pytest.approx(row.acceleration, rel=1e-2)
+    jumps = []
+    for shock in state.shocks:
+        before, after = (state.output.jet(np.array([shock]), side)[1, 0] for side in SIDES)
+        jumps.append(float(after - before))
+    assert row.jump == pytest.approx(SPEEDS[0] * max(map(abs, jumps), default=0.0))
+    assert bool(jumps) == (form == "polyline")
+
+
+def test_acceleration_goes_with_the_square_of_the_speed_and_lift_off_does_not() -> None:
+    for form in ("arcs", "polyline"):
+        slow, fast, *_ = rows(form)
+        assert slow.acceleration is not None
+        assert fast.acceleration == pytest.approx(9.0 * slow.acceleration, rel=1e-12)
+        assert fast.jump == pytest.approx(3.0 * slow.jump, rel=1e-12) if slow.jump else True
+        assert fast.lift_off == slow.lift_off
+        assert fast.ripple == pytest.approx(slow.ripple)
+
+
+def test_at_the_speed_of_lift_off_the_lowest_force_is_none() -> None:
+    (first, *_) = benefit_rows(setzhub(), (1e-2,), (10.0,), forms=("arcs",))
+    assert first.lift_off is not None
+    (there,) = benefit_rows(setzhub(), (1e-2,), (first.lift_off,), forms=("arcs",))
+    assert there.lowest is not None
+    assert there.highest is not None
+    assert abs(there.lowest) <= 1e-9 * there.highest
+    assert there.lift_off == pytest.approx(first.lift_off, rel=1e-9)
+
+
+def test_arcs_come_nearer_with_the_third_root_and_chords_do_not() -> None:
+    """Over two decades by 100^(1/3), but for how the pieces fall; chords keep the acceleration off
+    by that of a roller that turns about vertices.
+    """
+    coarse, fine = rows("arcs")[0], rows("arcs")[2]
+    assert coarse.ripple is not None
+    assert fine.ripple is not None
+    assert 0.5 < coarse.ripple / fine.ripple / 100.0 ** (1.0 / 3.0) < 2.0
+    coarse, fine = rows("polyline")[0], rows("polyline")[2]
+    assert coarse.ripple is not None
+    assert fine.ripple is not None
+    assert fine.ripple > 1.0
+    assert 0.5 < coarse.ripple / fine.ripple < 2.0
+
+
+def test_the_force_is_off_by_the_inertia_of_what_the_acceleration_is_off() -> None:
+    """At twice the speed the static forces cancel: dN grows with the acceleration alone."""
+    made = benefit_rows(setzhub(), (1e-3,), (100.0, 200.0), forms=("arcs",))
+    assert made[0].force is not None
+    assert made[1].force == pytest.approx(4.0 * made[0].force, rel=1e-2)
+    assert made[0].lowest is not None
+    assert made[0].exact_lowest is not None
+    assert abs(made[0].lowest - made[0].exact_lowest) <= made[0].force * (1.0 + 1e-9)
+
+
+def test_without_forces_there_is_the_acceleration_alone() -> None:
+    (row,) = benefit_rows(design("querhub", ""), (1e-2,), (5.0,), forms=("arcs",))
+    assert row.acceleration is not None
+    assert row.force is row.lowest is row.lift_off is None
+    assert row.fault == ""
+
+
+def test_a_row_says_why_it_has_no_values() -> None:
+    (row,) = benefit_rows(design("tappet", ""), (1e-2,), (5.0,), forms=("arcs",))
+    assert "flat face" in row.fault
+    assert row.acceleration is row.ripple is None
+
+
+def test_joints_with_a_jump_of_the_acceleration_do_not_count_as_ripple() -> None:
+    """A constant acceleration jumps from one end of its range to the other; within the tolerance of
+    the place of a joint that is no deviation.
+    """
+    parabolic = design(
+        "plate_translating", "", ('law = "modified-sine"', 'law = "quadratic-parabola"')
+    )
+    made = benefit_rows(parabolic, (1e-3,), (10.0,), forms=("arcs",))
+    assert made[0].ripple is not None
+    assert made[0].ripple < 0.5
