@@ -84,6 +84,7 @@ EFFECT_FRAME = {
     "graph",
     "helical",
     "immovable",
+    "linked",
     "materials",
     "premises",
     "ranges",

@@ -16,10 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Subject
 
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""
@@ -40,6 +44,9 @@ class Force:
     potential : (n,) potential energy [N mm] of c0 at n cam angles, if it has one: c0 q' = -dV/dphi.
     borders : (k,) cam angles [rad] in [0, 2 pi) where the formula of a coefficient changes, besides
         the borders of the motion.
+    far : the part that acts on the far member of a linkage, as the generalised force on the
+        demanded coordinate x [N or N mm]: a share far dx/dq of the `coefficients`; None if nothing
+        of it does.
     off : the force on a follower that is off the cam, see `Off`; None if it is known for the motion
         of the state alone, and for inertia, which is no force on a free follower.
     """
@@ -49,6 +56,7 @@ class Force:
     potential: Callable[[FloatArray, Side], FloatArray] | None = None
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
     off: Off | None = None
+    far: Coefficients | None = None
 
 
 def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
@@ -60,6 +68,21 @@ def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
         return out
 
     return coefficients
+
+
+Derivatives = TypeVar("Derivatives", FloatArray, ComplexArray)
+
+
+def rates_of(subject: Subject, phi: FloatArray) -> FloatArray:
+    """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
+    course = subject.state.course
+    return np.zeros((2, len(phi))) if course is None else course.rates(phi)
+
+
+def acceleration(jet: Derivatives, rates: FloatArray) -> Derivatives:
+    """(n,) d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2), from x' and x'' (2, n)."""
+    found: Derivatives = jet[1] * rates[0] ** 2 + jet[0] * rates[1]
+    return found
 
 
 def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:

@@ -55,6 +55,9 @@ class Mass(Protocol):
     def per_lift(self, phi: FloatArray, side: Side, /) -> ComplexArray:
         """(n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate."""
 
+    def rates(self, phi: FloatArray, side: Side, /) -> ComplexArray:
+        """(2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle."""
+
     @property
     def per_coordinate(self) -> Callable[[FloatArray], ComplexArray] | None:
         """`per_lift` (n,) at any coordinate q (n,) of the follower; None behind a linkage."""
@@ -68,6 +71,7 @@ class Inertia(Acting):
     ----------
     masses : the masses that have a weight, without those of 0.
     moved : the mass that has the demanded motion [t, or t mm^2 if it turns].
+    coupler_moment : of the coupler of a linkage about its centre of mass [t mm^2].
     to_follower : M(q) (n,) [t, or t mm^2 for a rocker], all masses reduced to the follower: T = M
         (dq/dt)^2 / 2. The sum of m (dx/dq)^2 over all coordinates, by equal kinetic energy (Volmer,
         "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
@@ -76,6 +80,7 @@ class Inertia(Acting):
 
     masses: tuple[Mass, ...]
     moved: float
+    coupler_moment: float
     to_follower: Quantity
 
 

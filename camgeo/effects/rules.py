@@ -152,12 +152,6 @@ ONE_CONTACT: Final = Kind(
 LINKED: Final = Kind(
     "far", ("",), "is for linkages, and the scene has no [linkage]", "Only with a linkage."
 )
-UNLINKED: Final = Kind(
-    "far",
-    ("slider", "lever", "crank"),
-    "supports a follower without a linkage, and the scene has a [linkage]",
-    "Not with a linkage.",
-)
 DRIVING_SLIDER: Final = Kind(
     "far",
     ("", "lever", "crank"),

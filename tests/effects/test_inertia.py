@@ -263,7 +263,7 @@ def test_the_reduced_inertia_is_that_of_the_joints_moving(
         turn = mp.arg((p2 - t2) / (p1 - t1)) / swing
         share = spec.coupler_centre
         centre = ((t2 - t1) * (1 - mpf(share)) + (p2 - p1) * mpf(share)) / swing
-        moment = train.moment
+        moment = spec.turning(linkage)
         expected = float(
             train.inertia
             + spec.mass * slide**2

@@ -192,7 +192,7 @@ def test_a_guide_without_ends_has_one_force() -> None:
     made = design("plate_translating", PLATE + "[effects.reactions]")
     result = made.effect("reactions")
     names = {each.name for each in result.findings}
-    assert {"largest-guide-force", "largest-shaft-load"} <= names
+    assert {"largest-guide-force", "largest-camshaft-load"} <= names
     phi = inside(made)
     assert np.all(result.bodies.of_guide(phi, "right")[1] == 0.0)
     shaft = np.abs(made.effect("contact-force").normal(phi, "right"))

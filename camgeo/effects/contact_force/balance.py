@@ -24,7 +24,7 @@ from typing import Final, NoReturn
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import Force, at_rates, smooth_edges
+from camgeo.effects.force import Force, at_rates, rates_of, smooth_edges
 from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
@@ -57,8 +57,7 @@ class ForceBalance:
 
     def rates(self, phi: FloatArray) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
-        course = self.subject.state.course
-        return np.zeros((2, len(phi))) if course is None else course.rates(phi)
+        return rates_of(self.subject, phi)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel to rounding."""

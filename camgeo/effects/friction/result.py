@@ -50,9 +50,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
     return Friction(
         findings=findings,
         columns=(column(statics, borders),),
-        force=Force(
-            "friction", _coefficients(subject, data), borders=borders, off=_off(subject, data)
-        ),
+        force=_force(subject, data, borders),
         per_normal=statics.per_normal,
         bearing=statics.bearing,
         guide_length=data.guide_length,
@@ -91,24 +89,32 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 
-def _coefficients(subject: Subject, data: FrictionCoefficients) -> Coefficients:
-    """Coefficients of the friction that does not depend on the normal force.
+def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) -> Force:
+    """The friction that does not depend on the normal force.
 
     Viscous: Q = -c ds/dt ds/dq along the guide, which is -c dq/dt for the follower itself; Coulomb
     friction of a slider: Q = -F sign(ds/dt) ds/dq, by virtual work.
     """
     linkage = driving_slider(subject)
     if linkage is not None and (data.slider or data.guide_viscous):
-        return _of_slider(subject, data, linkage)
+        far = _on_slider(subject, data, linkage)
+
+        def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+            found = far(phi, side) * linkage.per_follower(subject.state.output.jet(phi, side)[0])
+            if data.pivot_viscous:
+                found[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
+            return np.asarray(found)
+
+        return Force("friction", coefficients, borders=borders, far=far)
     viscous = data.pivot_viscous + data.guide_viscous  # a follower has only one of the two
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+    def own(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros((4, len(phi)))
         if viscous:
             out[1] = -viscous * subject.state.motion.jet(phi, side, 1)[1]
         return out
 
-    return coefficients
+    return Force("friction", own, borders=borders, off=_off(subject, data))
 
 
 def _off(subject: Subject, data: FrictionCoefficients) -> Off | None:
@@ -119,8 +125,8 @@ def _off(subject: Subject, data: FrictionCoefficients) -> Off | None:
     return lambda _phi, _q, rate: -viscous * rate
 
 
-def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:
-    """Coefficients for slider and pivot."""
+def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:
+    """Coefficients of the friction along the stroke; EffectError where the slider is locked."""
     output = subject.state.output
     locked = locked_at(linkage, output)
     if locked is not None:
@@ -132,13 +138,9 @@ def _of_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCran
     strokes = senses_of(output, subject.state.smooth_angles)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        stroke = output.jet(phi, side, 1)
-        slide = linkage.per_follower(stroke[0])
         out = np.zeros((4, len(phi)))
-        out[0] = -data.slider * strokes(phi, side) * slide
-        out[1] = -data.guide_viscous * stroke[1] * slide
-        if data.pivot_viscous:
-            out[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
+        out[0] = -data.slider * strokes(phi, side)
+        out[1] = -data.guide_viscous * output.jet(phi, side, 1)[1]
         return out
 
     return coefficients

@@ -10,6 +10,8 @@ import numpy as np
 from camgeo.effects.effect import driving_slider
 from camgeo.effects.inertia.rates import joints_per_lift
 from camgeo.effects.inertia.table import MassProperties
+from camgeo.effects.linked import shaft_and_turn
+from camgeo.mechanism.triangle import turning
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
@@ -27,34 +29,15 @@ def masses_of(subject: Subject, data: MassProperties) -> tuple[Mass, ...]:
         centre = pivot if data.rocker_centre is None else data.rocker_centre
         found.append(_OnRocker("rocker", data.rocker_mass, subject, pivot, centre - pivot))
         found.append(_OnRocker("roller", data.roller_mass, subject, pivot, follower.start_arm))
-        shaft, turn = pivot, 1.0 + 0.0j
-        slider = driving_slider(subject)
-        if slider is not None:
-            found.append(_OnCoupler("slider", data.mass, subject, slider, shaft, turn, 1.0))
     else:
         found.append(_OnGuide("follower", data.mass, subject))
         found.append(_OnGuide("roller", data.roller_mass, subject))
-        shaft, turn = _shaft_and_turn(subject)
     if linkage is not None:
-        place = data.coupler_centre
-        found.append(_OnCoupler("coupler", data.coupler_mass, subject, linkage, shaft, turn, place))
+        placed = (subject, linkage, *shaft_and_turn(subject, linkage))
+        if driving_slider(subject) is not None:
+            found.append(_OnCoupler("slider", data.mass, *placed, 1.0))
+        found.append(_OnCoupler("coupler", data.coupler_mass, *placed, data.coupler_centre))
     return tuple(each for each in found if each.mass)
-
-
-def _shaft_and_turn(subject: Subject) -> tuple[complex, complex]:
-    """Position [mm] of the shaft of the crank that a guided follower turns, and the direction of
-    the linkage's own x axis.
-
-    The linkage is defined in its own frame. Its pin is assumed to be at the roller's centre, and
-    the guide of the pin to be that of the follower.
-    """
-    linkage, follower = subject.drive.linkage, subject.cam.follower
-    if linkage is None:
-        return 0.0j, 1.0 + 0.0j
-    still, one = np.zeros((2, 1)), np.array([[1.0], [0.0]])
-    pin, ahead = linkage.joints(still[0])[0], linkage.joint_rates(still[0], still, one)[0]
-    turn = complex(follower.way / ahead[0, 0])
-    return follower.start_arm - turn * complex(pin[0]), turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +55,10 @@ class _OnGuide:
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         return self.per_coordinate(phi)
+
+    def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
+        lifts = self.subject.state.motion.jet(phi, side, 2)[1:3]
+        return np.asarray(self.subject.cam.follower.way * lifts)
 
     def per_coordinate(self, q: FloatArray) -> ComplexArray:
         return np.full(len(q), self.subject.cam.follower.way)
@@ -96,6 +83,10 @@ class _OnRocker:
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         return self.per_coordinate(self.subject.state.motion.jet(phi, side, 1)[0])
+
+    def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
+        swing = self.subject.state.motion.jet(phi, side, 2)
+        return turning(self._lever(swing[0]), self.subject.cam.follower.swing_sense * swing[1:3])
 
     def per_coordinate(self, q: FloatArray) -> ComplexArray:
         return np.asarray(1j * self.subject.cam.follower.swing_sense * self._lever(q))
@@ -123,6 +114,12 @@ class _OnCoupler:
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
         pin, tip = joints_per_lift(self.linkage, self.subject.state.output.jet(phi, side)[0])
+        return np.asarray(self.turn * (tip + self.share * (pin - tip)))
+
+    def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
+        state = self.subject.state
+        stroke, own = state.output.jet(phi, side), state.motion.jet(phi, side, 2)
+        pin, tip = self.linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))
 
     @property

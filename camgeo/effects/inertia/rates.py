@@ -113,17 +113,9 @@ class LinkedTrain:
         found.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
         found.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
         turns = (rods / rod).imag
-        found.append(Rates(self.moment, turns[0], turns[1], (rod_per_lift / rod).imag))
+        moment = data.turning(linkage)
+        found.append(Rates(moment, turns[0], turns[1], (rod_per_lift / rod).imag))
         return [each for each in found if each.inertia]
-
-    @property
-    def moment(self) -> float:
-        """Of the coupler about its centre of mass [t mm^2]; by default m l^2/12, a slender rod.
-
-        (Tables of mass properties, e.g. in the appendix of Norton, "Design of Machinery".)
-        """
-        moment = self.data.coupler_moment
-        return self.data.coupler_mass * self.linkage.coupler**2 / 12.0 if moment is None else moment
 
 
 def reduced(train: Train, phi: FloatArray, side: Side) -> FloatArray:

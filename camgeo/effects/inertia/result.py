@@ -73,6 +73,7 @@ def compute(request: Request[MassProperties]) -> Inertia:
         force=Force("inertia", partial(inertia_force, train)),
         masses=masses_of(subject, data),
         moved=at_follower(subject, data) if linkage is None else data.far(linkage),
+        coupler_moment=0.0 if linkage is None else data.turning(linkage),
         to_follower=partial(reduced, train),
         columns=report.columns(),
     )

@@ -49,6 +49,14 @@ class MassProperties:
         """Inertia of the member with the demanded motion: [t], or [t mm^2] if it turns."""
         return {"mm": self.mass, "rad": self.output_moment}[linkage.unit]
 
+    def turning(self, linkage: Linkage) -> float:
+        """Of the coupler about its centre of mass [t mm^2]; by default m l^2/12, a slender rod.
+
+        (Tables of mass properties, e.g. in the appendix of Norton, "Design of Machinery".)
+        """
+        moment = self.coupler_moment
+        return self.coupler_mass * linkage.coupler**2 / 12.0 if moment is None else moment
+
     def beyond(self, linkage: Linkage | None) -> bool:
         """Whether anything beyond the rocker, behind the linkage, has mass."""
         if linkage is None:

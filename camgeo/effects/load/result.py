@@ -48,8 +48,11 @@ def compute(request: Request[ProcessLoad]) -> Acting:
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
+    def on_member(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(-scale * course.values(phi, side))
+
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
-        return -scale * course.values(phi, side) * _way(subject, phi, side)
+        return on_member(phi, side) * _way(subject, phi, side)
 
     def work(phi: FloatArray, side: Side) -> FloatArray:
         """Work against a constant load, from the start of the stroke."""
@@ -71,6 +74,7 @@ def compute(request: Request[ProcessLoad]) -> Acting:
             potential,
             course.borders,
             off if subject.drive.linkage is None else None,
+            None if subject.drive.linkage is None else unmoved(on_member),
         ),
         findings=tuple(
             extreme_findings("load", "load", extremes, unit, ", positive against a positive motion")

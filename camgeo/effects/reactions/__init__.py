@@ -7,14 +7,14 @@ from typing import Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
-from camgeo.effects.rules import ONE_CONTACT, ONE_DISC, ROLLERS, UNLINKED, Only
+from camgeo.effects.rules import ONE_CONTACT, Only
 
 EFFECT: Final = Effect(
     name="reactions",
-    title="forces in guide, pivot and camshaft bearings",
+    title="forces in guide, pivot, pins and camshaft bearings",
     compute="camgeo.effects.reactions.result:compute",
     schema=schema_beside(__file__),
-    rules=(Only(UNLINKED), Only(ONE_DISC), Only(ONE_CONTACT), Only(ROLLERS)),
+    rules=(Only(ONE_CONTACT),),
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, GRAVITY, SPRING),
     numerical=True,

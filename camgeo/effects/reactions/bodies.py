@@ -5,17 +5,19 @@ centre, and the roller turns its pin by the moment -m_p. With the forces F of sp
 and the masses m at their centres with the accelerations a, the balance of forces on a rocker gives
 the force of its pivot,
 
-    R = sum m a - F_c - sum F.
+    R = sum m a - F_c - F_A - sum F,
 
-Loads and torsion springs are torques, and need none; a rocker of which only the moment of inertia
-is stated counts as balanced about its pivot. A guided follower accelerates along its guide, across
-which the two ends must carry the side force S of F_c and of the weights, to the right looking
-outwards, and the tilting moment M:
+with the force F_A of the coupler of a linkage, see `pins`. On a flat face F_c acts at the contact;
+in a conjugate pair it is that of the disc that carries. Loads and torsion springs are torques, and
+need none; a rocker of which only the moment of inertia is stated counts as balanced about its
+pivot. A guided follower accelerates along its guide, across which the two ends must carry the side
+force S of F_c, F_A and the weights, to the right looking outwards, and the tilting moment M:
 
     R_2 = (a S + M) / b,    R_1 = -((a + b) S + M) / b,
 
 with the near end at the distance a outwards of the roller's centre and the far end b beyond. The
-weights act on the line of the guide. The bearings of the camshaft carry F_c.
+weights act on the line of the guide. A flat face is pressed at the distance e to the right of the
+axis of its guide, so that M = N e. The bearings of the camshaft carry F_c.
 
 Newton's second law for each body (Norton, Design of Machinery, chapter on dynamic force analysis).
 """
@@ -28,12 +30,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgeo.effects.touching import bearing_of
+from camgeo.effects.force import acceleration, rates_of
+from camgeo.effects.touching import INNER, OUTER, bearing_of, carrier
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
-    from camgeo.effects.results import ContactForce, Gravity, Inertia, Spring
+    from camgeo.effects.reactions.pins import Pins
+    from camgeo.effects.results import ContactForce, Gravity, Inertia, Mass, Spring
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,23 +52,39 @@ class Bodies:
     inertia: Inertia | None
     gravity: Gravity | None
     spring: Spring | None
+    pins: Pins | None
 
     def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(n,) F_c."""
-        relative = self.subject.state.curve.relative_jet(phi, side, order=1)
-        ahead = relative.along[1] + 1j * relative.across[1]
-        tangent = ahead / np.abs(ahead) * np.exp(1j * relative.axis)
+        """(n,) F_c, of the disc that carries."""
         normal = self.contact.normal(phi, side)
-        along = np.abs(normal) * bearing_of(self.contact, phi, side).tangential
-        across = 1j * self.subject.cam.rotation * normal
-        return np.asarray((across + along) * tangent)
+        sliding = np.abs(normal) * bearing_of(self.contact, phi, side).tangential
+        found = np.zeros(len(phi), dtype=np.complex128)
+        for sense, here in ((INNER, normal >= 0.0), (OUTER, normal < 0.0)):
+            if not np.any(here):
+                continue
+            disc, flank = carrier(self.subject, sense)
+            relative = disc.state.curve.relative_jet(phi[here], side, order=1)
+            ahead = relative.along[1] + 1j * relative.across[1]
+            tangent = ahead / np.abs(ahead) * np.exp(1j * relative.axis)
+            across = 1j * disc.cam.rotation * flank * np.abs(normal[here])
+            found[here] = (across + sliding[here]) * tangent
+        return found
+
+    def own(self) -> list[Mass]:
+        """The masses of the follower itself."""
+        masses = () if self.inertia is None else self.inertia.masses
+        return [each for each in masses if each.per_coordinate is not None]
 
     def weight(self, phi: FloatArray) -> ComplexArray:
-        """(n,) of all masses."""
-        found = np.zeros(len(phi), dtype=np.complex128)
-        if self.gravity is not None and self.inertia is not None:
-            found += self.gravity.pull * sum(each.mass for each in self.inertia.masses)
-        return found
+        """(n,) of the follower's own masses."""
+        pull = 0j if self.gravity is None else self.gravity.pull
+        return np.full(len(phi), pull * sum(each.mass for each in self.own()))
+
+    def of_linkage(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(n,) F_A, of the coupler; 0 without a linkage."""
+        if self.pins is None:
+            return np.zeros(len(phi), dtype=np.complex128)
+        return self.pins.at(phi, side).near
 
     def of_spring(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) on the follower; 0 if it is a torque."""
@@ -76,15 +96,19 @@ class Bodies:
 
     def of_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) R on a rocker."""
-        applied = self.of_cam(phi, side) + self.of_spring(phi, side) + self.weight(phi)
-        return np.asarray(self._momentum(phi, side) - applied)
+        applied = self.of_cam(phi, side) + self.of_linkage(phi, side)
+        applied += self.of_spring(phi, side) + self.weight(phi)
+        rates = rates_of(self.subject, phi)
+        for each in self.own():
+            applied -= each.mass * acceleration(each.rates(phi, side), rates)
+        return -applied
 
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""
         friction = self.contact.friction
         follower = self.subject.cam.follower
         right = -1j * math.copysign(1.0, follower.reach) * follower.way
-        load = self.of_cam(phi, side) + self.weight(phi)
+        load = self.of_cam(phi, side) + self.of_linkage(phi, side) + self.weight(phi)
         force = np.real(np.conj(right) * load)
         if friction is None or friction.guide_length is None:
             return np.stack((-force, np.zeros(len(phi))))
@@ -94,16 +118,9 @@ class Bodies:
         far = (bearing.overhang * force + moment) / length
         return np.stack((-force - far, far))
 
-    def _momentum(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(n,) the sum of m a of a rocker's masses."""
-        found = np.zeros(len(phi), dtype=np.complex128)
-        course, pivot = self.subject.state.course, self.subject.cam.follower.pivot
-        if self.inertia is None or course is None or pivot is None:
-            return found
-        jet = self.subject.state.motion.jet(phi, side, 2)
-        omega, alpha = course.rates(phi)[:2]
-        speed, gain = jet[1] * omega, jet[2] * omega**2 + jet[1] * alpha
-        turn = 1j * self.subject.cam.follower.swing_sense * gain - speed**2
-        for each in self.inertia.masses:
-            found += each.mass * turn * (each.place(phi, side) - pivot)
-        return found
+    def tilting(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) M [N mm] of a flat face whose guide has no stated length, about the cam axis's foot
+        on it; counter-clockwise positive.
+        """
+        relative = self.subject.state.curve.relative_jet(phi, side, order=1)
+        return np.asarray(self.contact.normal(phi, side) * relative.along[0])

@@ -11,21 +11,14 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Result
 from camgeo.effects.reactions.bodies import Bodies
+from camgeo.effects.reactions.load import Load
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
-from camgeo.effects.wording import N_M, extreme_finding, missed
+from camgeo.effects.wording import N_M, missed
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest
 from camgeo.numeric.quadrature import Integral, piecewise_integral
 from camgeo.units import TURN
 
 WORK: Final = "pivot-friction-work"
-
-ENDS: Final = (
-    ("largest-near-end-force", "at the near end of the guide", "near end force"),
-    ("largest-far-end-force", "at the far end of the guide", "far end force"),
-)
-WHOLE: Final = (("largest-guide-force", "across the guide", "guide force"),)
-"""Finding, place and column of each force on a guide."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,60 +37,60 @@ def compute(request: Request[Mapping[str, Any]]) -> Reactions:
     """The reactions at the speed of the scene; EffectError if the work misses the tolerance."""
     results = request.results
     contact = results[CONTACT_FORCE]
-    optional = (results.get(INERTIA), results.get(GRAVITY), results.get(SPRING))
-    bodies = Bodies(request.subject, contact, *optional)
-    edges = contact.edges
+    subject, edges = request.subject, contact.edges
+    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
+    pins = None
+    if subject.drive.linkage is not None:
+        from camgeo.effects.reactions.pins import pins_of  # few followers have a linkage
 
-    def on_shaft(phi: FloatArray, side: Side) -> FloatArray:
-        return np.abs(bodies.of_cam(phi, side))
-
+        pins = pins_of(subject, subject.drive.linkage, contact.forces, inertia, gravity)
+    bodies = Bodies(subject, contact, inertia, gravity, results.get(SPRING), pins)
+    loads = [
+        *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
+        *([] if pins is None else pins.loads()),
+        Load(
+            "camshaft load",
+            "load on the camshaft",
+            lambda phi, side: np.abs(bodies.of_cam(phi, side)),
+        ),
+    ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
-    own = _of_pivot if request.subject.cam.follower.pivot is not None else _of_guide
-    shaft = piecewise_highest(on_shaft, edges)
-    findings, forces = own(bodies, edges)
     work, errors = _friction_work(request, bodies, edges)
     return Reactions(
-        findings=(
-            *findings,
-            extreme_finding("largest-shaft-load", "largest load on the camshaft", shaft, "N"),
-            *work,
-        ),
-        columns=tuple(
-            Column(name, "N", force, borders=inside)
-            for name, force in {**forces, "camshaft load": on_shaft}.items()
-        ),
+        findings=(*(each.largest(edges) for each in loads), *work),
+        columns=tuple(Column(each.name, each.unit, each.values, borders=inside) for each in loads),
         errors=errors,
         bodies=bodies,
     )
 
 
-def _of_pivot(bodies: Bodies, edges: FloatArray) -> tuple[list[Finding], dict[str, Quantity]]:
-    def size(phi: FloatArray, side: Side) -> FloatArray:
+def _of_pivot(bodies: Bodies) -> list[Load]:
+    def force(phi: FloatArray, side: Side) -> FloatArray:
         return np.abs(bodies.of_pivot(phi, side))
 
-    highest = piecewise_highest(size, edges)
-    words = "largest force in the pivot"
-    return [extreme_finding("largest-pivot-force", words, highest, "N")], {"pivot force": size}
+    return [Load("pivot force", "force in the pivot", force)]
 
 
-def _of_guide(bodies: Bodies, edges: FloatArray) -> tuple[list[Finding], dict[str, Quantity]]:
+def _of_guide(bodies: Bodies) -> list[Load]:
     """Of both ends, or of the guide as a whole; forces to the right count positive."""
     friction = bodies.contact.friction
-    ended = friction is not None and friction.guide_length is not None
-    findings: list[Finding] = []
-    forces: dict[str, Quantity] = {}
-    for row, (key, place, column) in enumerate(ENDS if ended else WHOLE):
 
-        def force(phi: FloatArray, side: Side, row: int = row) -> FloatArray:
-            found: FloatArray = bodies.of_guide(phi, side)[row]
-            return found
+    def end(row: int) -> Quantity:
+        return lambda phi, side: bodies.of_guide(phi, side)[row]
 
-        ends = piecewise_extremes(force, edges)
-        most = max((ends.highest, ends.lowest), key=lambda end: abs(end.value))
-        end = Extreme(abs(most.value), most.place)
-        findings.append(extreme_finding(key, f"largest force {place}", end, "N"))
-        forces[column] = force
-    return findings, forces
+    if friction is not None and friction.guide_length is not None:
+        return [
+            Load(f"{name} end force", f"force at the {name} end of the guide", end(row))
+            for row, name in enumerate(("near", "far"))
+        ]
+    found = [Load("guide force", "force across the guide", end(0))]
+    if not bodies.subject.cam.follower.rolls:
+
+        def moment(phi: FloatArray, side: Side) -> FloatArray:
+            return N_M * bodies.tilting(phi, side)
+
+        found.append(Load("guide moment", "moment that tilts the face", moment, "N m"))
+    return found
 
 
 def _friction_work(

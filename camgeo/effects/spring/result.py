@@ -65,6 +65,9 @@ def compute(request: Request[SpringData]) -> Spring:
         x, rate = way.at(q)
         return (preload - stiffness * x) * rate
 
+    def on_slider(phi: FloatArray, side: Side) -> FloatArray:
+        return way.per_stroke * magnitude(phi, side)
+
     unit, scale = ("N m", NEWTON_METRE) if torsion else ("N", 1.0)
 
     def shown(phi: FloatArray, side: Side) -> FloatArray:
@@ -92,6 +95,7 @@ def compute(request: Request[SpringData]) -> Spring:
             unmoved(on_follower),
             potential,
             off=off if subject.drive.linkage is None else None,
+            far=unmoved(on_slider) if way.per_stroke else None,
         ),
         way=way,
         preload=preload,

@@ -46,6 +46,12 @@ class Travel(Protocol):
         if it is a torque, or acts on a slider.
         """
 
+    @property
+    def per_stroke(self) -> float:
+        """dx/ds, s the stroke of the slider that the spring acts on; 0 if it acts on the
+        follower.
+        """
+
 
 SHORTEST: Final = 1e-6
 """A spring shorter than this share of its lever arms has no definite direction."""
@@ -96,6 +102,11 @@ class Along:
         way = self.way
         return None if way is None else lambda phi, _: np.full(len(phi), self.sense * way)
 
+    @property
+    def per_stroke(self) -> float:
+        """See `Travel`."""
+        return 0.0 if self.linkage is None else self.sense
+
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         return self.at(self.motion.jet(phi, side, 1)[0])
 
@@ -123,6 +134,7 @@ class BetweenPoints:
     attachment, anchor : r_0 = r at cam angle 0, and a [mm].
     sense : +1 for a compression spring, which relaxes as it gets longer, -1 for an extension
         spring, which relaxes as it gets shorter.
+    per_stroke : see `Travel`.
     """
 
     motion: Motion
@@ -131,6 +143,7 @@ class BetweenPoints:
     attachment: complex
     anchor: complex
     sense: float
+    per_stroke: float = 0.0
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         return self.at(self.motion.jet(phi, side, 1)[0])
