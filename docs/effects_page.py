@@ -35,7 +35,7 @@ from camgeo.effects.helical import STABLE
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS
 from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.shock_spectrum.result import QUIET, measured
+from camgeo.effects.shock_spectrum.result import measured
 from camgeo.effects.spring_surge.result import CLEAR
 from camgeo.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE
 from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
@@ -43,7 +43,7 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.motion.laws.law import Law
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.numeric.oscillator.spectrum import Shock, shock
+from camgeo.numeric.oscillator.spectrum import QUIET, Shock, shock
 from camgeo.part.materials import MATERIALS, PER_CUBIC_CM
 from camgeo.scene.load import load_scene
 
@@ -129,6 +129,8 @@ PICTURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
 """Scene and columns of each picture over the cam angle."""
 
 SPECTRUM: Final = "effects-spectrum"
+MOVES: Final = "effects-press-spectra"
+SPECTRA: Final = (SPECTRUM, MOVES)
 
 ALT: Final = {
     "effects-press-forces": "forces, jamming margin and contact force of press over the cam angle",
@@ -136,6 +138,7 @@ ALT: Final = {
     "effects-press-stress": "contact pressure and vibration of press over the cam angle",
     "effects-groove": "contact force and drive torque of groove_lever over the cam angle",
     SPECTRUM: "shock spectra of the laws from rest to rest",
+    MOVES: "shock spectra of the moves of press, with the natural frequency of its train",
 }
 
 
@@ -402,7 +405,7 @@ def picture(file: str) -> bytes:
     """The picture of that name."""
     from camgeo_export.plots.render import render
 
-    return render(drawn_spectrum() if file == SPECTRUM else drawn(file), ".png")
+    return render(drawn_spectra(file) if file in SPECTRA else drawn(file), ".png")
 
 
 def drawn(file: str) -> Figure:
@@ -429,6 +432,16 @@ CURVES: Final[tuple[tuple[str, tuple[float, ...]], ...]] = (
 """Colour and dashes of each law."""
 
 
+def drawn_spectra(file: str) -> Figure:
+    """The spectra of the laws, or of the moves of the press."""
+    if file == SPECTRUM:
+        return drawn_spectrum()
+    from camgeo.figure.plots import SPECTRUM as PLOT
+    from camgeo.figure.plots import of_design
+
+    return of_design(design("press"), [PLOT])[0]
+
+
 def drawn_spectrum() -> Figure:
     """The shock spectra of all laws from rest to rest."""
     from camgeo.figure.marks import Line, Style, over
@@ -453,7 +466,7 @@ def drawn_spectrum() -> Figure:
 def write() -> None:
     """Page and pictures."""
     PAGE.write_text(page(), encoding="utf-8")
-    for file in (*PICTURES, SPECTRUM):
+    for file in (*PICTURES, *SPECTRA):
         (IMAGES / f"{file}.png").write_bytes(picture(file))
 
 

@@ -29,7 +29,8 @@ SUFFIXES = (".png", ".svg", ".pdf")
 
 
 SUMMARY: Final = (
-    "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects, backplot"
+    "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects,"
+    " shock-spectrum, backplot"
 )
 
 EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"

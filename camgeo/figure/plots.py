@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import entry_points
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol
 
 from camgeo.errors import Fault, SceneError, UnknownNameError, meant
@@ -33,6 +34,9 @@ CAM: Final = "cam"
 EFFECTS: Final = "effects"
 """The plot of the effects that a scene names."""
 
+SPECTRUM: Final = "shock-spectrum"
+"""The plot of the effect of that name, drawn if the scene names it."""
+
 BACKPLOT: Final = "backplot"
 """The plot of the milling program, drawn only if it is asked for; the others are of the cam."""
 
@@ -50,7 +54,7 @@ OWN = {
 
 def names() -> list[str]:
     """Names of all plots, ours and others, in alphabetical order."""
-    return sorted({*OWN, *entry_points(group=GROUP).names})
+    return sorted({*OWN, SPECTRUM, *entry_points(group=GROUP).names})
 
 
 def find(name: str) -> Builder:
@@ -86,10 +90,14 @@ def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[st
     scene = design.scene
     if EFFECTS in what and not scene.effects:
         raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
+    if SPECTRUM in what and SPECTRUM not in scene.effects:
+        message = "is not named: there is no spectrum to draw"
+        raise SceneError([Fault(f"effects.{SPECTRUM}", "", message)])
     if BACKPLOT in what and scene.milling is None:
         raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
-    possible = [name for name in names() if name not in (EFFECTS, BACKPLOT)]
+    possible = [name for name in names() if name not in (EFFECTS, BACKPLOT, SPECTRUM)]
     possible += [EFFECTS] if scene.effects else []
+    possible += [SPECTRUM] if SPECTRUM in scene.effects else []
     possible.sort()
     if scene.follower is None:
         possible = [MOTION]
@@ -99,12 +107,28 @@ def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[st
 
         found = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
         return found, wanted
-    return stacked(design.disc, wanted), wanted
+    own: dict[str, Builder] = {}
+    if SPECTRUM in wanted:
+        from camgeo.figure import shock_spectrum  # few scenes name it
+
+        def spectra(product: Product, size: Size = shock_spectrum.SIZE, /) -> Figure:
+            found = design.effect(SPECTRUM)
+            frequency = shock_spectrum.frequency_of(design.effects)
+            ends = found.spectra, found.highest_ratio
+            return shock_spectrum.figure(product.name, *ends, frequency, size)
+
+        own[SPECTRUM] = spectra
+    return stacked(design.disc, wanted, own), wanted
 
 
-def stacked(product: Product, wanted: Sequence[str]) -> Figure:
-    """The plots `wanted` of `product`, one above the other, all as wide as the widest."""
-    builders = [find(name) for name in wanted]
+def stacked(
+    product: Product, wanted: Sequence[str], own: Mapping[str, Builder] = MappingProxyType({})
+) -> Figure:
+    """The plots `wanted` of `product`, one above the other, all as wide as the widest.
+
+    `own` are builders by name that take more than a product.
+    """
+    builders = [own.get(name) or find(name) for name in wanted]
     figures = [build(product) for build in builders]
     width = max(each.size[0] for each in figures)
     heights = [each.size[1] for each in figures]

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.effects.shock_spectrum.result import QUIET, ShockSpectrum, measured
+from camgeo.effects.shock_spectrum.result import ShockSpectrum, measured
 from camgeo.motion.laws import make_law
 from camgeo.numeric.oscillator import spectrum
 from camgeo.numeric.oscillator.mode import NODES, Pieces, most_cells, solve
+from camgeo.numeric.oscillator.spectrum import QUIET
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 from tests.laws import LAWS

@@ -13,7 +13,7 @@ from camgeo.answers.check import Check, check
 from camgeo.answers.report.readings import Reading, readings, sentence
 from camgeo.answers.report.steps import next_step
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.figure import diagrams, effects, motion
+from camgeo.figure import diagrams, effects, motion, plots
 from camgeo.figure.animation import Animation, animation
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def _motion(design: Design) -> Figure:
     return motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
 
 
-def _of_discs(design: Design) -> Iterator[tuple[str, partial[Figure]]]:
+def _of_discs(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The title of each diagram that needs a disc, and what makes it."""
     if design.scene.follower is None:
         return
@@ -203,6 +203,8 @@ def _of_discs(design: Design) -> Iterator[tuple[str, partial[Figure]]]:
         yield f"curvature{name}", partial(diagrams.curvature, disc)
     if design.scene.effects:
         yield from of_effects(design.disc)
+    if plots.SPECTRUM in design.scene.effects:
+        yield "shock spectra", lambda: plots.of_design(design, [plots.SPECTRUM])[0]
 
 
 def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:

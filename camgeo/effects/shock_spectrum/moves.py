@@ -36,12 +36,14 @@ class RestToRest:
     ----------
     start, span : cam angle [rad]; start in [0, 2 pi).
     stroke : largest distance from its start [mm or rad].
+    duration : [s] at the speed of the course.
     shock : the move, scaled by its duration and stroke.
     """
 
     start: float
     span: float
     stroke: float
+    duration: float
     shock: Shock
 
 
@@ -61,11 +63,9 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
         inner = two_turns[(two_turns > start) & (two_turns < end)]
         moving = merged(np.concatenate(([start], inner, [end])))
         turns = math.floor(start / TURN)
-        found = _shock(subject, course, moving - TURN * turns)
-        if found is None:
-            continue
-        move, stroke = found
-        yield RestToRest(start - TURN * turns, end - start, stroke, move)
+        found = _move(subject, course, moving - TURN * turns)
+        if found is not None:
+            yield found
 
 
 def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
@@ -92,8 +92,8 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
     return sorted([*dwells, *joints])
 
 
-def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Shock, float] | None:
-    """The move over `edges` (m + 1,) [rad], scaled, and its stroke; None if nothing moves."""
+def _move(subject: Subject, course: TimeCourse, edges: FloatArray) -> RestToRest | None:
+    """The move over `edges` (m + 1,) [rad]; None if nothing moves."""
     plan = subject.drive.plan
     begin = plan.jet(edges[:1])[0]
 
@@ -128,4 +128,5 @@ def _shock(subject: Subject, course: TimeCourse, edges: FloatArray) -> tuple[Sho
     share[-1] = 1.0
     end = float(way(edges[-1:])[0]) / stroke
     rounding = ROUNDINGS * EPS * float(np.max(np.abs(edges))) / float(edges[-1] - edges[0])
-    return shock(lift, acceleration, share, jumps, end, rounding), stroke
+    scaled = shock(lift, acceleration, share, jumps, end, rounding)
+    return RestToRest(float(edges[0]), float(edges[-1] - edges[0]), stroke, duration, scaled)

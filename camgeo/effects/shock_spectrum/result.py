@@ -23,11 +23,8 @@ from camgeo.effects.shock_spectrum.moves import RestToRest, moves_of
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_highest
-from camgeo.numeric.oscillator.spectrum import Shock
+from camgeo.numeric.oscillator.spectrum import QUIET, Shock
 from camgeo.numeric.roots import bracketed_roots
-
-QUIET: Final = 0.01
-"""Share of the stroke below which a residual vibration counts as small."""
 
 SMALLEST_RATIO: Final = 1e-12
 """Stands for 0, where the residual equals the final position of the move."""
@@ -62,6 +59,10 @@ class Spectrum:
     def residual(self, ratios: FloatArray) -> FloatArray:
         """(n,) amplitude relative to the stroke at `ratios` (n,), above 0, of duration to T_n."""
         return self.move.shock.residual(ratios, self.damping)
+
+    def largest(self, ratios: FloatArray) -> FloatArray:
+        """(n,) largest deflection likewise, see `Shock.largest`."""
+        return self.move.shock.largest(ratios, self.damping)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,8 +2,10 @@
 
 The train is one mass at rest before the move, T_n = 2 pi / w its natural period; the residual is
 the amplitude of the free vibration when the move ends, as a fraction of the stroke: |u(1)| / (w
-sqrt(1 - D^2)) (Neklutin's use of the spectrum for cams, see Rothbart, Cam Design Handbook, section
-13.2; Norton, Cam Design and Manufacturing Handbook, chapter on residual vibrations).
+sqrt(1 - D^2)). With the largest deflection during the move, |Im u(t)| / (w sqrt(1 - D^2)) at its
+highest, it gives the maximax response (Neklutin's use of the spectrum for cams, see Rothbart, Cam
+Design Handbook, section 13.2; Norton, Cam Design and Manufacturing Handbook, chapter on residual
+vibrations).
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.oscillator.mode import (
     NODES,
     Pieces,
+    followed,
     interpolated,
     most_cells,
     series_values,
@@ -29,6 +32,12 @@ from camgeo.numeric.oscillator.steady import FINEST, SOFT
 
 BLOCK: Final = 16_384
 """Cells evaluated at a time, over all ratios, so that a block takes some tens of megabytes."""
+
+QUIET: Final = 0.01
+"""Share of the stroke below which a residual vibration counts as small."""
+
+SAMPLES: Final = 64
+"""Times a natural period at which the deflection during a move is evaluated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +75,25 @@ class Shock:
             part[soft] = self._soft_gain(block[soft])
         remains: FloatArray = np.abs(gain) / (frequency * root)
         return remains
+
+    def largest(self, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
+        """(n,) the largest deflection at the ratios (n,), as a fraction of the stroke, sampled.
+
+        The residual, or the largest deflection during the move at `SAMPLES` times a natural period:
+        the largest of a harmonic deflection is missed by at most 1 - cos(pi/SAMPLES), 0.1 %.
+        """
+        root = math.sqrt((1.0 - damping) * (1.0 + damping))
+        count = self.pieces.series.shape[1]
+        every = np.arange(count)
+        found = self.residual(ratios, damping)
+        for number, ratio in enumerate(np.asarray(ratios, dtype=np.float64).tolist()):
+            frequency = 2.0 * math.pi * ratio
+            rate = np.full(count, frequency * complex(-damping, root))
+            mode = followed(solve(self.pieces, every, rate), self.kicks[:-1], 1.0, 0j)
+            times = np.linspace(0.0, 1.0, SAMPLES * math.ceil(max(ratio, 1.0)) + 1)
+            deflection = np.abs(mode.values(times, "right").imag) / (frequency * root)
+            found[number] = max(found[number], float(np.max(deflection)))
+        return found
 
     def bound(self, ratio: float, damping: float = 0.0) -> float:
         """An upper bound of the residuals from `ratio` on.
