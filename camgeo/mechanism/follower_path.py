@@ -334,8 +334,17 @@ path_of.register(TranslatingRoller, GuidePath)
 path_of.register(OscillatingRoller, SwingPath)
 
 
-def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> FloatArray:
+def lift_jet(
+    path: FollowerPath,
+    phi: FloatArray,
+    q: FloatArray,
+    bows: Bows,
+    slopes: FloatArray | float = 0.0,
+) -> FloatArray:
     """(4, n) lift and three derivatives [mm or rad per rad^k] where the path meets `bows` at q.
+
+    For the bows of curvature of another curve, `slopes` (n,) are the changes of its curvature along
+    it [1/mm^2], with the normal on the right.
 
     By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and twice more. Along the path
     d^3Z/dq^3 follows from the second derivative by the same factor as that from the first.
@@ -360,7 +369,8 @@ def lift_jet(path: FollowerPath, phi: FloatArray, q: FloatArray, bows: Bows) -> 
     jolt = -turn * point - 3.0 * along * first
     jolt += 3.0 * turn * (bend * first * first + along * second)
     jolt += first * bend * (bend / along * first * first + 3.0 * second)
-    third = -(3.0 * bows.curvatures * dot(speed, pace) + dot(normal, jolt)) / steep
+    twist = slopes * dot(1j * normal, speed) ** 3
+    third = -(3.0 * bows.curvatures * dot(speed, pace) + twist + dot(normal, jolt)) / steep
     return path.outward * np.stack((q - path.start, first, second, third))
 
 

@@ -73,13 +73,13 @@ def replay_contour(
     press = Flank(flank).sign
     if not pitch.follower.has_pitch_curve:
         _require_inner(press)
-        return _replay(pitch, face_on(hull_of(contour), pitch), press, step, corner)
+        return compared(pitch, face_on(hull_of(contour), pitch), press, step, corner)
     path = path_of(pitch.follower, pitch.rotation)
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
     borders, numbers = pressed(found, path, press, whole)
     lift = ActualLift(path, pitch.motion, found, borders, numbers).without_corners(corner)
-    return _replay(pitch, lift, press, step, corner)
+    return compared(pitch, lift, press, step, corner)
 
 
 def replay_outline(
@@ -117,7 +117,7 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = face_between(pitch, corners, starts, ends)
-        return _replay(pitch, face, press, step, corner, _inside(starts, ends))
+        return compared(pitch, face, press, step, corner, _inside(starts, ends))
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
@@ -138,7 +138,7 @@ def replay_outline(
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
     lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
-    return _replay(pitch, lift, press, step, corner, _inside(starts, ends))
+    return compared(pitch, lift, press, step, corner, _inside(starts, ends))
 
 
 def _require_inner(press: int) -> None:
@@ -163,15 +163,15 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     return starts[gaps], starts[gaps] + widths[gaps]
 
 
-def _replay(
+def compared(
     pitch: PitchCurve,
     lift: DiscLift,
     press: int,
-    step: float,
-    corner: float,
+    step: float = STEP,
+    corner: float = CORNER,
     within: FloatArray | None = None,
 ) -> Replay:
-    """`within` are further cam angles [rad] in [0, 2 pi) at which to sample."""
+    """The replay of `lift`, sampled `within` further cam angles [rad] in [0, 2 pi) too."""
     motion = pitch.motion
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)

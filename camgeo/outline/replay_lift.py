@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -143,6 +143,20 @@ HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
 
 
+class Touched(Protocol):
+    """What a roller may run on, as `camgeo.outline.roller_path.Branches`."""
+
+    @property
+    def elements(self) -> IntArray: ...
+
+    @property
+    def corners(self) -> FloatArray: ...
+
+    def jet(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
+    ) -> FloatArray: ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ActualLift:
     """The actual lift of a roller that is pressed against a disc, over the cam angle.
@@ -159,7 +173,7 @@ class ActualLift:
 
     path: FollowerPath
     motion: Motion
-    branches: Branches
+    branches: Touched
     borders: FloatArray
     numbers: IntArray
     played: PlayedLift | None = None
@@ -231,13 +245,7 @@ class ActualLift:
             made = self.motion if self.played is None else self.played
             out[:, ~held] = made.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
-            angles, index = phi[held], number[held]
-            bows = self.branches.bows.take(index)
-            q = self.path.meet(angles, bows, self.branches.facing[index])
-            if order:
-                out[:, held] = lift_jet(self.path, angles, q, bows)[: order + 1]
-            else:
-                out[0, held] = self.path.outward * (q - self.path.start)
+            out[:, held] = self.branches.jet(self.path, phi[held], number[held], order)
         return out
 
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import Bows, FollowerPath
+from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped, joined
 from camgeo.units import TURN
 
@@ -94,6 +94,19 @@ class Branches:
     elements: IntArray
     corners: FloatArray
 
+    def jet(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
+    ) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] where the path at `phi` (n,)
+        [rad] meets the branches `index` (n,).
+        """
+        bows = self.bows.take(index)
+        q = path.meet(phi, bows, self.facing[index])
+        if order:
+            return lift_jet(path, phi, q, bows)[: order + 1]
+        lift: FloatArray = path.outward * (q - path.start)
+        return lift[np.newaxis]
+
 
 def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
     """The parallel of `contour` at `distance` [mm], positive to its right-hand side.
@@ -119,7 +132,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
     curvatures = np.where(arc, sense / np.where(arc, np.abs(starts - centres), 1.0), 0.0)
     share = 1.0 + curvatures * distance
     kept = np.flatnonzero(np.abs(share) > POINT)
-    pieces = _cut(
+    pieces = cut(
         starts[kept] + distance * first[kept],
         ends[kept] + distance * last[kept],
         first[kept],
@@ -136,7 +149,7 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
     # all places about such a vertex.
     sharp = np.abs(turns) > SHARP
     turns = np.where(sharp, TURN, turns)
-    corners = _cut(
+    corners = cut(
         ends + distance * last,
         ends + distance * np.where(sharp, last, following),
         last,
@@ -154,7 +167,7 @@ def circles(centres: ComplexArray, radius: float) -> Parallel:
     starts = centres + radius
     zero = np.zeros(len(centres))
     normals = np.ones(len(centres), dtype=np.complex128)
-    return _cut(starts, starts, normals, zero + 1.0 / radius, zero + TURN, zero, -1 - number)
+    return cut(starts, starts, normals, zero + 1.0 / radius, zero + TURN, zero, -1 - number)
 
 
 def branches(pieces: Parallel, path: FollowerPath) -> Branches:
@@ -204,7 +217,7 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     )
 
 
-def _cut(
+def cut(
     starts: ComplexArray,
     ends: ComplexArray,
     normals: ComplexArray,

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import smooth_angles
-from camgeo.contour.contour import Effort, Form
+from camgeo.contour.contour import Contour, Effort, Form
 from camgeo.contour.spline import SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
@@ -218,9 +218,7 @@ def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> 
     (boundary,) = (each for each in part.boundaries if each.name == "outline")
     fit = fitted(boundary, writing.form, writing.effort, writing.tolerance)
     contour = fit.contour
-    if isinstance(contour, SplineContour):
-        raise GeometryError("the motion on a spline is not known", key=KEY, value=MODEL)
-    replay = replay_contour(cam.disc.pitch_curve, contour, side)
+    replay = _replayed(cam, contour, side)
     if len(replay.drops):
         raise GeometryError(
             "the follower drops off an edge of the contour: its velocity is unbounded there",
@@ -228,6 +226,14 @@ def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> 
             value=MODEL,
         )
     return Written(cam, replay, fit.deviation, len(contour))
+
+
+def _replayed(cam: Cam, contour: Contour | SplineContour, side: Flank) -> Replay:
+    if isinstance(contour, SplineContour):
+        from camgeo.contour.spline_replay import replay_spline  # few contours are splines
+
+        return replay_spline(cam.disc.pitch_curve, contour, side)
+    return replay_contour(cam.disc.pitch_curve, contour, side)
 
 
 def _require_single_flank(cam: Cam, *, paired: bool) -> None:

@@ -1,4 +1,4 @@
-"""What accuracy buys, against bare sampling of both motions and against the theory of its orders."""
+"""What accuracy buys, against bare sampling of both motions and the theory of its orders."""
 
 from __future__ import annotations
 
@@ -86,6 +86,14 @@ def test_arcs_come_nearer_with_the_third_root_and_chords_do_not() -> None:
     assert fine.ripple is not None
     assert fine.ripple > 1.0
     assert 0.5 < coarse.ripple / fine.ripple < 2.0
+
+
+def test_cubics_come_nearer_with_the_square_root() -> None:
+    coarse, fine = rows("spline")[0], rows("spline")[2]
+    assert coarse.ripple is not None
+    assert fine.ripple is not None
+    assert 0.3 < coarse.ripple / fine.ripple / 100.0**0.5 < 3.0
+    assert coarse.jump == fine.jump == 0.0
 
 
 def test_the_force_is_off_by_the_inertia_of_what_the_acceleration_is_off() -> None:

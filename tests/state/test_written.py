@@ -135,7 +135,7 @@ def test_the_force_is_that_of_the_written_motion() -> None:
 
 
 @given(
-    st.sampled_from(["arcs", "polyline"]),
+    st.sampled_from(["arcs", "polyline", "spline"]),
     st.sampled_from(["plate_translating", "swallow_tail", "querhub"]),
     st.sampled_from([1e-1, 1e-2, 1e-3, 1e-4]),
 )
