@@ -132,7 +132,7 @@ class Design(Pickled, Displayed):
 
         scene = self.scene
         model = model_of(scene.model, scene.limits)
-        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model)
+        moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model, scene.train)
         if model == "written":
             moved = replace(moved, writing=self.writing)
         subject = None

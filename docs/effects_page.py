@@ -32,6 +32,7 @@ from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
+from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS
 from camgeo.effects.lift_off.form_closed import LISTED
 from camgeo.effects.registry import EFFECTS, find_effect
@@ -88,6 +89,8 @@ NUMBERS: Final[dict[str, Any]] = {
     "near": math.degrees(NEAR),
     "listed": LISTED,
     "rebounds": MOST_REBOUNDS,
+    "searched": f"{SEARCHED:g}",
+    "steps": MOST_STEPS,
     "shear_share": SHEAR_SHARE,
     "shear_depth": SHEAR_DEPTH,
     "heavy": HEAVY,

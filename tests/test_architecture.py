@@ -80,6 +80,7 @@ distributed a cluster."""
 EFFECT_FRAME = {
     "",
     "effect",
+    "elastic",
     "force",
     "graph",
     "helical",

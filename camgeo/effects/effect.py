@@ -7,7 +7,7 @@ moments of inertia, t mm^2. They are consistent, so formulas need no conversion 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
-    from camgeo.state.state import Model, State
+    from camgeo.state.state import Model, State, Train
     from camgeo.state.written import Writing
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -59,6 +59,7 @@ class Subject:
     unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
     model : whose motion the effects are computed for, where that can be told (`state`).
+    output : whether the forces are those of the elastic train, where the scene has one.
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, with the same motion; None without one.
     writing : how the contour is written whose motion is meant by the model "written".
@@ -69,6 +70,7 @@ class Subject:
     unit: LengthUnit
     part_spec: PartSpec | None
     model: Model = "demanded"
+    output: Train = "elastic"
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
     writing: Writing | None = None
@@ -275,14 +277,17 @@ class Refinement:
     by : name of the other effect.
     taken : what the figures of this effect hold for, as in "a rigid follower".
     caution : what differs, where one can tell, e.g. "an elastic one leaves the cam earlier".
+    followed : whether this effect takes it into account unless the scene states a simpler state.
     """
 
     by: str
     taken: str
     caution: str = ""
+    followed: bool = False
 
 
 RIGID: Final = Refinement("vibration", "a rigid follower")
+ELASTIC: Final = replace(RIGID, followed=True)
 GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
 
 

@@ -9,7 +9,8 @@ Every force here is a polynomial in the speed of the cam at a given cam angle ph
     Q = c0(phi) + c1(phi) omega + c2(phi) omega^2 + c3(phi) alpha,
 
 with omega = dphi/dt [rad/s] and alpha = d omega/dt [rad/s^2]: weights and springs are c0, viscous
-friction is c1, inertia is c2 and c3. The force is thus known for all speeds at once.
+friction is c1, inertia is c2 and c3. The force is thus known for all speeds at once, except one
+that is `present`.
 """
 
 from __future__ import annotations
@@ -49,6 +50,9 @@ class Force:
         of it does.
     off : the force on a follower that is off the cam, see `Off`; None if it is known for the motion
         of the state alone, and for inertia, which is no force on a free follower.
+    cuts : (k,) cam angles [rad] in [0, 2 pi] between which extremes are searched for, besides the
+        borders, where a coefficient has many of them.
+    present : whether it is known for the present course of the cam in time only, and is then c0.
     """
 
     name: str
@@ -57,6 +61,8 @@ class Force:
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
     off: Off | None = None
     far: Coefficients | None = None
+    cuts: FloatArray = field(default_factory=lambda: np.empty(0))
+    present: bool = False
 
 
 def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
@@ -102,8 +108,9 @@ def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
 
 
 def smooth_edges(smooth: FloatArray, forces: Sequence[Force]) -> FloatArray:
-    """(k,) the smooth angles of the motion, `smooth`, and the borders of all `forces` [rad]."""
-    return merged(np.concatenate((smooth, all_borders(forces))))
+    """(k,) the smooth angles of the motion, `smooth`, borders and cuts of all `forces` [rad]."""
+    cuts = [force.cuts for force in forces]
+    return merged(np.concatenate((smooth, all_borders(forces), *cuts)))
 
 
 def all_borders(forces: Sequence[Force]) -> FloatArray:

@@ -86,7 +86,10 @@ class Effects:
 
     def _inputs(self, name: str) -> tuple[str, ...]:
         effect = self.effect(name)
-        used = tuple(each for each in effect.uses if each in self.tables)
+        used = [each for each in effect.uses if each in self.tables]
+        better = {each.by for each in effect.refined_by if each.followed and each.by in used}
+        if better and self.subject.output == "rigid":
+            used = [each for each in used if each not in better]
         return (*effect.needs, *(each for each in used if each not in effect.needs))
 
     def _walk(self, name: str, way: tuple[str, ...]) -> None:
@@ -189,7 +192,15 @@ class Effects:
         at_speed_of_scene = not touching or name == CONTACT_FORCE
         flown = self._flown() if lost and at_speed_of_scene else ()
         effect = self.effect(name)
-        return qualified(effect, result.findings, self.subject, lost, self.names, flown)
+        return qualified(effect, result.findings, self.subject, lost, self.names, flown,
+                         elastic=self._is_elastic(effect))  # fmt: skip
+
+    def _is_elastic(self, effect: Effect) -> bool:
+        """Whether the figures of `effect` are for an elastic train that has mass."""
+        followed = any(each.followed and each.by in self.tables for each in effect.refined_by)
+        if not followed or self.subject.output == "rigid":
+            return False
+        return self.result(CONTACT_FORCE).behind is not None
 
     def _flown(self) -> tuple[tuple[float, float], ...]:
         """The ranges [rad] over which the follower flies, if the scene names what computes them."""

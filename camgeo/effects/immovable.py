@@ -12,7 +12,6 @@ from camgeo.wording import at_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity, Subject
-    from camgeo.effects.results import Inertia
     from camgeo.mechanism.linkage_protocol import Member
     from camgeo.numeric.arrays import FloatArray
 
@@ -32,19 +31,22 @@ POSES: Final[dict[Member, tuple[str, str, str]]] = {
 at the far end."""
 
 
-def shocks(subject: Subject, inertia: Inertia | None) -> list[float]:
-    """The cam angles [rad] at which the velocity of a mass jumps; none without masses."""
-    if inertia is None:
+def shocks(subject: Subject, mass: Quantity | None) -> list[float]:
+    """The cam angles [rad] at which the velocity of the `mass` (n,) jumps, which is reduced to the
+    follower; none without masses.
+    """
+    if mass is None:
         return []
     jumps = subject.state.shocks
-    return [phi for phi in jumps if inertia.to_follower(np.array([phi]), "right")[0] > 0.0]
+    return [phi for phi in jumps if mass(np.array([phi]), "right")[0] > 0.0]
 
 
 def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> FloatArray:
     """(k,) the cam angles [rad] at which the torque on the camshaft is infinite.
 
-    There the velocity of the follower jumps and `per_alpha`, the derivative of its force by the
-    acceleration of the cam, is not 0. The follower moves between `edges` (m,) [rad].
+    There the velocity of the follower jumps and `per_alpha` is not 0: the inertia
+    reduced to it, or the derivative of its force by the acceleration of the cam. The follower moves
+    between `edges` (m,) [rad].
     """
     motion = subject.state.motion
     places = np.asarray(motion.breaks)

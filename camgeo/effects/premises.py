@@ -5,7 +5,7 @@ Three things are checked for every effect, whatever it computes: that the follow
 trimmed one does not if that is the demanded motion; and that no other effect of the scene has a
 better model (`Effect.refined_by`). Each that fails gives one finding. While one of the first two
 fails, no figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of
-the contour as it is written, that is told too.
+the contour as it is written, that is told too, and where the train behind the follower is elastic.
 """
 
 from __future__ import annotations
@@ -37,6 +37,13 @@ WORDS: Final[dict[Form, str]] = {
 }
 """Forms of a contour, in words."""
 
+OF_TRAIN: Final = Finding(
+    "elastic-train",
+    "ok",
+    "these figures are for the elastic train of the effect vibration, in the steady state at the"
+    " speed of the scene",
+)
+
 SLACK: Final = 1e-9
 """Cam angles [rad] this close are equal but for rounding."""
 
@@ -48,6 +55,8 @@ def qualified(
     lost: LostContact | None,
     named: Sequence[str],
     flown: Sequence[Range] = (),
+    *,
+    elastic: bool = False,
 ) -> tuple[Finding, ...]:
     """The `findings` of `effect`, after those that say what they do not hold for.
 
@@ -56,6 +65,7 @@ def qualified(
     lost : where the follower leaves the cam; None if that is not known.
     named : the effects that the scene names.
     flown : where it then flies; empty if that is not known.
+    elastic : whether they are for an elastic train.
     """
     if all(each.value is None for each in findings):
         return findings  # without figures there is nothing to qualify
@@ -65,8 +75,8 @@ def qualified(
     trimmed = tuple(trimming(effect, subject))
     if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    told = _as_written(effect, subject)
-    return (*broken, *trimmed, *told, *_simplified(effect, named), *findings)
+    told = (*_as_written(effect, subject), *((OF_TRAIN,) if elastic else ()))
+    return (*broken, *trimmed, *told, *_simplified(effect, subject, named), *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
@@ -217,9 +227,12 @@ def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
         return None
 
 
-def _simplified(effect: Effect, named: Sequence[str]) -> Iterator[Finding]:
-    """A warning if other effects that the scene names have a better model."""
-    found = [each for each in effect.refined_by if each.by in named]
+def _simplified(effect: Effect, subject: Subject, named: Sequence[str]) -> Iterator[Finding]:
+    """A warning if other effects that the scene names have a better model that is not followed."""
+    elastic = subject.output == "elastic"
+    found = [
+        each for each in effect.refined_by if each.by in named and not (each.followed and elastic)
+    ]
     if not found:
         return
     others = listed([each.by for each in found])

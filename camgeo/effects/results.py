@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from camgeo.effects.effect import Quantity
+    from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
     from camgeo.effects.helical import HelicalSpring
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
@@ -127,6 +128,18 @@ class Spring(Acting):
         """(n,) -x dx/dq: generalised force per unit of stiffness."""
         x, rate = self.way(phi, side)
         return -x * rate
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Elastic(Result):
+    """A result that includes the elastic train behind the follower.
+
+    Attributes
+    ----------
+    behind : None if nothing behind it has mass, or if it is rigid.
+    """
+
+    behind: ElasticTrain | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,10 +257,16 @@ class ContactForce(Touching):
     friction : None if the scene has none.
     edges : (k,) cam angles [rad] from 0 to 2 pi between which N is smooth and keeps its sign.
     extremes : smallest and largest N of the turn, signed.
-    required : (4, n) coefficients of the generalised force R that the contact must provide.
+    required : (4, n) coefficients of the generalised force R that the contact must provide, with a
+        rigid train.
+    demand : (n,) R [N or N mm] at the speed of the scene, with the train of its state.
     normal : (n,) N at the speed of the scene, or at rest if it gives none.
-    normal_at : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2].
+    normal_at : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2], with
+        a rigid train.
     bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`.
+    struck : (n,) inertia [t or t mm^2] reduced to the follower that a jump of its velocity strikes:
+        all that is not behind an elastic train; None without masses.
+    behind : the elastic train that `forces` include; None if it is rigid.
     """
 
     forces: tuple[Force, ...]
@@ -258,6 +277,14 @@ class ContactForce(Touching):
     normal: Quantity
     normal_at: Callable[[FloatArray, Side, FloatArray], FloatArray]
     bracket: Callable[[FloatArray, Side, int], FloatArray]
+    demand: Quantity
+    struck: Quantity | None = None
+    behind: ElasticTrain | None = None
+
+    @property
+    def lasting(self) -> tuple[Force, ...]:
+        """The forces that are known at all speeds, with a rigid train."""
+        return tuple(force for force in self.forces if not force.present)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -287,6 +314,7 @@ GRAVITY: Final = Key[Gravity]("gravity")
 LOAD: Final = Key[Acting]("load")
 SPRING: Final = Key[Spring]("spring")
 FRICTION: Final = Key[Friction]("friction")
+VIBRATION: Final = Key[Elastic]("vibration")
 LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")

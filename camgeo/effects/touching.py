@@ -34,7 +34,7 @@ from camgeo.numeric.extremes import Extreme, Extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity, Subject
-    from camgeo.effects.results import ContactForce, Inertia
+    from camgeo.effects.results import ContactForce
     from camgeo.numeric.arrays import FloatArray, Side
 
 INNER: Final = 1
@@ -71,7 +71,7 @@ def lost_contact(
     normal: Quantity,
     extremes: Extremes,
     edges: FloatArray,
-    inertia: Inertia | None,
+    mass: Quantity | None,
     margin: float = 0.0,
 ) -> LostContact:
     """Where less than `margin` [N] presses the follower on its only flank.
@@ -83,7 +83,7 @@ def lost_contact(
     normal : contact force [N], positive where the inner flank carries, smooth between neighbouring
         `edges` (k,) [rad] from 0 to 2 pi.
     extremes : of `normal`.
-    inertia : the masses; None without any.
+    mass : that a jump of the velocity strikes, reduced to the follower; None without any.
     """
     if holds_both_ways(subject):
         return LostContact()
@@ -92,7 +92,7 @@ def lost_contact(
     ranges: tuple[Range, ...] = ()
     if lowest.value < limit:
         ranges = ranges_below(lambda phi, side: sense * normal(phi, side), edges, limit, lowest)
-    return LostContact(ranges, _leaps(subject, inertia, sense))
+    return LostContact(ranges, _leaps(subject, mass, sense))
 
 
 def lowest_on_flank(extremes: Extremes, sense: int) -> Extreme:
@@ -102,13 +102,13 @@ def lowest_on_flank(extremes: Extremes, sense: int) -> Extreme:
     return Extreme(-extremes.highest.value, extremes.highest.place)
 
 
-def _leaps(subject: Subject, inertia: Inertia | None, sense: int) -> tuple[float, ...]:
+def _leaps(subject: Subject, mass: Quantity | None, sense: int) -> tuple[float, ...]:
     """Cam angles [rad] at which the velocity of a mass jumps away from the flank `sense`.
 
     No finite force holds the follower on the flank there.
     """
     motion, found = subject.state.motion, []
-    for angle in shocks(subject, inertia):
+    for angle in shocks(subject, mass):
         here = np.array([angle])
         jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
         if jump[0] * outwards_of(subject, here, "right", sense)[0] < 0.0:

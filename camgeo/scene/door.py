@@ -279,6 +279,7 @@ class Builder:
             "part": self.kept("part", lambda own: own.part(effects)),
             "model": get("state", "motion"),
             "contour": get("state", "contour"),
+            "train": get("state", "output") or "elastic",
             "printing": self.kept("printing", Builder._printing),
             "drawing": self.kept("drawing", Builder._drawing),
         }

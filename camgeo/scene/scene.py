@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from camgeo.part.spec import PartSpec
     from camgeo.printing.spec import PrintSpec
     from camgeo.scene.valid_values import ValidValues
-    from camgeo.state.state import Model
+    from camgeo.state.state import Model, Train
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -66,6 +66,7 @@ class Scene:
     drawing : what the sheet states; the defaults if the scene has no `[drawing]`.
     model : whose motion the effects are computed for; None for the default of its `limits`.
     contour : form of the contour that the model "written" is of; None for that of the drawing.
+    train : whether the forces are those of the elastic train, where the scene has one.
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
     output : what is written.
@@ -99,6 +100,7 @@ class Scene:
     printing: PrintSpec | None
     model: Model | None
     contour: Form | None
+    train: Train
 
     def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
         """A scene from its tables, nested as in TOML; a float is the number that Python prints.

@@ -14,6 +14,11 @@ Model = Literal["demanded", "outline", "written"]
 makes, or the one that its contour makes as it is written.
 """
 
+Train = Literal["elastic", "rigid"]
+"""How the output follows the follower: by the elastic train of the effect `vibration`, where a
+scene names it, or as if that were rigid.
+"""
+
 
 class State(Protocol):
     """The motion of follower and output, and how the cam turns.

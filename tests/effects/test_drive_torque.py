@@ -67,6 +67,18 @@ class DefinedForce:
     def required(self, phi: FloatArray, side: Side) -> FloatArray:
         return -total(self.forces, phi, side)
 
+    @property
+    def lasting(self) -> Sequence[Force]:
+        return self.forces
+
+    def struck(self, phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(np.abs(self.required(phi, side)[3]))
+
+    def demand(self, phi: FloatArray, side: Side) -> FloatArray:
+        course = self.subject.drive.time_course
+        rates = np.zeros((2, len(phi))) if course is None else course.rates(phi)
+        return at_rates(self.required(phi, side), rates)
+
     def normal_at(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         force = at_rates(self.required(phi, side), rates)
         leverage = self.subject.cam.disc.pitch_curve.leverage(phi, side)

@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from camgeo.design import Design
 from camgeo.effects.lift_off import flight
 from camgeo.errors import GeometryError
-from camgeo.scene.load import parse_scene
+from camgeo.scene.load import load_scene, parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
 
@@ -33,12 +33,13 @@ GRAVITY: Final = 9806.65
 
 
 def loaded(name: str, *changes: tuple[str, str]) -> Design:
-    """The scene of an effect, with texts replaced that it has once."""
+    """The scene of an effect, with texts replaced that it has once, and a rigid train."""
     path: Path = EFFECTS / f"{name}.toml"
     text = path.read_text("utf-8")
     for old, new in changes:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
+    text += '\n[state]\noutput = "rigid"\n'
     return Design(parse_scene(text, str(path)))
 
 
@@ -208,6 +209,9 @@ def test_where_no_landing_can_be_given_it_says_why() -> None:
     assert "still off the inner flank where the next turn's first flight begins" in far
     held = loaded("lift_off_elastic", ("speed = 600", "speed = 300")).effects.findings("lift-off")
     assert "flight" not in {each.name for each in held}
+    elastic = Design(load_scene(str(EFFECTS / "lift_off_elastic.toml"))).effects
+    said = {each.sentence for each in elastic.findings("lift-off")}
+    assert any("the free motion of an elastic train is not computed" in each for each in said)
     light = design(
         "plate_translating", "[effects.load]\nconstant = -50\n[effects.lift-off]"
     ).effects.findings("lift-off")

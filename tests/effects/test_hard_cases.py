@@ -238,11 +238,16 @@ def test_a_rest_of_no_length_changes_nothing() -> None:
 
 @pytest.mark.parametrize("ratio", [1, 3, 17])
 def test_resonance_without_damping(ratio: int) -> None:
-    """A motion of many harmonics resonates with each: that effect says so, others answer."""
+    """A motion of many harmonics resonates with each: that effect says so, and all that are for the
+    train. Others answer.
+    """
     text = scene_text("plate_translating")
     effects = every(text, vibration=f"natural_frequency = {ratio}")
     design = made(text, effects)
-    assert assert_well_formed(design) == {"vibration": "resonance"}
+    forces = {"contact-force", "lift-off", "drive-torque", "contact-pressure", "speed-fluctuation"}
+    assert assert_well_formed(design) == dict.fromkeys({"vibration", *forces}, "resonance")
+    rigid = made(text, f'{effects}\n[state]\noutput = "rigid"\n')
+    assert assert_well_formed(rigid) == {"vibration": "resonance"}
     each = found(design, "vibration", "resonance")
     assert each.severity == "broken"
     assert each.value == pytest.approx(float(ratio), rel=1e-12)
@@ -515,7 +520,7 @@ def test_inches_are_millimetres() -> None:
 
 def test_velocity_jumps() -> None:
     """Each effect with a mass reports the shock; the rest is finite."""
-    stated = '[state]\nmotion = "demanded"\n\n[limits]'
+    stated = '[state]\nmotion = "demanded"\noutput = "rigid"\n\n[limits]'
     text = scene_text("straight_moves").replace("[limits]", stated)
     design = made(text, every(text))
     assert assert_well_formed(design) == {"speed-fluctuation": "shock"}
@@ -529,6 +534,10 @@ def test_velocity_jumps() -> None:
         reported = [each for each in design.effects.findings(effect) if each.name == name]
         assert reported, effect
         assert all(each.severity in ("warning", "broken") for each in reported), effect
+    # A train cushions it, except for what takes all masses as rigid.
+    soft = made(text.replace('output = "rigid"\n', ""), every(text))
+    assert assert_well_formed(soft) == {"speed-fluctuation": "shock"}
+    assert "shock" not in names(soft, "contact-force") | names(soft, "drive-torque")
     # Without a mass there is no shock.
     still = made(text, every(text, inertia="mass = 0"))
     assert "shock" not in names(still, "contact-force") | names(still, "drive-torque")
@@ -542,7 +551,7 @@ def test_cusps_and_undercut(name: str) -> None:
     text = scene_text(name)
     slow = assert_well_formed(made(text, every(text)))
     fast = re.sub(r"^speed = \d+", "speed = 2000", text, flags=re.MULTILINE)
-    design = made(fast, every(text))
+    design = made(fast, every(text) + '\n[state]\noutput = "rigid"\n')
     assert "contact-pressure" not in assert_well_formed(design)
     assert found_all(design, "lift-off", "lift-off")
     assert slow["contact-pressure"] == "infinite-contact-pressure"

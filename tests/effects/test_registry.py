@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -113,7 +113,7 @@ def test_rules_are_about_keys_that_there_are(name: str) -> None:
 def test_none_needs_itself(name: str) -> None:
     """Whatever a scene names, all of them at worst."""
     everything: dict[str, dict[str, Any]] = {each: {} for each in EFFECTS}
-    subject: Any = None
+    subject: Any = SimpleNamespace(output="elastic")
     assert name not in Effects(subject, everything, Ledger()).inputs(name)
 
 

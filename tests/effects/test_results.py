@@ -24,9 +24,11 @@ from camgeo.effects.results import (
     INERTIA,
     LOAD,
     SPRING,
+    VIBRATION,
     Friction,
 )
 from camgeo.effects.spring.result import compute as spring
+from camgeo.effects.vibration.result import compute as vibration
 
 Answer = TypeVar("Answer")
 Pair = tuple[str, Callable[..., Any]]
@@ -45,6 +47,7 @@ PAIRS = (
     pair(FRICTION, friction),
     pair(CONTACT_FORCE, contact_force),
     pair(DRIVE_TORQUE, drive_torque),
+    pair(VIBRATION, vibration),
 )
 
 

@@ -46,7 +46,7 @@ class Law:
 
     @property
     def contact(self) -> Any:
-        return SimpleNamespace(forces=(), normal_at=lambda phi, *_: np.ones(len(phi)))
+        return SimpleNamespace(lasting=(), normal_at=lambda phi, *_: np.ones(len(phi)))
 
     def law(self, phi: FloatArray, side: Side) -> FloatArray:
         return np.stack([row + np.zeros(len(phi)) for row in self.rows(phi)])

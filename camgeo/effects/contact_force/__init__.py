@@ -7,8 +7,16 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect, data_of
-from camgeo.effects.results import CONTACT_FORCE, FRICTION, GRAVITY, INERTIA, LOAD, SPRING
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect, data_of
+from camgeo.effects.results import (
+    CONTACT_FORCE,
+    FRICTION,
+    GRAVITY,
+    INERTIA,
+    LOAD,
+    SPRING,
+    VIBRATION,
+)
 from camgeo.effects.rules import ONE_CONTACT, Only
 
 FORCES: Final = (INERTIA, GRAVITY, LOAD, SPRING)
@@ -29,7 +37,7 @@ EFFECT: Final = Effect(
     schema=schema_beside(__file__),
     parse=partial(data_of, ForceLimit),
     rules=(Only(ONE_CONTACT),),
-    uses=(*FORCES, FRICTION),
+    uses=(*FORCES, FRICTION, VIBRATION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),
-    refined_by=(RIGID, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED),
 )

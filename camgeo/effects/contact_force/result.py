@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
 from camgeo.effects.contact_force import FORCES, ForceLimit
-from camgeo.effects.contact_force.balance import ForceBalance, edges_of, refuse_jamming
-from camgeo.effects.effect import Column, Quantity, Request, Subject
+from camgeo.effects.contact_force.balance import (
+    VANISHING,
+    ForceBalance,
+    edges_of,
+    refuse_jamming,
+)
+from camgeo.effects.effect import Bound, Column, Quantity, Request, Subject
 from camgeo.effects.force import all_borders, total
 from camgeo.effects.immovable import shocks
-from camgeo.effects.results import FRICTION, INERTIA, ContactForce
+from camgeo.effects.results import FRICTION, INERTIA, LOAD, VIBRATION, ContactForce, Inertia
 from camgeo.effects.touching import (
     INNER,
     OUTER,
@@ -21,7 +30,10 @@ from camgeo.effects.touching import (
 )
 from camgeo.effects.wording import angles, at, by_place, placed
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, piecewise_highest
+
+if TYPE_CHECKING:
+    from camgeo.effects.elastic import ElasticTrain
 
 
 def compute(request: Request[ForceLimit]) -> ContactForce:
@@ -38,12 +50,21 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     if friction is not None:
         forces.append(friction.force)
     require_convex(subject, "contact force")
-    balance = ForceBalance(subject, tuple(forces), friction)
+    rigid = ForceBalance(subject, tuple(forces), friction)
+    inertia, vibration = request.results.get(INERTIA), request.results.get(VIBRATION)
+    behind = None if vibration is None else vibration.behind
+    balance = rigid
+    if behind is not None:
+        train = behind.force(subject.state.smooth_angles)
+        balance = replace(rigid, forces=(*rigid.forces, train))
     edges = edges_of(balance)
     refuse_jamming(balance, edges)
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         return balance.normal(phi, side, balance.rates(phi))
+
+    def demand(phi: FloatArray, side: Side) -> FloatArray:
+        return balance.demand(phi, side, balance.rates(phi))
 
     def required(phi: FloatArray, side: Side) -> FloatArray:
         return -total(forces, phi, side)
@@ -51,20 +72,75 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     limit = request.data.limit
     extremes = piecewise_extremes(normal, edges)
     found = force_findings(extremes, subject, limit)
-    inertia = request.results.get(INERTIA)
+    columns = _columns(subject, normal, limit, all_borders(forces))
+    struck = struck_by_jumps(inertia, behind)
     return ContactForce(
-        findings=(*found, *shock_findings(request)),
-        columns=_columns(subject, normal, limit, all_borders(forces)),
-        lost_contact=lost_contact(subject, normal, extremes, edges, inertia),
+        findings=(*found, *unexcited(request, behind), *shock_findings(subject, struck)),
+        columns=columns,
+        lost_contact=lost_contact(subject, normal, extremes, edges, struck),
+        errors=errors_of((*found, *columns), extremes, balance, behind),
         forces=balance.forces,
         friction=friction,
         edges=edges,
         extremes=extremes,
         required=required,
         normal=normal,
-        normal_at=balance.normal,
+        normal_at=rigid.normal,
         bracket=balance.bracket,
+        demand=demand,
+        struck=struck,
+        behind=behind,
     )
+
+
+def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list[Finding]:
+    """A warning if a load on the output, which acts here as on the follower, would move a train."""
+    load = request.results.get(LOAD)
+    if behind is None or load is None or load.force.potential is not None:
+        return []
+    return [
+        Finding(
+            name="unexcited-train",
+            severity="warning",
+            sentence=(
+                "the load varies, which would excite the elastic train; here it is passed on as by"
+                " a rigid one"
+            ),
+        )
+    ]
+
+
+def struck_by_jumps(inertia: Inertia | None, behind: ElasticTrain | None) -> Quantity | None:
+    """See `ContactForce.struck`."""
+    if inertia is None:
+        return None
+    if behind is None:
+        return inertia.to_follower
+
+    def in_front(phi: FloatArray, side: Side) -> FloatArray:
+        return inertia.to_follower(phi, side) - behind.reduced(phi, side)
+
+    return in_front
+
+
+def errors_of(
+    found: Sequence[Finding | Column],
+    extremes: Extremes,
+    balance: ForceBalance,
+    behind: ElasticTrain | None,
+) -> dict[str, Bound]:
+    """The error of the force where an elastic train passes it on; else it is exact."""
+    if behind is None:
+        return {}
+
+    def per_force(phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) N [N] per unit of m x''."""
+        reserve = balance.parts(phi, side, balance.rates(phi))[2]
+        least = VANISHING * abs(balance.subject.cam.follower.reach)
+        return np.asarray(np.abs(behind.per_lift(phi, side)) / np.maximum(reserve, least))
+
+    off = behind.error * piecewise_highest(per_force, balance.subject.state.smooth_angles).value
+    return dict.fromkeys([each.name for each in found], Bound(off, extremes.magnitude))
 
 
 def _columns(
@@ -127,9 +203,8 @@ def _value(extreme: Extreme, where: str) -> str:
     return f"on {where} {extreme.value:.6g} N {at(extreme.place)}"
 
 
-def shock_findings(request: Request[ForceLimit]) -> list[Finding]:
+def shock_findings(subject: Subject, struck: Quantity | None) -> list[Finding]:
     """Where the velocity of a mass jumps: the force is infinite there, and not in the values."""
-    inertia = request.results.get(INERTIA)
     return [
         Finding(
             name="shock",
@@ -140,5 +215,5 @@ def shock_findings(request: Request[ForceLimit]) -> list[Finding]:
             ),
             cam_angle=places[0],
         )
-        for places in by_place(shocks(request.subject, inertia))
+        for places in by_place(shocks(subject, struck))
     ]

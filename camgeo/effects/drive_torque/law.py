@@ -73,7 +73,8 @@ class TorqueLaw:
     def at(
         self, phi: FloatArray, side: Side, omega: FloatArray | float, alpha: FloatArray | float
     ) -> FloatArray:
-        """(n,) torque [N mm] at `phi` with the cam turning at omega [rad/s] and alpha [rad/s^2].
+        """(n,) torque [N mm] at `phi` with the cam turning at omega [rad/s] and alpha [rad/s^2], of
+        a rigid train.
 
         Raises
         ------
@@ -82,7 +83,10 @@ class TorqueLaw:
         """
         law = self.coefficients(phi, side)
         shape = np.broadcast_to(np.zeros(1), phi.shape)
-        force = at_rates(law[:4], np.stack((omega + shape, alpha + shape)))
+        return self._under(at_rates(law[:4], np.stack((omega + shape, alpha + shape))), law, phi)
+
+    def _under(self, force: FloatArray, law: FloatArray, phi: FloatArray) -> FloatArray:
+        """(n,) torque [N mm] where the contact provides R = `force` (n,)."""
         gain = np.where(force >= 0.0, law[4], law[5])
         torque: FloatArray = np.where(force == 0.0, 0.0, force * gain)
         jammed = np.isnan(torque)
@@ -106,9 +110,8 @@ class TorqueLaw:
 
     def torque(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at the speed of the scene; the static part if it gives none."""
-        course = self.subject.state.course
-        omega, alpha = (0.0, 0.0) if course is None else course.rates(phi)[:2]
-        return self.at(phi, side, omega, alpha)
+        force = self.contact.demand(phi, side)
+        return self._under(force, self.coefficients(phi, side), phi)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at very low speed: without inertia and viscous friction."""
@@ -123,7 +126,7 @@ class TorqueLaw:
 
         With friction these include the angles at which its R changes sign.
         """
-        base = smooth_edges(self.subject.state.smooth_angles, self.contact.forces)
+        base = smooth_edges(self.subject.state.smooth_angles, self.contact.lasting)
         if self.contact.friction is None:
             return base
         roots = roots_on_grid(lambda phi: self.contact.required(phi, "right")[0], grid_of(base))

@@ -171,9 +171,9 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
 def _shock(law: TorqueLaw) -> list[Finding]:
     """Where the velocity of a mass jumps; no finding without a mass."""
     contact = law.contact
-    places = torque_shocks(
-        law.subject, lambda phi, side: contact.required(phi, side)[3], contact.edges
-    )
+    if contact.struck is None:
+        return []
+    places = torque_shocks(law.subject, contact.struck, contact.edges)
     if not len(places):
         return []
     first = float(places[0])

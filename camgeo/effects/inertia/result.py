@@ -77,7 +77,7 @@ def compute(request: Request[MassProperties]) -> Inertia:
         to_follower=partial(reduced, train),
         columns=report.columns(),
     )
-    found = report.findings(shocks(subject, inertia))
+    found = report.findings(shocks(subject, inertia.to_follower))
     return replace(inertia, findings=(*found, *lacking(subject, data)))
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect, data_of
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
@@ -41,7 +41,7 @@ EFFECT: Final = Effect(
     numerical=True,
     premise="motion",
     refined_by=(
-        replace(RIGID, caution="an elastic one may leave the cam at a lower speed"),
+        replace(ELASTIC, caution="an elastic one may leave the cam at a lower speed"),
         GIVEN_SPEED,
     ),
 )

@@ -21,7 +21,6 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import at_rates
 from camgeo.effects.lift_off.cells import MOST_HALVINGS, ORDERS, ROUNDING, Nodes, cells_from
 from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce, Inertia
@@ -206,8 +205,7 @@ class Clearance:
             rates = course.rates(phi)
             # n of the side that takes over points towards it; in a groove it is the other gap.
             lever = -leverage_of(self.subject, phi, "right", -change.sense)
-            needed = at_rates(self.contact.required(phi, "right"), rates)
-            push = -needed / self.inertia.to_follower(phi, "right")
+            push = -self.contact.demand(phi, "right") / self.inertia.to_follower(phi, "right")
             found = (each.reshape(angles.shape) for each in (lever, push, rates[0]))
             for ends, *values in zip(block, angles, *found, strict=True):
                 yield _Cell(*ends, *values)

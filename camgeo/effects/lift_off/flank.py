@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.effect import Subject
+from camgeo.effects.force import smooth_edges
 from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import lowest_on_flank, outwards_of
 from camgeo.numeric.arrays import FloatArray, Side
@@ -47,24 +48,36 @@ class Flank:
         """The smallest `force` of the turn."""
         return lowest_on_flank(self.contact.extremes, self.sense)
 
+    @property
+    def base_edges(self) -> FloatArray:
+        """(k,) cam angles [rad] between which all but the force of an elastic train is smooth."""
+        return smooth_edges(self.subject.state.smooth_angles, self.contact.lasting)
+
     def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) direction of q in which the flank pushes, +1 or -1."""
         return outwards_of(self.subject, phi, side, self.sense)
 
-    def reserve(
-        self, phi: FloatArray, side: Side, outwards: FloatArray | None = None
-    ) -> FloatArray:
+    def left(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) the reserve at the speed of the scene, with the train of its state."""
+        behind = self.contact.behind
+        found: FloatArray = np.sum(self.reserve(phi, side), axis=0)
+        if behind is not None:
+            found -= self.outwards(phi, side) * behind.beyond_rigid(phi, side)
+        return found
+
+    def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
         """(3, n) r0, r1, r2 [N or N mm]: r0 + f r1 + f^2 r2 is the reserve over the margin.
 
         This is the generalised force of the contact, in the direction in which the flank pushes,
         minus that of the margin, with the cam running f times as fast as in the scene: omega is
-        proportional to f, alpha to f^2. It has the sign of the contact force minus the margin.
+        proportional to f, alpha to f^2. It has the sign of the contact force minus the margin. An
+        elastic train counts as rigid.
         """
         course = self.subject.state.course
         omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))
-        for force in self.contact.forces:
+        for force in self.contact.lasting:
             c0, c1, c2, c3 = force.coefficients(phi, side)
             parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
             needed -= parts
@@ -74,5 +87,5 @@ class Flank:
             needed[0] -= bracket
             size[0] += np.abs(bracket)
         needed[np.abs(needed) <= SHARE * size] = 0.0
-        needed *= self.outwards(phi, side) if outwards is None else outwards
+        needed *= self.outwards(phi, side)
         return needed

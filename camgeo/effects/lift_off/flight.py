@@ -25,7 +25,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import Force, at_rates
+from camgeo.effects.force import Force
 from camgeo.effects.lift_off.cells import (
     MOST_HALVINGS,
     ORDERS,
@@ -219,7 +219,7 @@ class FreeFollower:
         jet = self.subject.state.motion.jet(phi, "right")
         here, pace = jet[0], jet[1] * omega
         free = [each for each in self.contact.forces if each is not self.inertia.force]
-        needed = at_rates(self.contact.required(phi, "right"), rates)
+        needed = self.contact.demand(phi, "right")
         bound = sum(_off(each, phi, here, pace) for each in free)
         d, v = np.full(len(phi), way), np.full(len(phi), rate)
         for _ in range(MOST_ITERATIONS):

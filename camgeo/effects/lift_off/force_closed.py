@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from camgeo.check.finding import Finding
+from camgeo.effects.effect import Bound
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
-from camgeo.effects.results import Inertia, Leaving, Range, Spring
+from camgeo.effects.results import Leaving, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
 from camgeo.effects.wording import N_M, angles, at, by_place, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
@@ -18,6 +19,7 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
+    from camgeo.effects.lift_off.elastic_speed import ElasticSpeed
     from camgeo.effects.lift_off.flight import Flight
 
 
@@ -30,7 +32,7 @@ class ForceClosed(Leaving):
     lowest : smallest force [N] on the flank.
     lost : ranges where it is below the margin.
     speed : at which this first happens, as a factor of the speed in the scene; infinite if it never
-        happens; None if the scene gives no speed.
+        happens; None if the scene gives no speed, or if none was found for an elastic train.
     preload, stiffness : least values [N, N/mm or N mm, N mm/rad]; infinite if no value is enough;
         None without a spring.
     flights : off the flank, with their rebounds, as far as they can be computed.
@@ -44,13 +46,13 @@ class ForceClosed(Leaving):
     flights: tuple[Flight, ...] = ()
 
 
-def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> ForceClosed:
-    """The findings for `flank`, with the masses and the spring of the scene if it has any."""
+def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
+    """The findings for `flank`, with the spring of the scene if it has one."""
     edges, course = flank.contact.edges, flank.subject.state.course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     contact = flank.contact
     off = lost_contact(
-        flank.subject, contact.normal, contact.extremes, edges, inertia, flank.margin
+        flank.subject, contact.normal, contact.extremes, edges, contact.struck, flank.margin
     )
     lost, leaps = off.ranges, off.leaps
     found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in by_place(leaps)]
@@ -58,11 +60,23 @@ def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> Fo
         found.append(_kept(flank, lowest))
     if not lost and flank.margin == 0.0 and lowest.value <= least:
         found.append(_touching(lowest, flank.toucher))
-    speed = None
+    speed, errors = None, {}
     if course is not None:
-        speed = Extreme(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
-    if course is not None and speed is not None:
-        found.append(_speed(flank, speed, course, bool(lost or leaps)))
+        rigid = Extreme(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
+        speed = rigid
+        if contact.behind is None or leaps:
+            found.append(_speed(flank, rigid, course, bool(lost or leaps)))
+        else:
+            from camgeo.effects.lift_off.elastic_speed import (
+                elastic_speed,  # few trains are elastic
+            )
+
+            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value)
+            speed = searched.speed
+            found.append(_elastic(flank, searched, rigid, course, bool(lost)))
+            if speed is not None:
+                mean = _mean(course)
+                errors = {"lift-off-speed": Bound(searched.error * mean, speed.value * mean)}
     preload = stiffness = None
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
@@ -75,7 +89,9 @@ def of_flank(flank: Flank, inertia: Inertia | None, spring: Spring | None) -> Fo
         found.append(
             _least("stiffness", stiffness, rate, spring.unit_of_stiffness, "preload", kept)
         )
-    return ForceClosed(lowest, lost, speed, preload, stiffness, findings=tuple(found))
+    return ForceClosed(
+        lowest, lost, speed, preload, stiffness, findings=tuple(found), errors=errors
+    )
 
 
 def _leaves(flank: Flank) -> str:
@@ -143,9 +159,44 @@ def _touching(low: Extreme, what: str) -> Finding:
     return placed("contact-touches-zero", sentence, Extreme(0.0, low.place), "N", 0.0, "warning")
 
 
+def _mean(course: TimeCourse) -> float:
+    """The mean speed [rev/min] over a turn."""
+    return TURN / period(course) / RPM
+
+
+def _elastic(
+    flank: Flank, found: ElasticSpeed, rigid: Extreme, course: TimeCourse, lost: bool
+) -> Finding:
+    """The lift-off speed with an elastic train, or how far it was searched for."""
+    mean = _mean(course)
+    if found.speed is not None:
+        own = _speed(flank, found.speed, course, lost)
+        there = "at no speed"
+        if not math.isinf(rigid.value):
+            there = f"at {rigid.value * mean:.6g} rev/min"
+        return replace(own, sentence=f"{own.sentence}; with a rigid train {there}")
+    until = f"the {flank.toucher} keeps its flank up to {found.kept * mean:.6g} rev/min"
+    if not found.why:
+        return Finding(
+            name="lift-off-speed",
+            severity="ok",
+            sentence=f"{until}, the highest speed searched",
+            limit=mean,
+            unit="rev/min",
+        )
+    known = f"{until}; beyond, " if found.kept > 0.0 else ""
+    return Finding(
+        name="lift-off-speed",
+        severity="warning",
+        sentence=f"{known}no lift-off speed is given for the elastic train: {found.why}",
+        limit=mean,
+        unit="rev/min",
+    )
+
+
 def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Finding:
     """The lift-off speed compared with the speed of the scene, both as means over a turn."""
-    mean = TURN / period(course) / RPM
+    mean = _mean(course)
     if math.isinf(found.value):
         return Finding(
             name="lift-off-speed",

@@ -78,7 +78,12 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
         return "it needs [effects.inertia]; without mass the clearance is crossed instantly"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, so the clearance is crossed instantly"
-    jumps = shocks(subject, inertia)
+    if contact.behind is not None:
+        return (
+            "behind an elastic train the masses move on by themselves; [state] output ="
+            ' "rigid" gives the impact of a rigid one'
+        )
+    jumps = shocks(subject, contact.struck)
     if jumps:
         return f"the velocity jumps {at(jumps[0])}, which is itself a shock"
     return ""

@@ -93,6 +93,11 @@ def _why_not(flank: Flank, inertia: Inertia | None) -> str:
         return "the follower has no mass"
     if any(each.end - each.start == TURN for each in contact.lost_contact.ranges):
         return f"the {flank.toucher} is off the cam over the whole turn"
+    if contact.behind is not None:
+        return (
+            'the free motion of an elastic train is not computed; [state] output = "rigid" gives'
+            " that of a rigid one"
+        )
     unknown = [
         each.name for each in contact.forces if each.off is None and each is not inertia.force
     ]

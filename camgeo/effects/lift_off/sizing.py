@@ -44,10 +44,8 @@ def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) ->
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) effect and rest."""
-        outwards = flank.outwards(phi, side)
-        effect = -outwards * per_unit(phi, side)
-        rest = np.sum(flank.reserve(phi, side, outwards), axis=0) - now * effect
-        return effect, rest
+        effect = -flank.outwards(phi, side) * per_unit(phi, side)
+        return effect, flank.left(phi, side) - now * effect
 
     roots = roots_on_grid(lambda phi: per_unit(phi, "right"), grid_of(edges))
     cuts = merged(np.concatenate((edges, roots)))

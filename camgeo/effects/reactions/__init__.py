@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, RIGID, Effect
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, Only
 
@@ -18,5 +18,5 @@ EFFECT: Final = Effect(
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, GRAVITY, SPRING),
     numerical=True,
-    refined_by=(RIGID, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED),
 )

@@ -61,7 +61,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     subject, data = request.subject, request.data
     drive = request.results[DRIVE_TORQUE]
     law, contact = drive.law, drive.contact
-    edges = smooth_edges(subject.state.smooth_angles, contact.forces)
+    edges = smooth_edges(subject.state.smooth_angles, contact.lasting)
     refuse_shocks(subject, law)
     shaft = Shaft(data.moment_of_inertia, data.motor)
     steady = accurate(shaft, law, edges, request.tolerance)

@@ -6,12 +6,12 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
-from camgeo.effects.results import INERTIA
+from camgeo.effects.results import INERTIA, VIBRATION
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.table import parse
 
 EFFECT: Final = Effect(
-    name="vibration",
+    name=VIBRATION,
     title="vibration of the follower train",
     compute="camgeo.effects.vibration.result:compute",
     schema=schema_beside(__file__),

@@ -14,21 +14,11 @@ from camgeo.effects.vibration.output import Clock, Output
 from camgeo.effects.wording import at
 from camgeo.motion.motion import Dwell
 from camgeo.motion.plan import in_turn
-from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.oscillator.train import Train
 from camgeo.units import RPM, TURN
 from camgeo.wording import cam_angle
-
-MOST_PERIODS: Final = 4096
-"""Periods per turn up to which each period is searched for the largest deflection. Beyond this, the
-samples of a lasting vibration cover all its phases, and a decaying one is searched where it
-begins.
-"""
-
-BEGINNING: Final = np.array([1.0, 2.0])
-"""Periods after each border that are then searched separately."""
 
 AMPLIFICATION: Final = 10.0
 """Amplification of a harmonic above which it counts as resonance. Without damping this is reached
@@ -58,21 +48,6 @@ class MotionUnit:
 
     def of(self, value: float) -> str:
         return f"{self.scale * value:.4g} {self.unit}"
-
-
-def search_edges(smooth: FloatArray, train: Train | None, period: float) -> FloatArray:
-    """The edges between which extremes are searched for, at most a period of the train apart."""
-    if train is None:
-        return smooth
-    periods = float(np.max(train.rates.imag)) * period / TURN
-    if not periods > 1.0:
-        return smooth
-    count = math.ceil(min(periods, MOST_PERIODS))
-    edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
-    if periods > MOST_PERIODS:
-        begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()
-        edges = np.concatenate((edges, begin[begin < TURN]))
-    return merged(edges)
 
 
 def magnitude(both: Extremes) -> Extreme:

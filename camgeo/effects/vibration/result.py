@@ -9,14 +9,15 @@ laws are piecewise smooth, and on each piece the response is known in closed for
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Bound, Column, Request, Result
-from camgeo.effects.results import INERTIA
+from camgeo.effects.effect import Bound, Column, Request, Subject
+from camgeo.effects.elastic import ElasticTrain, search_edges
+from camgeo.effects.results import INERTIA, Elastic
 from camgeo.effects.vibration.findings import (
     MotionUnit,
     magnitude,
@@ -25,14 +26,13 @@ from camgeo.effects.vibration.findings import (
     of_modes,
     of_resonance,
     of_rests,
-    search_edges,
 )
 from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
+from camgeo.numeric.oscillator.steady import ResonanceError, Response, answered, steady_state
 from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
 from camgeo.units import TURN
 
@@ -49,11 +49,12 @@ FORCING: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Vibration(Result):
+class Vibration(Elastic):
     """The vibration of the train.
 
     Attributes
     ----------
+    behind : see `camgeo.effects.results.Elastic`.
     findings, columns : see `camgeo.effects.effect.Result`.
     errors : of deflections, relative to the largest lift, and of accelerations, relative to that of
         a free vibration with this amplitude.
@@ -77,14 +78,18 @@ def compute(request: Request[TrainData]) -> Vibration:
     turns = subject.drive.unit == "rad"
     limit = data.limit_angle if turns else data.limit
     shown = MotionUnit("deg", math.degrees(1.0)) if turns else MotionUnit("mm", 1.0)
-    train = train_of(request)
+    trains = trains_of(request)
+    train = None if trains is None else trains.output
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
     edges = search_edges(subject.state.smooth_angles, train, period)
     findings: list[Finding] = []
-    response, errors = None, {}
-    if train is not None:
-        response, deflection = _response(clock, train, request.tolerance)
+    response, behind, errors = None, None, {}
+    if trains is not None and train is not None:
+        # Forces follow from the accelerations, and have no tolerance of their own.
+        share = FORCING * request.tolerance if not trains.mass else 0.0
+        response, deflection = _response(clock, train, request.tolerance, share)
+        behind = _behind(subject, trains, clock, response)
         errors = _errors(deflection, train, shown)
         findings += of_modes(train, period)
     output = Output(clock, response)
@@ -96,6 +101,7 @@ def compute(request: Request[TrainData]) -> Vibration:
         findings += of_resonance(response, most.value, shown)
     return Vibration(
         output,
+        behind=behind,
         findings=tuple(findings),
         columns=_columns(output, shown, limit),
         errors=errors,
@@ -113,11 +119,36 @@ def _errors(deflection: Bound, train: Train, shown: MotionUnit) -> dict[str, Bou
     return found | dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
 
 
-def _response(clock: Clock, train: Train, tolerance: float) -> tuple[Response, Bound]:
-    """The steady state, and the error of its deflection, with the largest lift as the scale."""
+def _behind(
+    subject: Subject, trains: Trains, clock: Clock, response: Response
+) -> ElasticTrain | None:
+    """What the train passes on to the follower, if it has mass."""
+    if not trains.mass:
+        return None
+    own = response
+    if trains.centre is not trains.output:
+        own = answered(trains.centre, response.base, response.forcing)
+    rigid = Output(clock, None)
+
+    def per_lift(phi: FloatArray, side: Side) -> FloatArray:
+        if subject.drive.linkage is None:
+            return np.ones(len(phi))
+        return subject.drive.linkage.per_follower(clock.motion.jet(phi, side)[0])
+
+    def states(response: Response, phi: FloatArray, side: Side) -> FloatArray:
+        return Output(clock, response).states(phi, side)
+
+    return ElasticTrain(own, trains.mass, per_lift, states, rigid.acceleration)
+
+
+def _response(clock: Clock, train: Train, tolerance: float, first: float) -> tuple[Response, Bound]:
+    """The steady state, and the error of its deflection, with the largest lift as the scale.
+
+    The share of the forcing that is truncated is `first`, or that of rounding if this is too much.
+    """
     lift = float(np.max(np.abs(clock.motion.jet(clock.edges)[0])))
     error = math.inf
-    for share in (FORCING * tolerance, 0.0):
+    for share in (first, 0.0):
         try:
             response = steady_state(train, clock.base, share)
         except ResonanceError as resonance:
@@ -157,7 +188,22 @@ def _columns(output: Output, shown: MotionUnit, limit: float | None) -> tuple[Co
     )
 
 
-def train_of(request: Request[TrainData]) -> Train | None:
+@dataclass(frozen=True, slots=True, eq=False)
+class Trains:
+    """The train, as the motion of its output and of its centre of mass follow from the base.
+
+    Attributes
+    ----------
+    output, centre : the same modes with the weights of each; the same object for one mass.
+    mass : in the centre of mass [t, or t mm^2 if it turns]; 0 if the scene states no masses.
+    """
+
+    output: Train
+    centre: Train
+    mass: float
+
+
+def trains_of(request: Request[TrainData]) -> Trains | None:
     """The elastic train; None if it is rigid, without mass.
 
     With a stiffness k, w^2 = k / m for the mass m from [effects.inertia]. With a second mass m is
@@ -168,30 +214,37 @@ def train_of(request: Request[TrainData]) -> Train | None:
     GeometryError
         If the masses are missing.
     """
-    data = request.data
+    data, second = request.data, request.data.second
+    inertia = request.results.get(INERTIA)
+    moved = 0.0 if inertia is None else inertia.moved
+    ratio = 0.0 if second is None else second.mass_ratio
     frequency = data.natural_frequency
     if frequency is None:
         stiffness = data.stiffness if data.stiffness is not None else data.torsional_stiffness
         assert stiffness is not None  # `parse` refuses a table without
-        inertia = request.results.get(INERTIA)
         if inertia is None:
             raise GeometryError(
                 "is missing: with a stiffness the natural frequency needs the masses",
                 key="effects.inertia",
             )
         linkage = request.subject.drive.linkage
-        if inertia.moved == 0.0 and linkage is not None and linkage.member != "slider":
+        if moved == 0.0 and linkage is not None and linkage.member != "slider":
             raise GeometryError(
                 "is missing: with a stiffness the natural frequency needs the moment of inertia at"
                 " the far end of the linkage; or give natural_frequency",
                 key="effects.inertia.output_moment",
             )
-        if inertia.moved == 0.0:
+        if moved == 0.0:
             return None
-        share = 1.0 if data.second is None else 1.0 + data.second.mass_ratio
-        frequency = math.sqrt(share * stiffness / inertia.moved)
+        frequency = math.sqrt((1.0 + ratio) * stiffness / moved)
     if math.isinf(frequency):
-        return None if data.second is None else one_mass(data.second.frequency, data.second.damping)
-    if data.second is None:
-        return one_mass(frequency, data.damping)
-    return two_masses(frequency, data.damping, data.second)
+        if second is None:
+            return None
+        alone = one_mass(second.frequency, second.damping)
+        return Trains(alone, alone, moved * ratio / (1.0 + ratio))
+    if second is None:
+        alone = one_mass(frequency, data.damping)
+        return Trains(alone, alone, moved)
+    first, last = (two_masses(frequency, data.damping, second, which) for which in (0, 1))
+    weights = frozen((first.weights + ratio * last.weights) / (1.0 + ratio), np.complex128)
+    return Trains(last, replace(last, weights=weights), moved)

@@ -215,10 +215,20 @@ def steady_state(train: Train, base: Base, tolerance: float) -> Response:
     Raises
     ------
     ResonanceError
+        See `answered`.
+    """
+    return answered(train, base, forcing_of(train, base, tolerance))
+
+
+def answered(train: Train, base: Base, forcing: Forcing) -> Response:
+    """The periodic response to the `forcing` of `base`, which is soft as it is for `train`.
+
+    Raises
+    ------
+    ResonanceError
         If an undamped mode coincides with a harmonic that the base contains. If the base does not
         contain it, the growing part is omitted: the mode is the limit for neighbouring frequencies.
     """
-    forcing = forcing_of(train, base, tolerance)
     period = base.period
     count = forcing.pieces.series.shape[1]
     modes, error = [], 0.0

@@ -1,0 +1,120 @@
+"""The force that an elastic train passes to the follower, beyond that of a rigid one.
+
+The masses m_i behind the train have the motions x_i, and its base y, the motion of the output of a
+rigid train, on the follower. First spring and damper pass on what accelerates them all, the sum of
+m_i x_i'', which is m x'' of their centre of mass (Newton's second law for the masses as a system).
+With x = y + e, the generalised force on the follower is that of a rigid train and
+
+    Q = -m e'' dy/dq,
+
+known for the present course of the cam in time only: the state of a train depends on how the cam
+has turned before. Springs, weights and loads act on the base, so they do not excite the train.
+
+With the cam running f times as fast, in the time of the scene, the train is one whose rates are
+divided by f, on the same base; accelerations per s^2 are then f^2 times those in that time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.effects.force import Force, unmoved
+from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.oscillator.steady import Response, answered
+from camgeo.numeric.oscillator.train import Train
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.effects.effect import Quantity
+
+MOST_PERIODS: Final = 4096
+"""Periods per turn up to which each period is searched for extremes. Beyond this, the samples of a
+lasting vibration cover all its phases, and a decaying one is searched where it begins.
+"""
+
+BEGINNING: Final = np.array([1.0, 2.0])
+"""Periods after each border that are then searched separately."""
+
+
+def search_edges(smooth: FloatArray, train: Train | None, period: float) -> FloatArray:
+    """The edges between which extremes are searched for, at most a period of the train apart."""
+    if train is None:
+        return smooth
+    periods = float(np.max(train.rates.imag)) * period / TURN
+    if not periods > 1.0:
+        return smooth
+    count = math.ceil(min(periods, MOST_PERIODS))
+    edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
+    if periods > MOST_PERIODS:
+        begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()
+        edges = np.concatenate((edges, begin[begin < TURN]))
+    return merged(edges)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ElasticTrain:
+    """What is behind the train, at some speed.
+
+    Attributes
+    ----------
+    response : of the centre of mass, in the time of the scene.
+    mass : of all that is behind the train [t, or t mm^2 if it turns].
+    per_lift : (n,) dy/dq [1, 1/mm or mm].
+    states : (3, n) e, e' and x'' of a response at n cam angles, in the time of the scene.
+    base : (n,) y'' at n cam angles, in the time of the scene.
+    """
+
+    response: Response
+    mass: float
+    per_lift: Quantity
+    states: Callable[[Response, FloatArray, Side], FloatArray]
+    base: Quantity
+
+    def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) x'' of the centre of mass."""
+        found: FloatArray = self.states(self.response, phi, side)[2]
+        return found
+
+    def weight(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) m dy/dq: generalised force per unit of acceleration of the centre of mass."""
+        return self.mass * self.per_lift(phi, side)
+
+    def beyond_rigid(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) Q [N or N mm]."""
+        lag = self.acceleration(phi, side) - self.base(phi, side)
+        return np.asarray(-self.weight(phi, side) * lag)
+
+    def reduced(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) m (dy/dq)^2, the part of `Inertia.to_follower` that is behind the train."""
+        way = self.per_lift(phi, side)
+        return self.mass * way * way
+
+    @property
+    def error(self) -> float:
+        """Estimate of the error of m x'' [N or N mm]."""
+        return self.mass * self.response.error * float(np.max(np.abs(self.train.rates))) ** 2
+
+    @property
+    def train(self) -> Train:
+        """The modes of the centre of mass."""
+        return self.response.train
+
+    def edges(self, smooth: FloatArray) -> FloatArray:
+        """(k,) cam angles [rad] between which x'' is searched for extremes."""
+        return search_edges(smooth, self.train, self.response.base.period)
+
+    def force(self, smooth: FloatArray) -> Force:
+        """Q, which is smooth between the angles `smooth` (m,) [rad]."""
+        cuts = self.edges(smooth)
+        return Force("the elastic train", unmoved(self.beyond_rigid), cuts=cuts, present=True)
+
+    def at(self, factor: float) -> ElasticTrain:
+        """The same with the cam running `factor` times as fast as in `response`."""
+        own = self.train
+        train = replace(own, rates=own.rates / factor, weights=own.weights * factor)
+        return replace(self, response=answered(train, self.response.base, self.response.forcing))

@@ -1,0 +1,250 @@
+"""The speed at which a follower with an elastic train first leaves its flank, found without a gap.
+
+With the cam running f times as fast as in the scene, and s = 1 / f, the reserve of the contact (see
+`Flank.reserve`), divided by f^2, is
+
+    G = s^2 r0 + s r1 + r2 + w (s Re sum C u - y''),    C = c lambda^2,    u' = s lambda u - y'',
+
+with r0 to r2 of a rigid train, the modes u of the centre of mass behind the elastic one, see
+`camgeo.numeric.oscillator.train`, and w = m dy/dq in the direction of the flank. Contact is lost
+where the smallest G of the turn, g(s), is below 0. It is searched from low speeds upwards, from an
+s at which no vibration can be large enough.
+
+On the real line the periodic solution of v' = s lambda v + b is at most |b| / (s |Re lambda|). For
+the derivatives of u by s, v' = s lambda v + lambda u and z' = s lambda z + 2 lambda v, this gives
+|v| <= rho |u| / s and |z| <= 2 rho^2 |u| / s^2 with rho = |lambda| / |Re lambda|, so
+
+    |d^2 G / ds^2| <= K = 2 max r0 + max |w| sum |C| (2 rho + 2 rho^2) |u| / s.
+
+Between two s at the distance d a function is nowhere more than K d^2 / 8 below its chord. Where the
+smaller of both g is larger than this, contact is kept at all speeds between: no resonance, however
+narrow, is stepped over (bounds of this kind: S. A. Piyavskii, USSR Comput. Math. Math. Phys. 12
+(1972) 57-67, with first derivatives). In the interval |u| is at most that at its ends times 1 +
+rho d / (2 s), because the difference of two u obeys the same equation with b = (s_1 - s_0) lambda
+u_0. Close to the crossing the steps shrink quadratically.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.elastic import ElasticTrain
+from camgeo.effects.lift_off.flank import Flank
+from camgeo.effects.touching import TOUCH
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
+from camgeo.numeric.oscillator.steady import SOFT
+
+SEARCHED: Final = 4.0
+"""Speeds are searched up to this multiple of that of the scene and of the lift-off speed of a rigid
+train, whichever is higher."""
+
+MOST_STEPS: Final = 1500
+"""Speeds at which the response is computed; the steps are about as wide as the damping ratio."""
+
+CLOSE: Final = 1e-12
+"""Relative distance of the speed of lift-off and that up to which contact is kept."""
+
+ROOT: Final = 1e-13
+"""Relative distance of two steps towards a crossing at which it is found."""
+
+BESIDE: Final = 1e-6
+"""Relative distance at which the slope of g is taken."""
+
+GROWTH: Final = 4.0
+"""Factor between a step and the next one at most."""
+
+SAFE: Final = 0.8
+"""Share of the widest step that the last one lets expect."""
+
+
+@dataclass(frozen=True, slots=True)
+class ElasticSpeed:
+    """What the search has found.
+
+    Attributes
+    ----------
+    speed : at which contact is first lost, as a factor of that of the scene, with the cam angle
+        [rad]; None if it is kept as far as was searched.
+    kept : factor up to which contact is kept; 0 if none is.
+    error : of `speed`.
+    why : the search has ended before the end of its range; empty if it has not.
+    """
+
+    speed: Extreme | None = None
+    kept: float = 0.0
+    error: float = 0.0
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """g at one s, and |u| of each mode."""
+
+    s: float
+    lowest: Extreme
+    sizes: FloatArray
+
+    @property
+    def g(self) -> float:
+        return self.lowest.value
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """g(s), and what bounds it."""
+
+    flank: Flank
+    behind: ElasticTrain
+    edges: FloatArray
+    widest: float
+    largest: float
+
+    def weight(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) w."""
+        return self.flank.outwards(phi, side) * self.behind.weight(phi, side)
+
+    @property
+    def rho(self) -> FloatArray:
+        """(m,) of the modes."""
+        rates = self.behind.train.rates
+        return np.asarray(np.abs(rates) / np.abs(rates.real))
+
+    def at(self, s: float) -> _Point:
+        found = self.behind.at(1.0 / s)
+
+        def reserve(phi: FloatArray, side: Side) -> FloatArray:
+            r0, r1, r2 = self.flank.reserve(phi, side)
+            lag = found.acceleration(phi, side) - found.base(phi, side)
+            return np.asarray(s * (s * r0 + r1) + r2 + self.weight(phi, side) * lag)
+
+        lowest = piecewise_lowest(reserve, found.edges(self.edges))
+        return _Point(s, lowest, np.array([mode.largest for mode in found.response.modes]))
+
+    def sag(self, one: _Point, other: _Point) -> float:
+        """K d^2 / 8 between both."""
+        s, d = min(one.s, other.s), abs(one.s - other.s)
+        rates, rho = self.behind.train.rates, self.rho
+        sizes = np.maximum(one.sizes, other.sizes) * (1.0 + 0.5 * rho * d / s)
+        bend = np.abs(self.behind.train.weights * rates**2) * (2.0 * rho + 2.0 * rho**2) * sizes
+        curvature = 2.0 * self.largest + self.widest * float(np.sum(bend)) / s
+        return 0.125 * curvature * d * d
+
+    def start(self, least: float) -> float:
+        """An s from which on no vibration makes up for the reserve at rest, at least `least`.
+
+        |s C u| is at most |C| (|y''| / |Re lambda| + s J / (1 - exp(s Re lambda T))), with the sum
+        J of the jumps of y'.
+        """
+        train, forcing = self.behind.train, self.behind.response.forcing
+        period, c = self.behind.response.base.period, np.abs(train.weights * train.rates**2)
+        most = float(np.max(np.sum(np.abs(forcing.pieces.series), axis=0)))
+        jumps = float(np.sum(np.abs(forcing.jumps)))
+
+        def size(row: int) -> float:
+            def of_row(phi: FloatArray, side: Side) -> FloatArray:
+                r = self.flank.reserve(phi, side)[1 + row]
+                rigid = self.weight(phi, side) * self.behind.base(phi, side) if row else 0.0
+                return np.asarray(np.abs(r - rigid))
+
+            return piecewise_highest(of_row, self.edges).value
+
+        r1, r2, s = size(0), size(1), 1.0
+        while True:
+            lasting = 1.0 / -np.expm1(s * train.rates.real * period)
+            moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
+            if s * (s * least - r1) - r2 - self.widest * moved > 0.0:
+                return s
+            s *= GROWTH
+
+
+def elastic_speed(
+    flank: Flank, behind: ElasticTrain, edges: FloatArray, rigid: float
+) -> ElasticSpeed:
+    """The smallest speed at which the force on `flank` falls below its margin.
+
+    Parameters
+    ----------
+    edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
+    rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
+    """
+    rates, period = behind.train.rates, behind.response.base.period
+    if np.max(rates.real) >= 0.0:
+        return ElasticSpeed(
+            why="without damping the train resonates with a harmonic at ever lower speeds"
+        )
+
+    def static(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(flank.reserve(phi, side)[0])
+
+    rest = piecewise_extremes(static, edges)
+    if rest.lowest.value < -TOUCH * rest.magnitude:
+        return ElasticSpeed(Extreme(0.0, rest.lowest.place))
+    if rest.lowest.value <= TOUCH * rest.magnitude:
+        return ElasticSpeed(why="nothing presses it on its flank at rest")
+    widest = piecewise_highest(lambda phi, side: np.abs(behind.weight(phi, side)), edges).value
+    search = _Search(flank, behind, edges, widest, rest.highest.value)
+    fastest = float(np.min(np.abs(rates))) * period / SOFT
+    end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
+    return _first(search, max(search.start(rest.lowest.value), 2.0 * end), end)
+
+
+def _first(search: _Search, start: float, end: float) -> ElasticSpeed:
+    """The first crossing, from `start` down to `end`."""
+    kept, lost = search.at(start), None
+    step = 0.5 * (start - end)
+    for _ in range(MOST_STEPS):
+        trial = search.at(max(kept.s - step, end))
+        if trial.g <= 0.0:
+            lost = _crossing(search, kept, trial)
+            step = 0.5 * (kept.s - lost.s)
+            continue
+        least, sag = min(kept.g, trial.g), search.sag(kept, trial)
+        step = (kept.s - trial.s) * min(SAFE * math.sqrt(least / sag), GROWTH)
+        if sag >= least:
+            continue
+        if trial.s <= end:
+            return ElasticSpeed(kept=1.0 / end)
+        per_square = sag / (kept.s - trial.s) ** 2
+        kept = trial
+        if lost is None:
+            continue
+        apart = kept.s - lost.s
+        if apart <= CLOSE * lost.s:
+            return _found(search, kept, lost)
+        # The smaller g of the next step is then twice what the chord sags there.
+        near = 2.0 * per_square * apart**2 / (kept.g / apart)
+        step = apart - min(max(near, 0.5 * CLOSE * lost.s), 0.5 * apart)
+    why = "its damping is so small that its resonances are too narrow to be searched one by one"
+    return ElasticSpeed(kept=1.0 / kept.s, why=why)
+
+
+def _crossing(search: _Search, kept: _Point, lost: _Point) -> _Point:
+    """Where g is 0 between `kept` and `lost`: by secants in a bracket (the Illinois method)."""
+    ends = [(kept.s, kept.g), (lost.s, lost.g)]
+    found = lost
+    while abs(ends[0][0] - ends[1][0]) > ROOT * lost.s:
+        (a, at_a), (b, at_b) = ends
+        s = a - at_a * (a - b) / (at_a - at_b)
+        before, found = found, search.at(s)
+        if abs(found.s - before.s) <= ROOT * lost.s or found.g == 0.0:
+            break
+        if (found.g > 0.0) == (at_b > 0.0):
+            ends = [(a, 0.5 * at_a), (s, found.g)]
+        else:
+            ends = [(b, at_b), (s, found.g)]
+    return found
+
+
+def _found(search: _Search, kept: _Point, lost: _Point) -> ElasticSpeed:
+    """The crossing at `lost`, with contact kept up to just before it."""
+    beside = search.at(lost.s * (1.0 + BESIDE))
+    slope = abs(beside.g - lost.g) / (beside.s - lost.s)
+    found = search.behind.at(1.0 / lost.s)
+    off = search.widest * found.error / found.mass / slope + (kept.s - lost.s)
+    speed = Extreme(1.0 / lost.s, lost.lowest.place)
+    return ElasticSpeed(speed, 1.0 / kept.s, speed.value * off / lost.s)

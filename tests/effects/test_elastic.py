@@ -1,0 +1,256 @@
+"""The force that an elastic train passes to the cam, against an own integration of the train."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from camgeo.design import Design
+from camgeo.effects.results import CONTACT_FORCE, INERTIA
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import load_scene
+from camgeo.units import RPM, TURN
+from tests.effects.scenes import SCENES
+from tests.long_form import examples
+
+FINEST = 1e-12
+
+
+def loaded(name: str, **values: Any) -> Design:
+    scene = load_scene(str(SCENES.parent / "effects" / f"{name}.toml"))
+    return Design(scene.with_values({key.replace("__", "."): each for key, each in values.items()}))
+
+
+def value(of: Design, effect: str, name: str) -> float:
+    (found,) = (each.value for each in of.effects.findings(effect) if each.name == name)
+    assert found is not None
+    return found
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Masses in a row on springs and dampers, whose base is the output of a rigid follower.
+
+    m_1 x_1'' = k_1 (y - x_1) + c_1 (y' - x_1') - k_2 (x_1 - x_2) - c_2 (x_1' - x_2'), and so on:
+    Newton's law for each mass.
+    """
+
+    of: Design
+    speed: float
+    masses: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    damping: tuple[float, ...]
+
+    def base(self, t: float) -> FloatArray:
+        """y, y', y''."""
+        phi = np.array([self.speed * t % TURN])
+        jet = self.of.drive.plan.jet(phi)[:3, 0]
+        return np.asarray(jet * self.speed ** np.arange(3))
+
+    @property
+    def matrix(self) -> FloatArray:
+        """(2 n, 2 n) of the rates of x and x', with the base at rest."""
+        count = len(self.masses)
+        return np.array([self.rate(0.0, each, 0.0) for each in np.eye(2 * count)]).T
+
+    def rate(self, t: float, state: FloatArray, share: float = 1.0) -> FloatArray:
+        """Of x and x'; `share` 0 for a base at rest."""
+        count = len(self.masses)
+        y = share * self.base(t)
+        x = np.concatenate((y[:1], state[:count]))
+        v = np.concatenate((y[1:2], state[count:]))
+        pull = np.array(self.stiffness) * -np.diff(x) + np.array(self.damping) * -np.diff(v)
+        force = pull - np.append(pull[1:], 0.0)
+        return np.concatenate((state[count:], force / np.array(self.masses)))
+
+    def from_rest(self, at: FloatArray, rtol: float) -> FloatArray:
+        """The states at the cam angles `at` (n,), ascending, and at the end of a turn."""
+        state, out = np.zeros(2 * len(self.masses)), []
+        edges = np.unique(np.concatenate((self.of.drive.smooth_angles, [0.0, TURN])))
+        for low, high in pairwise(edges):
+            inside = at[(at >= low) & (at < high)] / self.speed
+            inset = 1e-13 * (high - low)
+            span = ((low + inset) / self.speed, (high - inset) / self.speed)
+            times = np.append(np.clip(inside, *span), span[1])
+            found = solve_ivp(self.rate, span, state, "DOP853", times, rtol=rtol, atol=1e-3 * rtol)
+            assert found.success
+            state = found.y[:, -1]
+            out.append(found.y[:, :-1])
+        return np.concatenate((*out, state[:, np.newaxis]), axis=1)
+
+    def steady(self, at: FloatArray, rtol: float = FINEST) -> FloatArray:
+        """(n,) sum of m x'' in the state that repeats itself: Poincare's map is linear."""
+        states, count = self.from_rest(at, rtol), len(self.masses)
+        after = expm(self.matrix * TURN / self.speed)
+        start = np.linalg.solve(np.eye(2 * count) - after, states[:, -1])
+        found = []
+        for phi, state in zip(at, states.T, strict=False):
+            t = phi / self.speed
+            rates = self.rate(t, state + expm(self.matrix * t) @ start)
+            found.append(np.array(self.masses) @ rates[count:])
+        return np.array(found)
+
+
+def press(speed: float) -> Chain:
+    """The train of lift_off_elastic: w = sqrt(k/m), c = 2 D w m."""
+    mass, k = 1.5e-3, 2000.0
+    of = loaded("lift_off_elastic", cam__speed=speed)
+    return Chain(of, speed * RPM, (mass,), (k,), (0.1 * math.sqrt(k * mass),))
+
+
+def lever(speed: float) -> Chain:
+    """That of lever: the second mass has its own frequency, and both together the stiffness."""
+    of = loaded("lever", cam__speed=speed)
+    moment, k, ratio = 1.6 + 0.08e-3 * 85.0**2, 9e6, 0.15
+    first, second = moment / (1.0 + ratio), moment * ratio / (1.0 + ratio)
+    own = 900.0 * TURN
+    return Chain(
+        of, speed * RPM, (first, second), (k, second * own**2),
+        (0.06 * math.sqrt(k * first), 0.04 * own * second),
+    )  # fmt: skip
+
+
+PHI = np.linspace(0.003, TURN - 0.003, 61)
+
+
+@pytest.mark.parametrize(
+    "chain", [press(330.0), press(600.0), lever(900.0)], ids=["slow", "fast", "two masses"]
+)
+def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
+    """Within what the integration changes from one tolerance to the next, and what is told."""
+    contact = chain.of.effect(CONTACT_FORCE)
+    own, rough = chain.steady(PHI), chain.steady(PHI, 100.0 * FINEST)
+    rest = sum(each.coefficients(PHI, "right")[0] for each in contact.lasting)
+    bracket = contact.bracket(PHI, "right", 1)
+    told = contact.errors["contact force"].error
+    off = np.max(np.abs((own - rough) / bracket))
+    assert np.max(np.abs(contact.normal(PHI, "right") - (own - rest) / bracket)) <= told + off
+    assert 0.0 < told <= 1e-6 * contact.errors["contact force"].scale
+    assert off <= 1e-6 * contact.extremes.magnitude
+
+
+@pytest.mark.parametrize("made", [press, lever])
+def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
+    """Within 1e-6: it is pressed on its flank just below, and would be pulled just above."""
+    of = made(400.0).of
+    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
+    assert told.value is not None
+    assert told.cam_angle is not None
+    near = told.cam_angle + np.linspace(-2e-3, 2e-3, 21)
+    for share, sign in ((1.0 - 1e-6, 1.0), (1.0 + 1e-6, -1.0)):
+        chain = made(told.value * share)
+        contact = chain.of.effect(CONTACT_FORCE)
+        rest = sum(each.coefficients(near, "right")[0] for each in contact.lasting)
+        kept = chain.steady(near) - rest
+        assert sign * np.min(kept) > 0.0
+    assert of.effect("lift-off").errors["lift-off-speed"].error <= 1e-6 * told.value
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """The train of one mass in the frequency domain, for all speeds at once."""
+
+    frequency: float
+    damping: float
+    count: int = 4096
+
+    @cached_property
+    def lift(self) -> FloatArray:
+        phi = np.arange(self.count) * TURN / self.count
+        return np.asarray(loaded("lift_off_elastic").drive.plan.jet(phi)[0])
+
+    def least(self, omega: float) -> float:
+        """The smallest m x'' + 2 y + 60 [N] with the cam turning at `omega` [rad/s]."""
+        s = 1j * omega * np.fft.fftfreq(self.count, 1.0 / self.count)
+        w, d = self.frequency, self.damping
+        gain = (2.0 * d * w * s + w * w) / (s * s + 2.0 * d * w * s + w * w)
+        forced = np.fft.ifft(1.5e-3 * s * s * gain * np.fft.fft(self.lift)).real
+        return float(np.min(forced + 2.0 * self.lift + 60.0))
+
+
+@settings(max_examples=examples(3, long=60), deadline=None)
+@given(st.floats(20.0, 300.0), st.floats(0.01, 0.6))
+def test_contact_is_kept_at_all_speeds_below(hertz: float, damping: float) -> None:
+    """Between resonances too, at a hundred speeds; the sampled force errs by its harmonics."""
+    own = {"natural_frequency": hertz, "damping": damping}
+    of = loaded("lift_off_elastic", effects__vibration=own)
+    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
+    spectrum = Spectrum(hertz * TURN, damping)
+    if told.value is None:
+        assert "the highest speed searched" in told.sentence
+        last = 1000.0
+    else:
+        assert abs(spectrum.least(told.value * RPM)) <= 0.05
+        last = told.value * 0.999
+    for speed in np.linspace(0.1 * last, last, 100):
+        assert spectrum.least(speed * RPM) > -0.05
+
+
+def test_the_drive_puts_in_what_the_dampers_take() -> None:
+    chain = press(300.0)
+    contact = chain.of.effect(CONTACT_FORCE)
+    assert contact.behind is not None
+    phi = (np.arange(20000) + 0.5) * TURN / 20000
+    (_, slip, _) = contact.behind.states(contact.behind.response, phi, "right")
+    taken = chain.damping[0] * np.mean(slip**2) * TURN / chain.speed
+    error = chain.of.effect("drive-torque").errors["work-per-turn"].error
+    assert value(chain.of, "drive-torque", "work-per-turn") == pytest.approx(
+        1e-3 * taken, abs=error + 1e-6 * 1e-3 * taken
+    )
+
+
+@cache
+def rigid() -> Design:
+    return loaded("lift_off_elastic", state__output="rigid")
+
+
+def test_a_rigid_output_is_as_if_the_train_were_not_there() -> None:
+    without = loaded("lift_off_elastic")
+    tables = {each: table for each, table in without.effects.tables.items() if each != "vibration"}
+    without.effects.tables = tables
+    phi = np.linspace(0.0, 6.2, 50)
+    for effect in ("contact-force", "lift-off", "drive-torque", "contact-pressure"):
+        told = [each for each in rigid().effects.findings(effect) if each.name != "simplified"]
+        assert told == list(without.effects.findings(effect))
+    one, other = (of.effect(CONTACT_FORCE).normal(phi, "right") for of in (rigid(), without))
+    assert np.array_equal(one, other)
+
+
+def test_a_load_that_varies_is_told_not_to_excite_the_train() -> None:
+    steady = loaded("lift_off_elastic", effects__load={"constant": -20.0})
+    varying = loaded("lift_off_elastic", effects__load={"segments": [-20.0, 0.0, 0.0]})
+    for of, told in ((steady, False), (varying, True)):
+        found = {each.name for each in of.effects.findings("contact-force")}
+        assert ("unexcited-train" in found) == told
+
+
+def test_without_damping_there_is_no_lift_off_speed() -> None:
+    of = loaded("lift_off_elastic", effects__vibration={"stiffness": 2000.0})
+    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
+    assert told.severity == "warning"
+    assert told.value is None
+    assert "without damping the train resonates" in told.sentence
+
+
+def test_a_stiff_train_is_all_but_rigid() -> None:
+    stiff = loaded("lift_off_elastic", effects__vibration={"stiffness": 2e9, "damping": 0.3})
+    here, there = (value(of, "lift-off", "lift-off-speed") for of in (stiff, rigid()))
+    assert here == pytest.approx(there, rel=1e-3)
+
+
+def test_only_what_is_in_front_of_the_train_is_struck() -> None:
+    of = loaded("lift_off_elastic")
+    contact, inertia = of.effect(CONTACT_FORCE), of.effect(INERTIA)
+    assert contact.struck is not None
+    assert not np.any(contact.struck(PHI, "right"))
+    assert np.all(inertia.to_follower(PHI, "right") > 0.0)
