@@ -93,6 +93,7 @@ EFFECT_FRAME = {
     "results",
     "rules",
     "touching",
+    "turning_disc",
     "wording",
 }
 """Modules of `effects` that are no effects: effects are imported by the registry alone."""

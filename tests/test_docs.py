@@ -80,8 +80,8 @@ def test_effects_that_a_pair_cannot_have_are_listed_from_the_rules() -> None:
     page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     (barred,) = set(re.findall(r"Conjugate cams.* Not with (.*)\. \|", page))
     assert barred == (
-        "[effects.friction] guide_length and guide_overhang, [effects.roller-spin],"
-        " [effects.balance]"
+        "[effects.friction] guide_length and guide_overhang, [effects.reactions] bearings,"
+        " [effects.roller-spin], [effects.balance]"
     )
     scene = parse_scene((ROOT / "fixtures" / "effects" / "conjugate_lever.toml").read_text("utf-8"))
     assert {"friction", "contact-force", "lift-off", "contact-pressure"} <= scene.effects.keys()

@@ -12,7 +12,7 @@ from camgeo.design import Design
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.load import load_scene
-from tests.effects.scenes import SCENES, design
+from tests.effects.scenes import SCENES, assert_refused, design
 from tests.effects.test_physics import (
     DIFFERENCE,
     GUIDE,
@@ -197,3 +197,56 @@ def test_a_guide_without_ends_has_one_force() -> None:
     assert np.all(result.bodies.of_guide(phi, "right")[1] == 0.0)
     shaft = np.abs(made.effect("contact-force").normal(phi, "right"))
     assert np.abs(result.bodies.of_cam(phi, "right")) == pytest.approx(shaft, rel=1e-13)
+
+
+MADE: Final = """
+[effects.gravity]
+angle = -50
+[effects.inertia]
+mass = 1.1
+[effects.load]
+constant = 60
+[effects.balance]
+material = "steel"
+[effects.reactions]
+bearings = [-35, 80]
+"""
+
+
+def test_bearings_of_the_camshaft_carry_the_disc_too() -> None:
+    """Its centre of mass from `balance`, accelerated in a circle; moments about either bearing."""
+    made = design("plate_translating", MADE, speed_of("plate_translating", 900.0))
+    reactions, balance = made.effect("reactions"), made.effect("balance")
+    phi = inside(made)
+    turned = balance.centre * np.exp(1j * made.cam.rotation * phi)
+    whole = balance.mass * (pull(-50.0) + omega(made) ** 2 * turned)
+    whole = whole - reactions.bodies.of_cam(phi, "right")
+    columns = {each.name: each.values(phi, "right") for each in reactions.columns}
+    size = float(np.max(np.abs(whole)))
+    assert np.max(np.abs(balance.mass * omega(made) ** 2 * turned)) > 0.05 * size
+    bound = reactions.errors["camshaft load"].error
+    assert 0.0 < bound <= 1e-6 * size
+    allowed = bound + balance.unbalance_error * omega(made) ** 2 + 1e-6 * balance.mass * 9806.65
+    found = columns["camshaft load"]
+    assert np.max(np.abs(found - np.abs(whole))) <= allowed
+    rows = np.array([[1.0, 1.0], [-35.0, 80.0]])  # sums of forces, and of moments about the disc
+    shares = np.linalg.solve(rows, [1.0, 0.0])
+    for name, share in zip(("first", "second"), shares, strict=True):
+        assert columns[f"{name} bearing load"] == pytest.approx(abs(share) * found, rel=1e-13)
+        assert reactions.errors[f"largest-{name}-bearing-load"].error <= bound
+
+
+def test_a_disc_of_unknown_material_has_no_weight() -> None:
+    tables = MADE.replace('[effects.balance]\nmaterial = "steel"\n', "")
+    made = design("plate_translating", tables, speed_of("plate_translating", 900.0))
+    reactions, phi = made.effect("reactions"), inside(made)
+    (load,) = (each for each in reactions.columns if each.name == "camshaft load")
+    assert np.all(load.values(phi, "right") == np.abs(reactions.bodies.of_cam(phi, "right")))
+    assert not reactions.errors
+
+
+def test_both_bearings_at_one_place_are_refused() -> None:
+    assert_refused(
+        "plate_translating", "reactions", "bearings = [12, 12]", "bearings", "two places"
+    )
+    assert_refused("conjugate_lever", "reactions", "bearings = [0, 12]", "bearings", "single disc")

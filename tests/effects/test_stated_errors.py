@@ -59,8 +59,7 @@ def drawn(rng: Random) -> Design:
     if rng.random() < 0.6:
         pivot = "\npivot = 0.1\npivot_diameter = 12" if rocks else ""
         tables.append(f"[effects.friction]\nrolling = 0.02{pivot}")
-    if "[linkage]" not in text:
-        tables.append("[effects.reactions]")
+    tables.append("[effects.reactions]")
     motor = f"no_load_speed = {number(20, 600)}\nstall_torque = {number(5, 5e4)}"
     damping = f"damping = {rng.choice((0.0, 0.01, 0.1, 0.4))}"
     backlash = 'contact = "groove"' in text and "side_clearance" not in text

@@ -18,8 +18,9 @@ from camgeo.effects.balance.holes import Room, Row, most, rows
 from camgeo.effects.balance.spin import GRAM_MM, Errors, Spin
 from camgeo.effects.balance.table import BalanceRequirements
 from camgeo.effects.effect import Request, Result
+from camgeo.effects.turning_disc import part_of
 from camgeo.effects.wording import KG, at, missed
-from camgeo.errors import EffectError, GeometryError, ToleranceError
+from camgeo.errors import GeometryError, ToleranceError
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import phase
 from camgeo.part.mass import disc_moments
@@ -72,7 +73,7 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     course = subject.state.course
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
-    part = _part(request)
+    part = part_of(subject, "balance")
     data = _with_density(data, subject.part_spec)
     per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
     moments = disc_moments(part, data.density, request.tolerance * TAKEN)
@@ -122,16 +123,6 @@ def _with_density(data: BalanceRequirements, spec: PartSpec | None) -> BalanceRe
     if spec is None or spec.density is None:
         return data
     return replace(data, density=spec.density)
-
-
-def _part(request: Request[BalanceRequirements]) -> Part:
-    """The part; EffectError if the disc does not exist."""
-    try:
-        return request.subject.made.part
-    except GeometryError as error:
-        if error.key:
-            raise
-        raise EffectError(f"there is no disc to balance: {error.message}") from error
 
 
 def _holes(

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgeo.effects.balance.holes import Row
 from camgeo.effects.effect import Bound, Column
+from camgeo.effects.turning_disc import unbalance_force
 from camgeo.effects.wording import KG
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
@@ -76,17 +77,8 @@ class Spin:
     smooth_angles: FloatArray
 
     def force(self, phi: FloatArray) -> ComplexArray:
-        """(n,) [N] inertia force on the shaft, in the axes of the frame.
-
-        The centre of mass is at U/m exp(i sigma phi). Minus m times its second derivative is
-        U exp(i sigma phi) (omega^2 - i sigma alpha): the centrifugal force U omega^2, and at
-        varying speed the tangential one (Norton, "Machine Design", chapter on balancing, for the
-        first; the second derivative gives both).
-        """
-        omega, alpha = self.course.rates(phi)[:2]
-        turned = np.exp(1j * self.rotation * phi)
-        found: ComplexArray = self.unbalance * turned * (omega**2 - 1j * self.rotation * alpha)
-        return found
+        """(n,) [N] inertia force on the shaft, in the axes of the frame."""
+        return unbalance_force(self.unbalance, self.rotation, phi, self.course.rates(phi))
 
     def largest_force(self) -> Extreme:
         """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""

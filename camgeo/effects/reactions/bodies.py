@@ -17,7 +17,7 @@ force S of F_c, F_A and the weights, to the right looking outwards, and the tilt
 
 with the near end at the distance a outwards of the roller's centre and the far end b beyond. The
 weights act on the line of the guide. A flat face is pressed at the distance e to the right of the
-axis of its guide, so that M = N e. The bearings of the camshaft carry F_c.
+axis of its guide, so that M = N e. For the camshaft see `shaft`.
 
 Newton's second law for each body (Norton, Design of Machinery, chapter on dynamic force analysis).
 """
@@ -75,10 +75,14 @@ class Bodies:
         masses = () if self.inertia is None else self.inertia.masses
         return [each for each in masses if each.per_coordinate is not None]
 
+    @property
+    def pull(self) -> complex:
+        """Acceleration of free fall [mm/s^2]; 0 if the scene does not name gravity."""
+        return 0j if self.gravity is None else self.gravity.pull
+
     def weight(self, phi: FloatArray) -> ComplexArray:
         """(n,) of the follower's own masses."""
-        pull = 0j if self.gravity is None else self.gravity.pull
-        return np.full(len(phi), pull * sum(each.mass for each in self.own()))
+        return np.full(len(phi), self.pull * sum(each.mass for each in self.own()))
 
     def of_linkage(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_A, of the coupler; 0 without a linkage."""

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.effects.reactions import Bearings
 from camgeo.effects.reactions.bodies import Bodies
 from camgeo.effects.reactions.load import Load
+from camgeo.effects.reactions.shaft import Shaft, disc_of
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.wording import N_M, missed
 from camgeo.numeric.arrays import FloatArray, Side
@@ -33,8 +34,8 @@ class Reactions(Result):
     bodies: Bodies
 
 
-def compute(request: Request[Mapping[str, Any]]) -> Reactions:
-    """The reactions at the speed of the scene; EffectError if the work misses the tolerance."""
+def compute(request: Request[Bearings]) -> Reactions:
+    """The reactions at the speed of the scene; EffectError if a figure misses the tolerance."""
     results = request.results
     contact = results[CONTACT_FORCE]
     subject, edges = request.subject, contact.edges
@@ -45,19 +46,18 @@ def compute(request: Request[Mapping[str, Any]]) -> Reactions:
 
         pins = pins_of(subject, subject.drive.linkage, contact.forces, inertia, gravity)
     bodies = Bodies(subject, contact, inertia, gravity, results.get(SPRING), pins)
+    shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data.bearings)
     loads = [
         *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
         *([] if pins is None else pins.loads()),
-        Load(
-            "camshaft load",
-            "load on the camshaft",
-            lambda phi, side: np.abs(bodies.of_cam(phi, side)),
-        ),
+        *shaft.loads(),
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
     work, errors = _friction_work(request, bodies, edges)
+    found = tuple(each.largest(edges) for each in loads)
+    errors |= shaft.errors(found, edges, request.tolerance)
     return Reactions(
-        findings=(*(each.largest(edges) for each in loads), *work),
+        findings=(*found, *work),
         columns=tuple(Column(each.name, each.unit, each.values, borders=inside) for each in loads),
         errors=errors,
         bodies=bodies,
@@ -94,7 +94,7 @@ def _of_guide(bodies: Bodies) -> list[Load]:
 
 
 def _friction_work(
-    request: Request[Mapping[str, Any]], bodies: Bodies, edges: FloatArray
+    request: Request[Bearings], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
     """What friction in the pivot takes a turn under its real load, and under N alone."""
     friction = bodies.contact.friction
