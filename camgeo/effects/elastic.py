@@ -86,8 +86,12 @@ class ElasticTrain:
 
     def beyond_rigid(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) Q [N or N mm]."""
+        return self.beyond_base(phi, side) * self.per_lift(phi, side)
+
+    def beyond_base(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) -m e'' [N or N mm], on the base."""
         lag = self.acceleration(phi, side) - self.base(phi, side)
-        return np.asarray(-self.weight(phi, side) * lag)
+        return np.asarray(-self.mass * lag)
 
     def reduced(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) m (dy/dq)^2, the part of `Inertia.to_follower` that is behind the train."""
@@ -111,7 +115,13 @@ class ElasticTrain:
     def force(self, smooth: FloatArray) -> Force:
         """Q, which is smooth between the angles `smooth` (m,) [rad]."""
         cuts = self.edges(smooth)
-        return Force("the elastic train", unmoved(self.beyond_rigid), cuts=cuts, present=True)
+        return Force(
+            "the elastic train",
+            unmoved(self.beyond_rigid),
+            cuts=cuts,
+            present=True,
+            far=unmoved(self.beyond_base),
+        )
 
     def at(self, factor: float) -> ElasticTrain:
         """The same with the cam running `factor` times as fast as in `response`."""

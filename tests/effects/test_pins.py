@@ -344,6 +344,31 @@ def test_joints_with_any_masses(name: str, rng: Random) -> None:
     assert_reactions(name, rng)
 
 
+def test_pins_pass_on_what_an_elastic_train_takes() -> None:
+    """The rocker alone: the cam, the coupler and its weight turn it, whatever is behind."""
+    name = "effects/linked_press"
+    text, given = drawn(Random(1), name)
+    elastic = "[effects.vibration]\nstiffness = 400\ndamping = 0.05\n"
+    made = Design(parse_scene(text + elastic, str(SCENES.parent / f"{name}.toml")))
+    phi, contact = angles(made), made.effect("contact-force")
+    assert contact.behind is not None
+    at = Members(made, phi)
+    own, tip = at.jet(made.cam.drive.motion), at.joints()[0]
+    near = made.effect("reactions").bodies.pins.at(phi, "right").near
+    swing = at.turned(at.follower.start_arm, own)[0]
+    body = at.turned(complex(given["centre_x"], given["centre_y"]) - at.follower.pivot, own)[0]
+    roller, mass = 1e-3 * given["roller_mass"], 1e-3 * given["rocker_mass"]
+    whole = 1e3 * given["moment_of_inertia"] + roller * abs(at.follower.start_arm) ** 2
+    wanted = whole * own[2] - cross(mass * body + roller * swing, pull(given["angle"]))
+    wanted = wanted - cross(tip[0], near)
+    found = contact.demand(phi, "right")
+    size = float(np.max(np.abs(found)))
+    assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * size
+    rigid = Design(parse_scene(text, str(SCENES.parent / f"{name}.toml")))
+    before = rigid.effect("reactions").bodies.pins.at(phi, "right").near
+    assert np.max(np.abs(near - before)) > 1e-3 * np.max(np.abs(before))
+
+
 def test_pins_of_a_slider_that_the_rocker_cannot_move_have_no_force() -> None:
     subject = design("schnitt", "", *LOCKED).effects.subject
     assert subject.drive.linkage is not None
