@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.finding import Findings
-from camgeo.check.judge import Judgement
+from camgeo.check.judge import RETURN, Judgement
 from camgeo.displayed import Displayed, brief, notebook
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
@@ -81,7 +81,7 @@ class Design(Pickled, Displayed):
         )  # fmt: skip
         if scene.returning is None:
             return (main,)
-        shared = Ledger(shared_with=self.ledger)
+        shared = self.ledger.named(f" of the {RETURN} disc")
         other = Cam(
             self.drive, scene.returning, scene.rotation, scene.contact, mount=scene.mount,
             ledger=shared,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final
 
+from camgeo.accuracy.bill import BillRow, bill_rows
 from camgeo.accuracy.contours import Progress, contour_rows, file_cost, reason
 from camgeo.accuracy.knee import Knee, knee_of
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
@@ -32,6 +33,7 @@ class Survey:
     knee : beyond which more cost gains nothing; None if nothing could be reached.
     effects : rows of the numerical effects that the scene names and that a tolerance changes.
     rounded : a row for each of the others, which reach rounding at once.
+    bill : whole builds; empty if they were not asked for.
     """
 
     contours: tuple[ContourRow, ...]
@@ -40,6 +42,7 @@ class Survey:
     knee: Knee | None
     effects: tuple[EffectRow, ...] = ()
     rounded: tuple[EffectRow, ...] = ()
+    bill: tuple[BillRow, ...] = ()
 
 
 def survey(
@@ -49,6 +52,7 @@ def survey(
     *,
     ripple: bool = False,
     solids: bool = True,
+    bill: bool = False,
     progress: Progress = lambda _: None,
 ) -> Survey:
     """Measure `design` at `tolerances` [mm] and its value table at `steps` [degrees].
@@ -57,6 +61,7 @@ def survey(
     ----------
     ripple : whether the contours are also replayed.
     solids : whether solids are also written, if the part has a thickness.
+    bill : whether all files are also built.
     progress : called with the name of each step.
 
     Raises
@@ -77,6 +82,7 @@ def survey(
         knee_of(contours),
         tuple(row for row in effects if not row.rounded),
         tuple(row for row in effects if row.rounded),
+        bill_rows(design, tolerances, progress=progress) if bill else (),
     )
 
 

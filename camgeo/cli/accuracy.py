@@ -18,6 +18,7 @@ SUMMARY: Final = (
 EXAMPLE: Final = (
     "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
     "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
+    "  camgeo accuracy my-cam.toml --bill --ripple -o my-cam-bill.svg\n"
     "  camgeo accuracy my-cam.toml --json"
 )
 
@@ -36,6 +37,11 @@ def options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also replay the contours: how far the follower's acceleration is off",
     )
+    parser.add_argument(
+        "--bill",
+        action="store_true",
+        help="also build the scene within each tolerance: the seconds of each stage",
+    )
     add_json(parser)
     add_picture(parser)
 
@@ -51,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         design,
         arguments.tolerances or TOLERANCES,
         ripple=arguments.ripple or None,
+        bill=arguments.bill,
         progress=arguments.progress,
     )
     write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)

@@ -6,7 +6,7 @@ import argparse
 from typing import Final
 
 from camgeo.answers.explain import GOALS, explain
-from camgeo.cli.command import add_json, add_scene, notify_main_disc, opened, show
+from camgeo.cli.command import add_json, add_scene, opened, show
 
 SUMMARY: Final = (
     "show what a command computes for a scene, why, how long it takes, and what it leaves out"
@@ -29,5 +29,4 @@ def run(arguments: argparse.Namespace) -> int:
     """Compute what the command would, and print how long each quantity took."""
     design = opened(arguments)
     found = explain(design, arguments.command)
-    notify_main_disc(design, "times and quantities")
     return show(found, arguments)

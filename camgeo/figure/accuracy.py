@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
+from camgeo.accuracy.bill import Stage
 from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow
 from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
@@ -39,6 +40,20 @@ SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {
 EFFECT_MARKERS: Final = "osD^vP*X"
 """Colours of the effects in order, repeated if there are more effects."""
 
+STAGE_STYLES: Final[dict[Stage, tuple[str, str]]] = {
+    "evaluate": ("#404040", "s"),
+    "fit": ("#c05a00", "^"),
+    "prove": ("#8c5aa8", "v"),
+    "write": ("#6a8f3c", "D"),
+    "read": ("#2f7fc1", "P"),
+}
+STAGE_NAMES: Final[dict[Stage, str]] = {
+    "evaluate": "evaluate", "fit": "fit", "prove": "prove", "write": "write", "read": "read back",
+}  # fmt: skip
+
+LEAST_SECONDS: Final = 1e-4
+"""Shortest time drawn; a stage that takes nothing has no place on a logarithmic axis."""
+
 LEAST_RANGE: Final = 100.0
 """Least factor from the lower to the upper end of an axis."""
 
@@ -59,6 +74,8 @@ def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
     drawn = [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
     if computing or any(row.round_seconds is not None for row in survey.contours):
         drawn.append(("seconds", _seconds(survey, computing=computing)))
+    if computing and any(row.stages for row in survey.bill):
+        drawn.append(("seconds of a build", _bill(survey)))
     if any(row.ripple for row in survey.contours):
         drawn.append(("ripple [% of the demanded peak]", _ripples(survey)))
     count = len(drawn)
@@ -158,6 +175,19 @@ def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
             rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
             style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
             lines += _points(rows, _fit_seconds, f"fit, {form}, {effort}", style)
+    return lines
+
+
+def _bill(survey: Survey) -> list[Line]:
+    """Seconds of whole builds, in all and by stage."""
+    built = [row for row in survey.bill if row.total]
+    tolerances = [row.tolerance for row in built]
+    totals = [row.total or 0.0 for row in built]
+    lines = [Line(over(tolerances, totals), Style(LINE, 1.6, marker="o", size=5.0), "whole build")]
+    for stage, (colour, marker) in STAGE_STYLES.items():
+        spent = [max(row.stages[stage], LEAST_SECONDS) for row in built]
+        style = Style(colour, 0.9, (4.0, 2.0), marker, 4.0)
+        lines.append(Line(over(tolerances, spent), style, STAGE_NAMES[stage]))
     return lines
 
 

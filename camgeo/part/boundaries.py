@@ -123,8 +123,11 @@ class CurveBoundary(Pickled):
         if isinstance(contour, SplineContour):
             from camgeo.contour.cubics.deviation import spline_deviation  # few files have splines
 
-            return once(self.known, contour, lambda: spline_deviation(self.path, contour))
-        return once(self.known, contour, lambda: deviation(self.path, contour))
+            return self._proved(contour, lambda: spline_deviation(self.path, contour))
+        return self._proved(contour, lambda: deviation(self.path, contour))
+
+    def _proved(self, contour: Contour | SplineContour, find: Callable[[], float]) -> float:
+        return once(self.known, contour, lambda: self.ledger.run(f"proof of {self.name}", find))
 
     @property
     def corner_radius(self) -> None:

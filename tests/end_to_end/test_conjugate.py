@@ -204,7 +204,7 @@ def test_check_reports_on_both_discs(built: Path, capsys: Capture) -> None:
     assert area == pytest.approx(abs(outline.area), abs=0.5)
 
 
-@pytest.mark.parametrize("words", [["table"], ["explain"], ["size"]])
+@pytest.mark.parametrize("words", [["table"], ["size"]])
 def test_commands_of_one_disc_say_so(built: Path, words: list[str], capsys: Capture) -> None:
     capsys.readouterr()
     assert main([*words, str(built)]) == 0

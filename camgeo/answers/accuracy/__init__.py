@@ -70,6 +70,7 @@ def accuracy(
     tolerances: Sequence[float] = TOLERANCES,
     *,
     ripple: bool | None = None,
+    bill: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Accuracy:
     """Measure what accuracy costs.
@@ -78,6 +79,7 @@ def accuracy(
     ----------
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
+    bill : whether the scene is also built within each of them.
     progress : called with the name of each step.
 
     Raises
@@ -87,5 +89,5 @@ def accuracy(
     """
     if ripple is None:
         ripple = design.scene.output.accuracy_ripple
-    found = surveys.survey(design, tolerances, ripple=ripple, progress=progress)
+    found = surveys.survey(design, tolerances, ripple=ripple, bill=bill, progress=progress)
     return Accuracy(design.scene, found, ripple, design.drive.unit == "rad")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from camgeo.accuracy.bill import STAGES, BillRow
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
 from camgeo.answers.accuracy import Accuracy
 from camgeo.figure import accuracy
@@ -22,6 +23,13 @@ ripple: largest error of the acceleration in a replay, as a share of its demande
 error: bound on the error of the lift if it is interpolated linearly between two rows"""
 """The columns of the tables, explained below them."""
 
+BILL_COLUMNS: Final = """\
+build: seconds of a whole build of the scene, from the loaded scene to the last file; evaluate:
+    motion, mechanism, findings, part, effects and tool paths; fit: contours with the proofs that
+    decide them; prove: further proofs, also of what was read back; write: the files and their
+    certificate; read: reading them back; machining: of all programs together"""
+"""The same for the table of builds."""
+
 EFFECT_COLUMNS: Final = """\
 effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
     computed: seconds, without the effects that it needs; estimate: what it states of its error;
@@ -33,6 +41,7 @@ CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
     "proof", "write", "read", "round", "shortest",
 )  # fmt: skip
+BILL: Final = ("build", *STAGES, "total", "pieces", "bytes", "machining")
 SOLIDS: Final = ("solid", "tolerance", "faces", "deviation", "bytes", "write", "read")
 EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off", "figure")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
@@ -49,13 +58,16 @@ def text(answer: Accuracy) -> str:
     lines += _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
     if found.solids:
         lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
+    if found.bill:
+        lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
     heads = ["step [deg]", "rows", "bytes", "made", f"error [{answer.unit}]"]
     lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
     if found.effects:
         lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
     if found.rounded:
         lines += ["", *map(_rounded, found.rounded)]
-    lines += ["", COLUMNS, *([EFFECT_COLUMNS] if found.effects else [])]
+    lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
+    lines += [EFFECT_COLUMNS] if found.effects else []
     return "\n".join([*lines, f"advice: {answer.advice}"])
 
 
@@ -108,6 +120,13 @@ def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
     cells += [f"{faces:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
     cells += [_seconds(file.write_seconds), _seconds(file.read_seconds)]
     return cells, row.fault
+
+
+def _bill_cells(row: BillRow) -> tuple[list[str], str]:
+    seconds = [row.stages.get(stage) for stage in STAGES]
+    cells = [f"{row.tolerance:g}", *map(_seconds, (*seconds, row.total))]
+    cells += [NONE if each is None else f"{each:,}" for each in (row.pieces, row.size)]
+    return [*cells, _seconds(row.machining_seconds)], row.fault
 
 
 def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
