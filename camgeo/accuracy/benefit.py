@@ -103,7 +103,7 @@ def benefit_rows(
     Forces are those of the effects that the scene names. A row states why it has no values: a form
     or follower whose motion is not computed, a tolerance that cannot be reached.
     """
-    slow, exact = _slowed(design, min(speeds))
+    slow, exact = slowed(design, min(speeds))
     rows: list[BenefitRow] = []
     for form in forms:
         for tolerance in tolerances:
@@ -118,16 +118,16 @@ def benefit_rows(
     return tuple(rows)
 
 
-def _slowed(design: Design, speed: float) -> tuple[float, _Made]:
+def slowed(design: Design, speed: float) -> tuple[float, Made]:
     """A speed [rad/s] at which the cam all but rests, and the exact motion with it."""
     slow, scene = SLOW * speed, design.scene
     edits = {"cam.speed": slow / RPM, "cam.speed_curve": None, "state": None}
     subject = Design(scene.with_values(edits)).effects.subject
-    return slow, _Made(subject, scene.effects)
+    return slow, Made(subject, scene.effects)
 
 
 @dataclass(frozen=True)
-class _Made:
+class Made:
     """One motion of the follower, and the forces on it.
 
     Attributes
@@ -139,7 +139,7 @@ class _Made:
     subject: Subject
     tables: Mapping[str, Mapping[str, Any]]
 
-    def written_as(self, writing: Writing) -> _Made:
+    def written_as(self, writing: Writing) -> Made:
         """That of a contour of the same disc."""
         return replace(self, subject=replace(self.subject, model="written", writing=writing))
 
@@ -192,8 +192,8 @@ class _Made:
 class _Pair:
     """The exact motion and that of a contour."""
 
-    exact: _Made
-    made: _Made
+    exact: Made
+    made: Made
     slow: float
 
     def row(self, bare: BenefitRow) -> BenefitRow:
