@@ -1,0 +1,60 @@
+"""docs/ripple.md has all its rows, and some of them are measured again."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from camgeo.accuracy.benefit import BenefitRow, benefit_rows
+from camgeo.accuracy.rows import FORMS
+from camgeo.units import RPM
+from tests.pages import page_maker
+
+PAGE: Final = (Path(__file__).resolve().parents[1] / "docs" / "ripple.md").read_text("utf-8")
+
+
+@cache
+def maker() -> Any:
+    """The module docs/ripple_page.py."""
+    return page_maker("ripple_page")
+
+
+@cache
+def measured() -> tuple[BenefitRow, ...]:
+    speeds = [speed * RPM for speed in maker().SPEEDS]
+    return benefit_rows(maker().design(), (1e-1, 1e-3), speeds)
+
+
+def numbers(line: str) -> list[float]:
+    return [float(text) for text in re.findall(r"(?<=[ |])-?[\d.e-]*\d", line)]
+
+
+def test_every_contour_has_every_tolerance() -> None:
+    for form in FORMS:
+        found = re.findall(
+            rf"^\| {maker().NAMES[form]} \| ([\de.-]+) \| \S+ % ", PAGE, re.MULTILINE
+        )
+        assert [float(each) for each in found] == list(maker().TOLERANCES)
+
+
+def test_rows_measured_again_are_those_of_the_page() -> None:
+    """To two units of the last of three digits: another processor rounds pieces differently."""
+    for line in maker().lines(measured()):
+        head = " | ".join(line.split(" | ")[:2]) + " | "
+        (kept,) = (each for each in PAGE.splitlines() if each.startswith(head))
+        assert numbers(line) == pytest.approx(numbers(kept), rel=0.02)
+
+
+def test_the_picture_is_drawn_from_the_rows() -> None:
+    drawn = maker().figure(measured(), title="setzhub")
+    assert [panel.y.label for panel in drawn.panels] == [
+        "acceleration is off [mm/s²]",
+        "contact force is off [N]",
+        "lifts off at [rev/min]",
+    ]
+    assert len(drawn.panels[0].marks) == len(FORMS) * len(maker().SPEEDS)
+    assert drawn.to_data()
