@@ -32,9 +32,9 @@ from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
+from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS
-from camgeo.effects.lift_off.form_closed import LISTED
+from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import measured
 from camgeo.effects.spring_surge.result import CLEAR
@@ -91,6 +91,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "rebounds": MOST_REBOUNDS,
     "searched": f"{SEARCHED:g}",
     "steps": MOST_STEPS,
+    "flight_turns": MOST_TURNS,
     "shear_share": SHEAR_SHARE,
     "shear_depth": SHEAR_DEPTH,
     "heavy": HEAVY,

@@ -22,6 +22,7 @@ from camgeo.pickled import Pickled
 from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
+    from camgeo.mechanism.far_end import FarEnd
     from camgeo.mechanism.linkage_protocol import Linkage
     from camgeo.motion.time_course import SpeedCurve, TimeCourse
 
@@ -74,6 +75,15 @@ class Drive(Pickled):
         Raises GeometryError with key "linkage" if the linkage does not close.
         """
         return self.plan if self.linkage is None else linked(self.plan, self.linkage)
+
+    @property
+    def far_end(self) -> FarEnd | None:
+        """The far end of the linkage with the follower anywhere; None without a linkage."""
+        if self.linkage is None:
+            return None
+        from camgeo.mechanism.far_end import far_end  # few followers leave the cam
+
+        return far_end(self.plan, self.linkage)
 
     @lazy
     def time_course(self) -> TimeCourse | None:

@@ -190,8 +190,9 @@ class Effects:
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
-        flown = self._flown() if lost and at_speed_of_scene else ()
         effect = self.effect(name)
+        flies = lost or (lost is not None and effect.premise == "contact")
+        flown = self._flown() if flies and at_speed_of_scene else ()
         return qualified(effect, result.findings, self.subject, lost, self.names, flown,
                          elastic=self._is_elastic(effect))  # fmt: skip
 

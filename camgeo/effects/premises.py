@@ -1,11 +1,13 @@
 """What the figures of an effect rely on, and where a design does not provide it.
 
 Three things are checked for every effect, whatever it computes: that the follower touches the cam
-(`camgeo.effects.touching.lost_contact`); that the disc makes the motion of the state, which a
-trimmed one does not if that is the demanded motion; and that no other effect of the scene has a
-better model (`Effect.refined_by`). Each that fails gives one finding. While one of the first two
-fails, no figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of
-the contour as it is written, that is told too, and where the train behind the follower is elastic.
+(`camgeo.effects.touching.lost_contact`), also one that is held both ways and crosses its clearance
+(`camgeo.effects.results.Leaving`), which alone makes no figure less than "ok"; that the disc makes
+the motion of the state, which a trimmed one does not if that is the demanded motion; and that no
+other effect of the scene has a better model (`Effect.refined_by`). Each that fails gives one
+finding. While one of the first two fails, no figure of the effect is "ok". Where the state is the
+motion of a trimmed disc, or of the contour as it is written, that is told too,
+and where the train behind the follower is elastic.
 """
 
 from __future__ import annotations
@@ -64,19 +66,22 @@ def qualified(
     ----------
     lost : where the follower leaves the cam; None if that is not known.
     named : the effects that the scene names.
-    flown : where it then flies; empty if that is not known.
+    flown : where it then flies, or crosses its clearance; empty if that is not known.
     elastic : whether they are for an elastic train.
     """
     if all(each.value is None for each in findings):
         return findings  # without figures there is nothing to qualify
     broken: list[Finding] = []
+    crossed: list[Finding] = []
     if effect.premise == "contact" and lost:
         broken.append(_without_contact(lost, subject, flown))
+    elif effect.premise == "contact" and flown:
+        crossed.append(_in_clearance(subject, flown))
     trimmed = tuple(trimming(effect, subject))
     if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
     told = (*_as_written(effect, subject), *((OF_TRAIN,) if elastic else ()))
-    return (*broken, *trimmed, *told, *_simplified(effect, subject, named), *findings)
+    return (*broken, *crossed, *trimmed, *told, *_simplified(effect, subject, named), *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
@@ -107,6 +112,21 @@ def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]
         limit=0.0,
         unit="N",
         cam_angle=lost.leaps[0] if low is None else low.place,
+        cam_range=_only(ranges),
+    )
+
+
+def _in_clearance(subject: Subject, flown: Sequence[Range]) -> Finding:
+    """Where a follower that is held both ways touches nothing."""
+    who, which = ("roller", "flanks") if subject.returning is None else ("follower", "discs")
+    ranges = [_in_turn(each) for each in flown]
+    return Finding(
+        name="clearance-crossed",
+        severity="warning",
+        sentence=(
+            f"the {who} crosses the clearance between its {which} {over(ranges)}; these figures are"
+            " for one that always touches, without its impacts"
+        ),
         cam_range=_only(ranges),
     )
 

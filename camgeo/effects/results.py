@@ -34,6 +34,10 @@ class Acting(Result):
     force: Force
 
 
+BEYOND: Final = ("slider", "coupler")
+"""Names of the masses beyond the follower itself."""
+
+
 class Mass(Protocol):
     """A mass at its centre of mass."""
 
@@ -59,9 +63,8 @@ class Mass(Protocol):
     def rates(self, phi: FloatArray, side: Side, /) -> ComplexArray:
         """(2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle."""
 
-    @property
-    def per_coordinate(self) -> Callable[[FloatArray], ComplexArray] | None:
-        """`per_lift` (n,) at any coordinate q (n,) of the follower; None behind a linkage."""
+    def per_coordinate(self, phi: FloatArray, q: FloatArray, /) -> ComplexArray:
+        """`per_lift` (n,) with the follower at any coordinate `q` (n,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,12 +80,15 @@ class Inertia(Acting):
         (dq/dt)^2 / 2. The sum of m (dx/dq)^2 over all coordinates, by equal kinetic energy (Volmer,
         "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
         effective masses in dynamic models of cam systems).
+    at : (2, n) M and half its derivative by q at n cam angles with the follower at any coordinate q
+        (n,): the equation of free motion is M q'' + (dM/dq / 2) q'^2 = sum Q (Lagrange).
     """
 
     masses: tuple[Mass, ...]
     moved: float
     coupler_moment: float
     to_follower: Quantity
+    at: Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -237,8 +243,9 @@ class Leaving(Result):
 
     Attributes
     ----------
-    flown : ranges [rad] over which it is off its only flank at the speed of the scene, the start in
-        [0, 2 pi), the end beyond it; empty if it stays on it, or if that is not known.
+    flown : ranges [rad] over which it is off its only flank, or in its clearance, at the speed of
+        the scene, the start in [0, 2 pi), the end beyond it; empty if there are none, or if that is
+        not known.
     """
 
     flown: tuple[tuple[float, float], ...] = ()

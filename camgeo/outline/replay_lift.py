@@ -30,6 +30,7 @@ from camgeo.numeric.arrays import (
     IntArray,
     Side,
     ascending,
+    dot,
 )
 from camgeo.outline.layers import (
     NONE,
@@ -76,8 +77,25 @@ class PlayedLift:
     @cached_property
     def breaks(self) -> FloatArray:
         """(m,) cam angles [rad] in [0, 2 pi) at which the roller passes breaks of the curve."""
-        angles, _ = self.path.cam_angle_of(self.parallel.point(self.parallel.breaks))
+        return self._passed(self.parallel.breaks)
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """(m,) cam angles [rad] in [0, 2 pi) at which it passes borders of the curve."""
+        return self._passed(self.parallel.borders)
+
+    def _passed(self, theta: FloatArray) -> FloatArray:
+        angles, _ = self.path.cam_angle_of(self.parallel.point(theta))
         return ascending(angles)
+
+    def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) dn/dq of this lift, see `camgeo.curve.pitch_curve.PitchCurve.leverage`."""
+        points, tangents, _ = self.parallel.traced(self._at_breaks(self.touching(phi)), side)
+        angles, q = self.path.cam_angle_of(points)
+        normals = 1j * self.parallel.pitch.rotation * tangents
+        along, _ = self.path.along(angles, q)
+        lever: FloatArray = self.path.outward * dot(normals, along)
+        return lever
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = 2) -> FloatArray:
         """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad], whatever the

@@ -194,28 +194,32 @@ def test_the_follower_crosses_its_play_as_a_free_body() -> None:
     made = design(scene, effects)
     groove = made.effect("lift-off")
     assert groove is not None
-    assert len(groove.changes) == len(groove.impacts) >= 2
+    flights = groove.flights
+    assert len(groove.changes) == len(flights) >= 2
     assert not [each for each in made.effect("lift-off").findings if each.severity == "broken"]
-    senses = {change.sense for change in groove.changes}
-    assert senses == {1, -1}
+    assert {flight.left for flight in flights} == {1, -1}
     speed = omega(made)
-    for change, impact in zip(groove.changes, groove.impacts, strict=True):
+    # To first order in the play: the motion of a disc with play is not that of the pitch curve.
+    off = 20.0 * play / made.cam.follower.base_radius
+    for change, flight in zip(groove.changes, flights, strict=True):
         main, back = both(made, np.array([change.leaving]))
         largest = max(map(np.max, both(made, inside(made))))
         assert max(main[0], back[0]) <= ROUNDING * largest * 1e3
-        assert impact is not None
-        assert impact.crossed
-        phi = np.linspace(change.leaving, change.leaving + impact.duration, 20001)
+        assert flight.crossed
+        assert flight.left == change.sense
+        assert flight.leaving == pytest.approx(change.leaving, abs=off)
+        phi = np.linspace(change.leaving, flight.landing, 20001)
         required = inertia_of(made) * speed**2 * made.cam.drive.motion.jet(phi)[2] + LOAD[scene]
         h = np.diff(phi) / speed
         free = -required / inertia_of(made)
         rate = np.concatenate(([0.0], np.cumsum(0.5 * h * (free[1:] + free[:-1]))))
         way = np.concatenate(([0.0], np.cumsum(0.5 * h * (rate[1:] + rate[:-1]))))
-        met = ways(made, phi[[-3, -2, -1]])[1 if change.sense > 0 else 0] * way[-3:]
-        # The roller that comes to carry has crossed the play, towards its disc.
-        assert met[-1] == pytest.approx(-play, rel=1e-5)
+        main_way, back_way = (each * way[-3:] for each in ways(made, phi[[-3, -2, -1]]))
+        # The play is that of the return roller.
+        assert back_way[-1] == pytest.approx(-flight.left * play, rel=off)
+        met = back_way if flight.left > 0 else main_way
         closing = -(3.0 * met[-1] - 4.0 * met[-2] + met[-3]) / (2.0 * h[-1])
-        assert impact.speed == pytest.approx(closing, rel=1e-4)
+        assert flight.speed == pytest.approx(closing, rel=off)
 
 
 def test_discs_that_push_in_one_sense_carry_nothing_the_other_way() -> None:

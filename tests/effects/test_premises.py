@@ -113,6 +113,22 @@ def test_each_effect_says_where_the_follower_flies() -> None:
     assert "flies" not in found(weak, "contact-pressure", "contact-lost").sentence
 
 
+@pytest.mark.parametrize("name", ["groove_lever", "conjugate_lever"])
+def test_each_effect_says_where_a_clearance_is_crossed(name: str) -> None:
+    held = loaded(name)
+    flown = held.effect("lift-off").flown
+    assert len(flown) == 4
+    shown = [f"{math.degrees(start):.4f} to {math.degrees(end):.4f}" for start, end in flown]
+    for effect in held.scene.effects:
+        told = [f for f in held.effects.findings(effect) if f.name == "clearance-crossed"]
+        assert len(told) == (effect in NEEDS_CONTACT), effect
+        for each in told:
+            assert each.severity == "warning"
+            assert all(text in each.sentence for text in shown)
+    figure = found(held, "contact-pressure", "largest-contact-pressure")
+    assert figure.severity == "ok"
+
+
 def test_a_follower_that_stays_loses_nothing() -> None:
     for name in ("press", "groove_lever", "tappet"):
         for effect in loaded(name).scene.effects:

@@ -117,12 +117,20 @@ def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) ->
     return Force("friction", own, borders=borders, off=_off(subject, data))
 
 
-def _off(subject: Subject, data: FrictionCoefficients) -> Off | None:
-    """The same on a follower that is off the cam; None behind a linkage."""
-    viscous = data.pivot_viscous + data.guide_viscous
-    if subject.drive.linkage is not None:
-        return None
-    return lambda _phi, _q, rate: -viscous * rate
+def _off(subject: Subject, data: FrictionCoefficients) -> Off:
+    """The same on a follower that is off the cam."""
+    far = subject.drive.far_end
+    if far is None or driving_slider(subject) is None:
+        viscous = data.pivot_viscous + data.guide_viscous
+        return lambda _phi, _q, rate: -viscous * rate
+
+    def off(phi: FloatArray, q: FloatArray, rate: FloatArray) -> FloatArray:
+        slide = far.jet(phi, q)[1]
+        pace = slide * rate
+        found = -(data.slider * np.sign(pace) + data.guide_viscous * pace) * slide
+        return np.asarray(found - data.pivot_viscous * rate)
+
+    return off
 
 
 def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:

@@ -24,7 +24,6 @@ def compute(request: Request[GravityDirection]) -> Gravity:
     masses = request.results[INERTIA].masses
     pull = request.data.pull
     subject = request.subject
-    ways = [each.per_coordinate for each in masses]
     start = [each.place(np.zeros(1), "right")[0] for each in masses]
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
@@ -33,11 +32,10 @@ def compute(request: Request[GravityDirection]) -> Gravity:
             out += each.mass * _along(each.per_lift(phi, side), pull)
         return out
 
-    def off(_phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
         out = np.zeros(len(q))
-        for each, way in zip(masses, ways, strict=True):
-            if way is not None:
-                out += each.mass * _along(way(q), pull)
+        for each in masses:
+            out += each.mass * _along(each.per_coordinate(phi, q), pull)
         return out
 
     def potential(phi: FloatArray, side: Side) -> FloatArray:
@@ -54,7 +52,7 @@ def compute(request: Request[GravityDirection]) -> Gravity:
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Gravity(
-        force=Force("gravity", unmoved(on_follower), potential, off=None if None in ways else off),
+        force=Force("gravity", unmoved(on_follower), potential, off=off),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
             *extreme_findings(

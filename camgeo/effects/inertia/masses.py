@@ -54,13 +54,13 @@ class _OnGuide:
         return np.asarray(cam.follower.start_arm + cam.follower.way * lift)
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return self.per_coordinate(phi)
+        return self.per_coordinate(phi, phi)
 
     def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
         lifts = self.subject.state.motion.jet(phi, side, 2)[1:3]
         return np.asarray(self.subject.cam.follower.way * lifts)
 
-    def per_coordinate(self, q: FloatArray) -> ComplexArray:
+    def per_coordinate(self, _: FloatArray, q: FloatArray) -> ComplexArray:
         return np.full(len(q), self.subject.cam.follower.way)
 
 
@@ -82,13 +82,13 @@ class _OnRocker:
         return np.asarray(self.pivot + self._lever(self.subject.state.motion.jet(phi, side, 1)[0]))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        return self.per_coordinate(self.subject.state.motion.jet(phi, side, 1)[0])
+        return self.per_coordinate(phi, self.subject.state.motion.jet(phi, side, 1)[0])
 
     def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
         swing = self.subject.state.motion.jet(phi, side, 2)
         return turning(self._lever(swing[0]), self.subject.cam.follower.swing_sense * swing[1:3])
 
-    def per_coordinate(self, q: FloatArray) -> ComplexArray:
+    def per_coordinate(self, _: FloatArray, q: FloatArray) -> ComplexArray:
         return np.asarray(1j * self.subject.cam.follower.swing_sense * self._lever(q))
 
 
@@ -113,8 +113,7 @@ class _OnCoupler:
         return np.asarray(self.shaft + self.turn * (tip + self.share * (pin - tip)))
 
     def per_lift(self, phi: FloatArray, side: Side) -> ComplexArray:
-        pin, tip = joints_per_lift(self.linkage, self.subject.state.output.jet(phi, side)[0])
-        return np.asarray(self.turn * (tip + self.share * (pin - tip)))
+        return self._per_lift(self.subject.state.output.jet(phi, side)[0])
 
     def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
         state = self.subject.state
@@ -122,7 +121,11 @@ class _OnCoupler:
         pin, tip = self.linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))
 
-    @property
-    def per_coordinate(self) -> None:
-        """See `Mass`."""
-        return None
+    def per_coordinate(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        far = self.subject.drive.far_end
+        assert far is not None  # it is on a coupler
+        return self._per_lift(far.place(phi, q))
+
+    def _per_lift(self, position: FloatArray) -> ComplexArray:
+        pin, tip = joints_per_lift(self.linkage, position)
+        return np.asarray(self.turn * (tip + self.share * (pin - tip)))

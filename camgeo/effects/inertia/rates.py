@@ -13,8 +13,9 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+    from camgeo.mechanism.far_end import FarEnd
     from camgeo.mechanism.linkage_protocol import Linkage
-    from camgeo.motion.motion import Motion
+    from camgeo.motion.motion import Jet, Motion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +49,7 @@ def at_follower(subject: Subject, data: MassProperties) -> float:
     return own + data.roller_mass * follower.reach**2
 
 
-def train_of(subject: Subject, data: MassProperties) -> Train:
+def train_of(subject: Subject, data: MassProperties) -> DirectTrain | LinkedTrain:
     """The train of `subject` with the masses of `data`."""
     own = at_follower(subject, data)
     linkage = subject.drive.linkage
@@ -94,11 +95,14 @@ class LinkedTrain:
     data: MassProperties
 
     def __call__(self, phi: FloatArray, side: Side) -> list[Rates]:
+        return self.rates(self.output.jet(phi, side))
+
+    def rates(self, stroke: Jet) -> list[Rates]:
+        """With the far end at `stroke` (4, n), with derivatives by whatever `stroke` has them."""
         linkage, data = self.linkage, self.data
-        stroke = self.output.jet(phi, side)
         own = linkage.transform(stroke, 2)
         found = [
-            Rates(self.inertia, own[1], own[2], np.ones(len(phi))),
+            Rates(self.inertia, own[1], own[2], np.ones(len(own[1]))),
             Rates(data.far(linkage), stroke[1], stroke[2], linkage.per_follower(stroke[0])),
         ]
         pin, tip = linkage.joints(stroke[0])
@@ -123,6 +127,19 @@ def reduced(train: Train, phi: FloatArray, side: Side) -> FloatArray:
     out = np.zeros(len(phi))
     for each in train(phi, side):
         out += each.inertia * each.per_lift * each.per_lift
+    return out
+
+
+def reduced_at(
+    train: DirectTrain | LinkedTrain, far: FarEnd | None, phi: FloatArray, q: FloatArray
+) -> FloatArray:
+    """(2, n) M and dM/dq / 2, see `Inertia.at`: the sums of m (dx/dq)^2 and m dx/dq d^2x/dq^2."""
+    out = np.zeros((2, len(q)))
+    if far is None or isinstance(train, DirectTrain):
+        out[0] = train.inertia
+        return out
+    for each in train.rates(far.jet(phi, q)):
+        out += each.inertia * each.per_lift * np.stack((each.first, each.second))
     return out
 
 

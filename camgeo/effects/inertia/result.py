@@ -28,6 +28,7 @@ from camgeo.effects.inertia.rates import (
     at_follower,
     inertia_force,
     reduced,
+    reduced_at,
     train_of,
 )
 from camgeo.effects.results import Inertia
@@ -75,6 +76,7 @@ def compute(request: Request[MassProperties]) -> Inertia:
         moved=at_follower(subject, data) if linkage is None else data.far(linkage),
         coupler_moment=0.0 if linkage is None else data.turning(linkage),
         to_follower=partial(reduced, train),
+        at=partial(reduced_at, train, subject.drive.far_end),
         columns=report.columns(),
     )
     found = report.findings(shocks(subject, inertia.to_follower))

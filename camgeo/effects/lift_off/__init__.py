@@ -19,9 +19,9 @@ class ContactMargin:
     Attributes
     ----------
     margin : contact force that must remain [N].
-    backlash : clearance of the roller in a groove or, between two discs, of the roller that takes
-        over, along its normal [mm]; None for the side clearance in the scene.
-    restitution : of the impact on a single flank, speed after it by speed before it, 0 to below 1.
+    backlash : clearance of the roller in a groove or, between two discs, of the return roller along
+        its normal [mm]; None for the side clearance in the scene.
+    restitution : of an impact, speed after it by speed before it, 0 to 1.
     """
 
     margin: float = 0.0

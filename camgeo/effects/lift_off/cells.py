@@ -61,13 +61,16 @@ class Nodes:
         return self.function(values, ends).integ(lbnd=ends[0]) + start
 
 
-def cells_from(start: float, edges: FloatArray, share: float) -> Iterator[tuple[float, float]]:
-    """Cells [rad] over one turn from `start`, short at first, none across one of `edges`.
+def cells_from(
+    start: float, edges: FloatArray, share: float, turns: int = 1
+) -> Iterator[tuple[float, float]]:
+    """Cells [rad] over so many `turns` from `start`, short at first, none across one of `edges`.
 
     `share` scales their lengths.
     """
-    ahead = np.concatenate((edges[:-1], edges[:-1] + TURN))
-    stops = [start, *ahead[(ahead > start) & (ahead < start + TURN)], start + TURN]
+    first, end = math.floor(start / TURN), start + turns * TURN
+    ahead = np.concatenate([edges[:-1] + (first + turn) * TURN for turn in range(turns + 1)])
+    stops = [start, *ahead[(ahead > start) & (ahead < end)], end]
     size = share * FIRST_CELL
     for low, high in itertools.pairwise(stops):
         length = high - low

@@ -1,30 +1,39 @@
-"""The flight of a follower that has left its only flank, its landing, and its rebounds.
+"""The flights of a follower that has left its flank, its landings, and its rebounds.
 
-Off the cam the follower is a free body: M q'' is the sum of all forces at the place where it is,
-q = h + d, with the motion h of the state and the gap d along q,
+Off the cam the follower is a free body: with its coordinate q, the inertia M(q) reduced to it and
+the forces Q on it, Lagrange's equation is
 
-    M d'' = -R + sum (Q(q, q') - Q(h, h')),
+    M q'' + (dM/dq / 2) q'^2 = sum Q(q, q').
 
-where R, the force that the contact would have to provide, has the inertia of h in it (Newton's law;
-follower jump: Norton, Cam Design and Manufacturing Handbook; Rothbart, Cam Design Handbook, chapter
-on dynamics). d is integrated itself, so that nothing cancels where it is small. As the follower has
-one coordinate, and h is where it touches the cam, it lands where d is 0 again. The impact speed is
-that of the gap along the normal, |dn/dq d'|; after a rebound with the restitution e the gap opens
-at e times that speed (Newton's law of restitution).
+With q = h + d, the motion h of a follower that touches the wall which it has left, and the gap d,
+
+    M(q) d'' = F(q, q') - F(h, h') - R + (M(h) - M(q)) h'',    F = sum Q - (dM/dq / 2) q'^2,
+
+where R = M(h) h'' - F(h, h') is what that wall would have to provide (follower jump: Norton, Cam
+Design and Manufacturing Handbook; Rothbart, Cam Design Handbook, chapter on dynamics). d is
+integrated itself, so that nothing cancels where it is small. The follower lands where d is 0 again,
+or where it meets the other wall. The impact speed is that along the normal of the wall, |dn/dq v|
+with the velocity v of q relative to that of the wall; it goes on with -e v, with the restitution e
+(Newton's law), and loses (1 - e^2) M v^2 / 2.
 
 In each cell of cam angle d solves the integral equation at Chebyshev nodes, by Picard's iteration
-(Clenshaw and Norton, The Computer Journal 6 (1963) 88-92).
+(Clenshaw and Norton, The Computer Journal 6 (1963) 88-92). Between the places where a gap is
+evaluated, a bound of its second derivative excludes that it closes.
+
+A follower that rests on a wall has no memory: once it leaves the same place of the turn a second
+time, all that follows repeats.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force
 from camgeo.effects.lift_off.cells import (
     MOST_HALVINGS,
@@ -34,11 +43,13 @@ from camgeo.effects.lift_off.cells import (
     Polynomial,
     cells_from,
 )
-from camgeo.effects.results import ContactForce, Inertia, LostContact
-from camgeo.effects.touching import leverage_of, outwards_of
+from camgeo.effects.lift_off.walls import Wall
+from camgeo.effects.ranges import ranges_below
+from camgeo.effects.results import Inertia
 from camgeo.effects.wording import missed
 from camgeo.motion.time_course import TimeCourse
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
 
@@ -48,16 +59,43 @@ MOST_ITERATIONS: Final = 60
 CLOSE: Final = 1e-14
 """Change of the gap, as a share of its size, at which they end."""
 
+NOISE: Final = 2.0**-50
+"""Rounding of the forces, a share of the largest; it moves the gap, however small that is."""
+
+ROUNDED: Final = 2.0**-52
+"""Rounding of a lift, a share of the largest."""
+
 EVEN: Final = np.linspace(0.0, 1.0, 65)
 EARLY: Final = np.append(0.0, np.geomspace(1e-9, 1.0, 128))
 """Places in a cell at which the landing is searched for; early ones where a flight begins with a
 speed, which may last but a moment.
 """
 
-NOWHERE: Final = (np.empty(0), np.empty(0))
+FINER: Final = np.linspace(0.0, 1.0, 9)
+"""Places between two of them, where their gaps do not exclude that it closes in between."""
+
+FINEST: Final = 1e-10
+"""A gap that would close and open again within this share of a turn only touches 0."""
+
+MOST_AT_ONCE: Final = 64
+"""Cells that are evaluated at a time at most."""
 
 MOST_REBOUNDS: Final = 5
-"""Rebounds of one flight that are followed."""
+"""Rebounds of one flight that are followed; then it stays on the wall that it has hit."""
+
+MOST_TURNS: Final = 8
+"""Turns after which all flights must repeat, and one flight must have ended."""
+
+MOST_FLIGHTS: Final = 256
+"""In these turns; more come from nodes that are too few."""
+
+SAME: Final = 1e-11
+"""Landings this close [rad], modulo a turn, are one place."""
+
+PULLING: Final = 1e-9
+"""A played wall would have to pull where its force is below minus this share of the largest: the
+second derivative of a played lift is rounded more than that of the state.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,28 +104,104 @@ class Flight:
 
     Attributes
     ----------
-    leaving, landing : cam angles [rad], the landing at most a turn beyond the leaving.
+    leaving, landing : cam angles [rad], the leaving in the turns over which all flights repeat.
     gap : the largest |d|, how far the follower gets from where it would touch [mm or rad].
     speed : of the impact, along the normal [mm/s].
+    energy : lost in the impact [N mm].
     rebound : whether it begins with the impact of the flight before.
-    error : estimate of the relative errors of `gap` and `speed`.
+    left, met : the sides that it leaves and meets, see `camgeo.effects.touching`.
+    error : estimate of the relative errors of `gap`, `speed` and `energy`.
+    late : estimate of the error of `landing` [rad].
     """
 
     leaving: float
     landing: float
     gap: float
     speed: float
+    energy: float
     rebound: bool
+    left: int
+    met: int
     error: float = 0.0
+    late: float = 0.0
+
+    @property
+    def crossed(self) -> bool:
+        """Whether it meets the other side."""
+        return self.left != self.met
+
+
+@dataclass(frozen=True, slots=True)
+class Flights:
+    """The flights in the steady state.
+
+    Attributes
+    ----------
+    flights : by ascending cam angle of leaving, with their rebounds.
+    turns : after which they repeat; 0 if they do not within `MOST_TURNS`.
+    unlanded : cam angle [rad] at which one begins that lasts longer than that; None without any.
+    """
+
+    flights: tuple[Flight, ...]
+    turns: int
+    unlanded: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """Where a wall would have to pull.
+
+    Attributes
+    ----------
+    wall : its number.
+    begin, end : cam angles [rad], the begin in [0, 2 pi), the end beyond it, and equal to it where
+        the velocity jumps away from the wall.
+    rate : of d [per s] with which the follower goes on there.
+    """
+
+    wall: int
+    begin: float
+    end: float
+    rate: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    """Where a flight ends [rad], the rate of d there [per s], and the largest |d| until then."""
+    """Where a flight ends [rad], on which wall, the coordinate and its rate relative to that wall
+    [per s], and the largest |d| until then; 0 if it does not open by more than rounding.
+    """
 
     angle: float
+    wall: int
+    place: float
     rate: float
     gap: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cell:
+    """A cell of cam angle, and at n angles in it what a free follower needs to know.
+
+    Attributes
+    ----------
+    ends : [rad].
+    angles, phi : (n,) [rad], `phi` in [0, 2 pi).
+    omega : (n,) pace of the cam [rad/s].
+    lift, pace, pull : (n,) h, h' and h'' in time.
+    mass, free : (n,) M and F on the wall.
+    room : (n,) distance to the other wall in q, away from the wall left; None without one.
+    """
+
+    ends: tuple[float, float]
+    angles: FloatArray
+    phi: FloatArray
+    omega: FloatArray
+    lift: FloatArray
+    pace: FloatArray
+    pull: FloatArray
+    mass: FloatArray
+    free: FloatArray
+    room: FloatArray | None = None
 
 
 class _StiffError(ArithmeticError):
@@ -96,31 +210,54 @@ class _StiffError(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeFollower:
-    """A follower without linkage on a single flank.
+    """A follower that may leave its walls.
 
     Attributes
     ----------
-    subject : the design.
-    contact : the contact force, all of whose forces but inertia are known off the cam.
+    forces : all but that of the contact and inertia, known off the cam.
     inertia : its mass is above 0.
     course : how the cam turns.
-    sense : of the flank.
+    walls : one, or two with a clearance between them.
+    edges : (k,) [rad] from 0 to 2 pi, between which everything is smooth.
+    least : smallest gap [mm or rad]; less is rounding of the lift.
     """
 
-    subject: Subject
-    contact: ContactForce
+    forces: tuple[Force, ...]
     inertia: Inertia
     course: TimeCourse
-    sense: int
+    walls: tuple[Wall, ...]
+    edges: FloatArray
+    least: float
 
-    def flights(
-        self, lost: LostContact, restitution: float, tolerance: float
-    ) -> tuple[Flight | float, ...]:
-        """All flights of a turn with their rebounds, by ascending cam angle.
+    def leavings(self) -> tuple[Leaving, ...]:
+        """Where the walls would have to pull."""
+        found = []
+        for number, wall in enumerate(self.walls):
 
-        A follower that lands where the flank would have to pull leaves it again at once. In place
-        of a flight that lasts until the first one of the next turn, or longer, comes the cam angle
-        [rad] at which it begins, and no flight after it.
+            def push(phi: FloatArray, side: Side, wall: Wall = wall) -> FloatArray:
+                needed = self._on_wall(wall, phi, side)[3]
+                return np.asarray(np.sign(wall.leverage(phi, side)) * needed)
+
+            extremes = piecewise_extremes(push, self.edges)
+            limit = -PULLING * extremes.magnitude
+            if extremes.lowest.value < limit:
+                for each in ranges_below(push, self.edges, limit, extremes.lowest):
+                    length = (each.end - each.start) % TURN
+                    found.append(Leaving(number, each.start, each.start + (length or TURN)))
+        return tuple(found)
+
+    def jump(self, angle: float) -> float:
+        """The rate of d [per s] with which the follower goes on where the velocity jumps."""
+        here = np.array([angle])
+        before, after = (self.walls[0].motion(here, side)[1, 0] for side in ("left", "right"))
+        return float((before - after) * self.course.rates(here)[0, 0])
+
+    def steady(
+        self, leavings: tuple[Leaving, ...], restitution: float, tolerance: float
+    ) -> Flights:
+        """The flights of a follower that rests on a wall until it has to leave it.
+
+        A follower that lands where the wall would have to pull leaves it again at once.
 
         Raises
         ------
@@ -131,127 +268,250 @@ class FreeFollower:
         for halvings in range(MOST_HALVINGS + 1):
             try:
                 rough, fine = (
-                    tuple(self._chain(lost, restitution, Nodes.of(count), halvings))
+                    self._chain(leavings, restitution, Nodes.of(count), halvings)
                     for count in ORDERS
                 )
             except _StiffError:
                 continue
-            apart = [_apart(*both) for both in zip(rough, fine, strict=False)]
-            error = max(apart, default=0.0) if len(rough) == len(fine) else 1.0
+            alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
+            pairs = tuple(zip(rough.flights, fine.flights, strict=False))
+            error = max((_apart(*both) for both in pairs), default=0.0) if alike else 1.0
             if error <= max(tolerance, ROUNDING):
-                return tuple(
-                    replace(each, error=max(off, ROUNDING)) if isinstance(each, Flight) else each
-                    for each, off in zip(fine, apart, strict=True)
+                told = (
+                    replace(
+                        better,
+                        error=max(_apart(worse, better), ROUNDING),
+                        late=max(abs(worse.landing - better.landing), ROUNDING * TURN),
+                    )
+                    for worse, better in pairs
                 )
+                return replace(fine, flights=tuple(told))
         raise missed("the impact speed of a flight", error, "itself", tolerance)
 
     def _chain(
-        self, lost: LostContact, restitution: float, nodes: Nodes, halvings: int
-    ) -> Iterator[Flight | float]:
-        """As `flights`, with these `nodes` in each cell, and cells halved so often."""
-        starts = _starts(lost)
-        back = 0.0
-        for begin, end in starts:
-            leaving = max(begin, back)
-            if leaving > end or begin < back == end:
-                continue
-            rate = self._jump(leaving) if begin == end else 0.0
+        self, leavings: tuple[Leaving, ...], restitution: float, nodes: Nodes, halvings: int
+    ) -> Flights:
+        """As `steady`, with these `nodes` in each cell, and cells halved so often."""
+        first = min(leavings, key=lambda each: each.begin)
+        last = first.begin + MOST_TURNS * TURN
+        wall, angle = first.wall, first.begin
+        flown: list[Flight] = []
+        begun: list[tuple[Leaving, float, int]] = []
+        while angle <= last and len(flown) < MOST_FLIGHTS:
+            leaving, start = _next(leavings, wall, angle)
+            if leaving is None:
+                return Flights((), 1)  # it stays on a wall that never has to pull
+            for each, before, count in begun:
+                turns = round((start - before) / TURN)
+                if each is leaving and turns and abs(start - before - turns * TURN) <= SAME:
+                    return Flights(_in_turns(flown[count:], turns), turns)
+            begun.append((leaving, start, len(flown)))
+            angle, rate = start, leaving.rate
             for number in range(MOST_REBOUNDS + 1 if restitution else 1):
-                landing = self._flight(leaving, rate, nodes, halvings)
-                if landing is None or landing.angle > starts[0][0] + TURN:
-                    yield leaving
-                    return
-                if landing.gap == 0.0:  # it does not open by more than rounding
+                end = self._flight(wall, angle, rate, nodes, halvings)
+                if end is None:
+                    return Flights(tuple(flown), 0, angle % TURN)
+                if end.gap == 0.0:
                     break
-                here = np.array([landing.angle % TURN])
-                lever = float(leverage_of(self.subject, here, "left", self.sense)[0])
-                speed = abs(lever * landing.rate)
-                yield Flight(leaving, landing.angle, landing.gap, speed, number > 0)
-                back = leaving = landing.angle
-                rate = -restitution * landing.rate
+                flown.append(self._landed(end, restitution, (wall, angle), number > 0))
+                wall, angle, rate = end.wall, end.angle, -restitution * end.rate
+            else:
+                continue
+            if angle == start:  # nothing has opened: it has not left
+                ahead = (leaving.end - start) % TURN
+                angle = max(start + ahead, float(np.nextafter(start, np.inf)))
+        return Flights(tuple(flown), 0)
 
-    def _jump(self, angle: float) -> float:
-        """The rate of d [per s] with which the follower goes on where the velocity jumps."""
-        here = np.array([angle])
-        before, after = (
-            self.subject.state.motion.jet(here, side)[1, 0] for side in ("left", "right")
+    def _landed(
+        self, end: _End, restitution: float, begin: tuple[int, float], rebound: bool
+    ) -> Flight:
+        """The flight that begins on a wall at an angle [rad], `begin`."""
+        left, angle = begin
+        here = np.array([end.angle % TURN])
+        met = self.walls[end.wall]
+        lever = float(met.leverage(here, "left")[0])
+        mass = float(self.inertia.at(here, np.array([end.place]))[0, 0])
+        lost = 0.5 * (1.0 - restitution * restitution) * mass * end.rate * end.rate
+        return Flight(
+            leaving=angle,
+            landing=end.angle,
+            gap=end.gap,
+            speed=abs(lever * end.rate),
+            energy=lost,
+            rebound=rebound,
+            left=self.walls[left].sense,
+            met=met.sense,
         )
-        return float((before - after) * self.course.rates(here)[0, 0])
 
-    def _flight(self, leaving: float, rate: float, nodes: Nodes, halvings: int) -> _End | None:
-        """The end of the flight that begins at `leaving` [rad] with the `rate` of d [per s]."""
-        here = np.array([leaving % TURN])
-        outwards = float(outwards_of(self.subject, here, "right", self.sense)[0])
+    def _flight(
+        self, wall: int, leaving: float, rate: float, nodes: Nodes, halvings: int
+    ) -> _End | None:
+        """The end of the flight that leaves the `wall` at `leaving` [rad] with the `rate` of d [per
+        s]; None if it lasts longer than `MOST_TURNS`.
+        """
+        outwards = self.walls[wall].outwards(leaving % TURN)
         way, most, flying, thrown = 0.0, 0.0, False, rate != 0.0
-        for low, high in cells_from(leaving, self.contact.edges, 0.5**halvings):
-            angles: FloatArray = 0.5 * (low + high) + 0.5 * (high - low) * nodes.places
-            gap, speed = self._solved(angles, nodes, (low, high), way, rate)
+        for cell in self._sampled(wall, outwards, leaving, nodes, halvings):
+            low, high = cell.ends
+            gap, speed = self._solved(cell, nodes, way, rate)
             probes = low + (high - low) * (EVEN if flying or not thrown else EARLY)
             away = outwards * gap(probes)
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
-            opened = np.maximum.accumulate(away > 0.0) | flying
-            ends = sign_changes(probes[opened], away[opened]) if opened[-2] else NOWHERE
+            opened = np.maximum.accumulate(away > self.least) | flying
             if thrown and not opened[-2]:
-                return _End(leaving, 0.0, 0.0)
-            landed = bracketed_roots(gap, *ends)
+                return _End(leaving, wall, 0.0, 0.0, 0.0)
+            back = _closes(outwards * gap, probes[opened]) if opened[-2] else None
+            across = None
+            if cell.room is not None:
+                room = nodes.function(cell.room, cell.ends) - outwards * gap
+                across = _closes(room, probes)
+            stops = [each for each in (back, across) if each is not None]
+            end = min(stops, default=high)
             turning = bracketed_roots(speed, *sign_changes(probes, speed(probes)))
-            end = float(landed[0]) if len(landed) else high
             far = outwards * gap(np.append(turning[turning < end], [low, end]))
             most = max(most, float(np.max(far)))
-            if len(landed):
-                return _End(end, float(speed(end)), most)
+            if stops:
+                hit = wall if across is None or end == back else 1 - wall
+                return self._ended(wall, hit, end, (float(gap(end)), float(speed(end)), most))
             way, rate, flying = float(gap(high)), float(speed(high)), bool(opened[-1])
         return None
 
+    def _ended(self, wall: int, hit: int, angle: float, found: tuple[float, float, float]) -> _End:
+        """The end on the wall `hit`, with d, its rate and the largest gap `found`."""
+        gap, rate, most = found
+        here = np.array([angle % TURN])
+        own, met = (self.walls[each].motion(here, "left")[:, 0] for each in (wall, hit))
+        omega = float(self.course.rates(here)[0, 0])
+        place, pace = float(own[0]), omega * float(met[1] - own[1])
+        return _End(angle, hit, place + gap, rate - pace, most)
+
+    def _on_wall(
+        self, wall: Wall, phi: FloatArray, side: Side
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The motion (3, n) on `wall` in time, and (n,) M, F and R there, see the module."""
+        jet, rates = wall.motion(phi, side), self.course.rates(phi)
+        omega, alpha = rates[0], rates[1]
+        timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
+        mass, free = self._free(phi, timed[0], timed[1])
+        return timed, mass, free, mass * timed[2] - free
+
+    def _free(
+        self, phi: FloatArray, q: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """M and F (n,) of a free follower, see the module."""
+        mass, half = self.inertia.at(phi, q)
+        free = -half * rate * rate
+        for each in self.forces:
+            assert each.off is not None  # see the class
+            free = free + each.off(phi, q, rate)
+        return mass, free
+
+    def _sampled(
+        self, wall: int, outwards: float, leaving: float, nodes: Nodes, halvings: int
+    ) -> Iterator[_Cell]:
+        """The cells of a flight; many are evaluated at a time, the more the longer the flight."""
+        cells = cells_from(leaving, self.edges, 0.5**halvings, MOST_TURNS)
+        own, size = self.walls[wall], 1
+        while block := list(itertools.islice(cells, size)):
+            lows, highs = np.array(block).T[:, :, None]
+            angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * nodes.places
+            phi = np.mod(angles, TURN).ravel()
+            timed, mass, free, _ = self._on_wall(own, phi, "right")
+            found = [phi, self.course.rates(phi)[0], *timed, mass, free]
+            if len(self.walls) > 1:
+                other = self.walls[1 - wall].motion(phi, "right")[0]
+                found.append(outwards * (other - timed[0]))
+            rows = np.reshape(found, (len(found), *angles.shape))
+            for number, ends in enumerate(block):
+                yield _Cell(ends, angles[number], *rows[:, number])
+            size = min(2 * size, MOST_AT_ONCE)
+
     def _solved(
-        self,
-        angles: FloatArray,
-        nodes: Nodes,
-        ends: tuple[float, float],
-        way: float,
-        rate: float,
+        self, cell: _Cell, nodes: Nodes, way: float, rate: float
     ) -> tuple[Polynomial, Polynomial]:
-        """d and its rate in a cell with these `ends` [rad]; at its start they are `way`, `rate`."""
-        phi = np.mod(angles, TURN)
-        rates = self.course.rates(phi)
-        omega = rates[0]
-        mass = self.inertia.to_follower(phi, "right")
-        jet = self.subject.state.motion.jet(phi, "right")
-        here, pace = jet[0], jet[1] * omega
-        free = [each for each in self.contact.forces if each is not self.inertia.force]
-        needed = self.contact.demand(phi, "right")
-        bound = sum(_off(each, phi, here, pace) for each in free)
-        d, v = np.full(len(phi), way), np.full(len(phi), rate)
+        """d and its rate in a cell; at its start they are `way` and `rate`."""
+        count = len(cell.phi)
+        needed = cell.mass * cell.pull - cell.free
+        time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
+        size = np.max((np.abs(cell.free) + np.abs(cell.mass * cell.pull)) / cell.mass)
+        noise = NOISE * float(size) * time * time
+        d, v = np.full(count, way), np.full(count, rate)
         for _ in range(MOST_ITERATIONS):
-            moved = sum(_off(each, phi, here + d, pace + v) for each in free)
-            push = (moved - bound - needed) / mass
-            speed = nodes.integral(push / omega, rate, ends)
-            gap = nodes.integral(speed(angles) / omega, way, ends)
-            last, d, v = d, gap(angles), speed(angles)
-            if np.max(np.abs(d - last)) <= CLOSE * np.max(np.abs(d)):
+            mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
+            push = (free - cell.free - needed + (cell.mass - mass) * cell.pull) / mass
+            speed = nodes.integral(push / cell.omega, rate, cell.ends)
+            gap = nodes.integral(speed(cell.angles) / cell.omega, way, cell.ends)
+            last, d, v = d, gap(cell.angles), speed(cell.angles)
+            if np.max(np.abs(d - last)) <= max(CLOSE * float(np.max(np.abs(d))), noise):
                 return gap, speed
         raise _StiffError
 
 
-def _starts(lost: LostContact) -> list[tuple[float, float]]:
-    """Where flights may begin: (start, end) [rad] of each range without contact, by ascending
-    start, the end equal to it where the velocity jumps.
+def free_of(
+    forces: tuple[Force, ...],
+    inertia: Inertia,
+    course: TimeCourse,
+    walls: tuple[Wall, ...],
+    edges: FloatArray,
+) -> FreeFollower:
+    """A follower with these `forces`, inertia among them, smooth between `edges` (k,) [rad] but for
+    the borders of its walls.
     """
-    found = [(angle, angle) for angle in lost.leaps]
-    for each in lost.ranges:
-        length = (each.end - each.start) % TURN
-        if length > 0.0:
-            found.append((each.start, each.start + length))
-    return sorted(found)
+    others = tuple(each for each in forces if each is not inertia.force)
+    cuts = merged(np.concatenate((edges, *(each.borders for each in walls))))
+    lifts = np.abs(walls[0].motion(cuts, "right")[0])
+    return FreeFollower(others, inertia, course, walls, cuts, ROUNDED * float(np.max(lifts)))
 
 
-def _apart(rough: Flight | float, fine: Flight | float) -> float:
-    """The relative difference of gap and speed; 1 if one of both has no landing."""
-    if not isinstance(rough, Flight) or not isinstance(fine, Flight):
-        return float(isinstance(rough, Flight) or isinstance(fine, Flight))
-    return max(abs(rough.speed - fine.speed) / fine.speed, abs(rough.gap - fine.gap) / fine.gap)
+def _next(leavings: tuple[Leaving, ...], wall: int, angle: float) -> tuple[Leaving | None, float]:
+    """Where a follower that rests on `wall` at `angle` [rad] leaves it."""
+    soonest: tuple[Leaving | None, float] = (None, math.inf)
+    for each in leavings:
+        if each.wall != wall:
+            continue
+        ahead = (each.begin - angle) % TURN
+        if TURN - ahead < each.end - each.begin:
+            ahead = 0.0
+        if angle + ahead < soonest[1]:
+            soonest = each, angle + ahead
+    return soonest
 
 
-def _off(force: Force, phi: FloatArray, q: FloatArray, rate: FloatArray) -> FloatArray:
-    assert force.off is not None  # see `FreeFollower.contact`
-    return force.off(phi, q, rate)
+def _in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
+    """All flights of so many `turns`, each begun in them, by ascending cam angle."""
+    found = []
+    for each in flown:
+        shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
+        found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
+    return tuple(sorted(found, key=lambda each: each.leaving))
+
+
+def _closes(gap: Polynomial, probes: FloatArray) -> float | None:
+    """The first place from the first to the last of `probes` at which the `gap`, above 0 at first,
+    falls to 0; None if there is none.
+    """
+    values = gap(probes)
+    width = np.diff(probes)
+    bend = float(np.sum(np.abs(gap.deriv(2).coef)))
+    least = np.minimum(values[:-1], values[1:])
+    doubtful = (least <= 0.0) | (least < 0.125 * bend * width * width)
+    for piece in np.flatnonzero(doubtful).tolist():
+        low, high = float(probes[piece]), float(probes[piece + 1])
+        if values[piece] <= 0.0:
+            return low
+        if high - low > FINEST * TURN:
+            found = _closes(gap, low + (high - low) * FINER)
+            if found is not None:
+                return found
+        elif values[piece + 1] <= 0.0:
+            return float(bracketed_roots(gap, np.array([low]), np.array([high]))[0])
+    return None
+
+
+def _apart(rough: Flight, fine: Flight) -> float:
+    """The relative difference of gap, speed and energy; 1 if they end on different walls."""
+    if rough.met != fine.met:
+        return 1.0
+    pairs = (rough.speed, fine.speed), (rough.gap, fine.gap)
+    speed, gap = (abs(a - b) / max(a, b) if a != b else 0.0 for a, b in pairs)
+    return max(2.0 * speed, gap)

@@ -1,24 +1,20 @@
-"""A follower held in both directions: where the contact changes sides, and the impact after it."""
+"""A follower held in both directions: where the contact changes sides, and its flights between."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Bound, Subject
-from camgeo.effects.immovable import shocks
-from camgeo.effects.lift_off.crossing import Change, Clearance, Impact, flank_changes
+from camgeo.effects.effect import Subject
+from camgeo.effects.lift_off.crossing import LISTED, Change, flank_changes
 from camgeo.effects.results import ContactForce, Inertia, Leaving
 from camgeo.effects.touching import sides_of
-from camgeo.effects.wording import at, degrees, placed
-from camgeo.numeric.extremes import Extreme, piecewise_lowest
+from camgeo.effects.wording import degrees
 from camgeo.wording import counted
 
-LISTED: Final = 12
-"""Largest number of changes that are listed one by one."""
+if TYPE_CHECKING:
+    from camgeo.effects.lift_off.flight import Flight
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,15 +23,14 @@ class FormClosed(Leaving):
 
     Attributes
     ----------
-    errors : of the impact speeds, relative to the largest.
     first : side that carries first in the turn, +1 inner, -1 outer or return, 0 if none does.
     changes : changes of side.
-    impacts : after each change, None where there is none; empty if they were not computed.
+    flights : across the clearance, with their rebounds, as far as they can be computed.
     """
 
     first: int
     changes: tuple[Change, ...]
-    impacts: tuple[Impact | None, ...]
+    flights: tuple[Flight, ...]
 
 
 def of_groove(
@@ -43,6 +38,7 @@ def of_groove(
     contact: ContactForce,
     inertia: Inertia | None,
     backlash: float,
+    restitution: float,
     tolerance: float,
 ) -> FormClosed:
     """The findings for a groove or pair; impact speeds to the relative `tolerance`."""
@@ -53,40 +49,19 @@ def of_groove(
         found.append(sides.more(len(changes)))
     if not changes:
         found.append(sides.steady(first))
-    impacts: tuple[Impact | None, ...] = ()
-    if changes and backlash > 0.0:
-        why = _why_not(subject, contact, inertia)
-        if why or inertia is None:
-            sentence = f"no impact speed is given: {why}"
-            found.append(Finding("impact-speed", "warning", sentence))
-        else:
-            clearance = Clearance(subject, contact, inertia, backlash)
-            impacts = tuple(clearance.impact_after(change, tolerance) for change in changes)
-            found += sides.impacts(changes, impacts, backlash)
-    hits = [impact for impact in impacts if impact is not None]
-    errors = {}
-    if hits:
-        fastest = max(each.speed for each in hits)
-        bound = Bound(max(each.error * each.speed for each in hits), fastest)
-        errors = dict.fromkeys(("impact-speed", "largest-impact-speed"), bound)
-    return FormClosed(first, changes, impacts, findings=tuple(found), errors=errors)
+    if not changes or backlash == 0.0:
+        return FormClosed(first, changes, (), findings=tuple(found))
+    from camgeo.effects.lift_off.landing import crossed_by  # many grooves are stated without play
 
-
-def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
-    """Why there is no impact speed; empty if there is one."""
-    if inertia is None or subject.state.course is None:
-        return "it needs [effects.inertia]; without mass the clearance is crossed instantly"
-    if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
-        return "the follower has no mass, so the clearance is crossed instantly"
-    if contact.behind is not None:
-        return (
-            "behind an elastic train the masses move on by themselves; [state] output ="
-            ' "rigid" gives the impact of a rigid one'
-        )
-    jumps = shocks(subject, contact.struck)
-    if jumps:
-        return f"the velocity jumps {at(jumps[0])}, which is itself a shock"
-    return ""
+    flown = crossed_by(subject, contact, inertia, backlash, restitution, tolerance)
+    return FormClosed(
+        first,
+        changes,
+        flown.flights,
+        findings=(*found, *flown.findings),
+        flown=flown.ranges,
+        errors=flown.errors,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,41 +103,3 @@ class _Sides:
         if first:
             sentence = f"the {self.names[first]} {self.noun} carries over the whole turn"
         return Finding("flank-change", "ok", sentence, 0.0)
-
-    def impacts(
-        self, changes: tuple[Change, ...], impacts: tuple[Impact | None, ...], backlash: float
-    ) -> list[Finding]:
-        """The impact after each change, and the fastest."""
-        found = []
-        for change, impact in list(zip(changes, impacts, strict=True))[:LISTED]:
-            left = f"after it leaves the {self.names[change.sense]} {self.noun}"
-            left += f" at {degrees(change.leaving)}"
-            if impact is None:
-                sentence = f"{left} the {self.who} hits neither {self.noun} within a turn"
-            else:
-                met = self.names[-change.sense if impact.crossed else change.sense]
-                back = "" if impact.crossed else " again, because it has not crossed the clearance"
-                sentence = (
-                    f"{left} the {self.who} hits the {met} {self.noun}{back}"
-                    f" at {degrees(impact.cam_angle)} at {impact.speed:.6g} mm/s"
-                )
-            found.append(
-                Finding(
-                    name="impact-speed",
-                    severity="ok" if impact is not None else "warning",
-                    sentence=sentence,
-                    value=None if impact is None else impact.speed,
-                    unit="mm/s",
-                    cam_angle=None if impact is None else impact.cam_angle,
-                )
-            )
-        hits = [impact for impact in impacts if impact is not None]
-        if hits:
-            fastest = hits[int(np.argmax([each.speed for each in hits]))]
-            sentence = (
-                f"the {self.who} crosses its clearance of {backlash:g} mm and hits the {self.noun}"
-                f" at up to {fastest.speed:.6g} mm/s, {at(fastest.cam_angle)}"
-            )
-            end = Extreme(fastest.speed, fastest.cam_angle)
-            found.append(placed("largest-impact-speed", sentence, end, "mm/s", severity="warning"))
-        return found

@@ -1,41 +1,140 @@
-"""Findings on the flights of a follower that leaves its only flank."""
+"""Findings on the flights of a follower: from its only flank, or across its clearance."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
 
 from camgeo.check.finding import STATED, Finding
-from camgeo.effects.effect import Bound
+from camgeo.effects.effect import Bound, Subject
+from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS, Flight, FreeFollower
-from camgeo.effects.results import Inertia
-from camgeo.effects.touching import FLANKS
-from camgeo.effects.wording import at, between, degrees, placed
-from camgeo.errors import EffectError
+from camgeo.effects.lift_off.flight import (
+    MOST_REBOUNDS,
+    MOST_TURNS,
+    Flight,
+    FreeFollower,
+    Leaving,
+    free_of,
+)
+from camgeo.effects.lift_off.walls import of_state, with_clearance
+from camgeo.effects.results import ContactForce, Inertia
+from camgeo.effects.touching import FLANKS, sides_of
+from camgeo.effects.wording import N_M, at, between, degrees, placed
+from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.extremes import Extreme, piecewise_lowest
 from camgeo.units import TURN
-from camgeo.wording import listed
+from camgeo.wording import counted, listed
 
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """The flights with their findings and the errors of these."""
+    """The flights with their findings and the errors of these.
+
+    Attributes
+    ----------
+    turns : after which the flights repeat.
+    """
 
     flights: tuple[Flight, ...] = ()
+    turns: int = 1
     findings: tuple[Finding, ...] = ()
     errors: Mapping[str, Bound] = field(default_factory=dict)
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Over which the follower is off the flank, with flights that follow at once as one."""
+        """Over which the follower is free, with flights that follow at once as one; a turn at
+        most each.
+        """
         found: list[tuple[float, float]] = []
         for each in self.flights:
             if found and found[-1][1] == each.leaving:
                 found[-1] = (found[-1][0], each.landing)
             else:
                 found.append((each.leaving, each.landing))
-        return tuple(found)
+        return tuple((start % TURN, start % TURN + min(end - start, TURN)) for start, end in found)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How the flights of one design are told.
+
+    Attributes
+    ----------
+    who : flies: "roller", "face" or "follower".
+    names : of the sides.
+    noun : what the sides are: "flank" or "disc".
+    clearance : between them [mm]; None on a single flank.
+    """
+
+    who: str
+    names: Mapping[int, str]
+    noun: str
+    clearance: float | None = None
+
+    def side(self, sense: int) -> str:
+        """The side `sense` in words."""
+        return f"the {self.names[sense]} {self.noun}"
+
+    def flight(self, flight: Flight, subject: Subject) -> tuple[Finding, ...]:
+        """Where and how far it flies, and how it lands."""
+        start, end = flight.leaving % TURN, flight.landing % TURN
+        if self.clearance is not None:
+            begins = "rebounds from" if flight.rebound else "leaves"
+            again = "" if flight.crossed else " again, because it has not crossed the clearance"
+            sentence = (
+                f"after it {begins} {self.side(flight.left)} at {degrees(start)} the {self.who}"
+                f" hits {self.side(flight.met)}{again} at {degrees(end)} at {flight.speed:.6g} mm/s"
+            )
+            return (self._impact(flight, sentence),)
+        factor, unit = STATED[subject.cam.lift_unit]
+        gap = factor * flight.gap
+        begins = "rebounds from" if flight.rebound else "is off"
+        later = int((flight.landing - flight.leaving) / TURN)
+        over = between((start, end)) + (f", {counted(later, 'turn')} later" if later else "")
+        return (
+            Finding(
+                name="flight",
+                severity="warning",
+                sentence=(
+                    f"the {self.who} {begins} {self.side(flight.left)} {over}, up to {gap:.6g}"
+                    f" {unit} of lift beyond it"
+                ),
+                value=gap,
+                limit=0.0,
+                unit=unit,
+                cam_angle=start,
+                cam_range=(start, end),
+            ),
+            self._impact(flight, f"it lands {at(end)}, at {flight.speed:.6g} mm/s"),
+        )
+
+    @staticmethod
+    def _impact(flight: Flight, sentence: str) -> Finding:
+        return Finding(
+            name="impact-speed",
+            severity="ok",
+            sentence=sentence,
+            value=flight.speed,
+            unit="mm/s",
+            cam_angle=flight.landing % TURN,
+        )
+
+    def fastest(self, flights: tuple[Flight, ...], tail: str) -> Finding:
+        """The fastest impact."""
+        fastest = max(flights, key=lambda flight: flight.speed)
+        end = Extreme(fastest.speed, fastest.landing % TURN)
+        how = f"lands at up to {end.value:.6g} mm/s"
+        if self.clearance is not None:
+            how = (
+                f"crosses its clearance of {self.clearance:g} mm and hits the {self.noun} at up to"
+                f" {end.value:.6g} mm/s"
+            )
+        sentence = f"the {self.who} {how}, {at(end.place)}{tail}"
+        return placed("largest-impact-speed", sentence, end, "mm/s", severity="warning")
 
 
 def flown_from(
@@ -44,55 +143,59 @@ def flown_from(
     """The flights from `flank`, which the follower leaves, at the speed of the scene; none, as a
     finding says, if they cannot be computed to the `tolerance`.
     """
-    why = _why_not(flank, inertia)
-    course = flank.subject.state.course
-    if why or inertia is None or course is None:
-        return _none(why)
-    free = FreeFollower(flank.subject, flank.contact, inertia, course, flank.sense)
-    found: list[Finding] = []
-    flights: list[Flight] = []
-    try:
-        flown = free.flights(flank.contact.lost_contact, restitution, tolerance)
-    except EffectError as error:
-        return _none(error.message)
-    for each in flown:
-        if isinstance(each, float):
-            found.append(_endless(flank, each))
-        else:
-            flights.append(each)
-            found += _finding(flank, each)
-    if not flights:
-        return Flown(findings=tuple(found))
-    fastest = max(flights, key=lambda flight: flight.speed)
-    farthest = max(flights, key=lambda flight: flight.gap)
-    tail = ""
-    if restitution > 0.0 and len(flights) > MOST_REBOUNDS:
-        tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"
-    end = Extreme(fastest.speed, fastest.landing % TURN)
-    sentence = f"the {flank.toucher} lands at up to {fastest.speed:.6g} mm/s, {at(end.place)}{tail}"
-    found.append(placed("largest-impact-speed", sentence, end, "mm/s", severity="warning"))
-    hits = Bound(max(each.error * each.speed for each in flights), fastest.speed)
-    factor, _ = STATED[flank.subject.cam.lift_unit]
-    gaps = Bound(max(each.error * each.gap for each in flights), farthest.gap).times(factor)
-    speeds = dict.fromkeys(("impact-speed", "largest-impact-speed"), hits)
-    return Flown(tuple(flights), tuple(found), {"flight": gaps, **speeds})
-
-
-def _none(why: str) -> Flown:
-    return Flown(findings=(Finding("flight", "warning", f"no landing is given: {why}"),))
-
-
-def _why_not(flank: Flank, inertia: Inertia | None) -> str:
-    """Why no landing can be given; empty if it can."""
     subject, contact = flank.subject, flank.contact
-    if inertia is None:
-        return "it needs [effects.inertia]"
-    if subject.drive.linkage is not None:
-        return "behind a linkage the free motion is not computed"
+    why, course = _why_not(subject, contact, inertia), subject.state.course
+    lost = contact.lost_contact
+    if any(each.end - each.start == TURN for each in lost.ranges):
+        why = why or f"the {flank.toucher} is off the cam over the whole turn"
+    told = Told(flank.toucher, FLANKS, "flank")
+    if why or inertia is None or course is None:
+        return _none("flight", why)
+    walls = (of_state(subject, flank.sense),)
+    free = free_of(contact.forces, inertia, course, walls, contact.edges)
+    found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
+    for each in lost.ranges:
+        length = (each.end - each.start) % TURN
+        if length > 0.0:
+            found.append(Leaving(0, each.start, each.start + length))
+    return _told(told, subject, free, tuple(found), restitution, tolerance)
+
+
+def crossed_by(
+    subject: Subject,
+    contact: ContactForce,
+    inertia: Inertia | None,
+    clearance: float,
+    restitution: float,
+    tolerance: float,
+) -> Flown:
+    """The flights across the `clearance` [mm] of a groove or between two discs, as `flown_from`."""
+    why, course = _why_not(subject, contact, inertia), subject.state.course
+    names, noun = sides_of(subject)
+    told = Told("roller" if subject.returning is None else "follower", names, noun, clearance)
+    if why or inertia is None or course is None:
+        return _none("impact-speed", why)
+    jumps = subject.state.shocks
+    if jumps:
+        why = f"the velocity jumps {at(jumps[0])}, which is itself a shock"
+        return _none("impact-speed", why)
+    try:
+        walls = with_clearance(subject, clearance)
+        free = free_of(contact.forces, inertia, course, walls, contact.edges)
+        leavings = free.leavings()
+    except GeometryError as error:
+        return _none("impact-speed", error.message)
+    if not leavings:
+        return Flown()
+    return _told(told, subject, free, leavings, restitution, tolerance)
+
+
+def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
+    """Why no landing can be given; empty if it can."""
+    if inertia is None or subject.state.course is None:
+        return "it needs [effects.inertia]; without mass a landing is no impact"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
-        return "the follower has no mass"
-    if any(each.end - each.start == TURN for each in contact.lost_contact.ranges):
-        return f"the {flank.toucher} is off the cam over the whole turn"
+        return "the follower has no mass, and its landing is no impact"
     if contact.behind is not None:
         return (
             'the free motion of an elastic train is not computed; [state] output = "rigid" gives'
@@ -104,46 +207,78 @@ def _why_not(flank: Flank, inertia: Inertia | None) -> str:
     return f"{listed(unknown)} off the cam is not known" if unknown else ""
 
 
-def _finding(flank: Flank, flight: Flight) -> tuple[Finding, Finding]:
-    """How long and how far it flies, and how it lands."""
-    start, end = flight.leaving % TURN, flight.landing % TURN
-    factor, unit = STATED[flank.subject.cam.lift_unit]
-    gap = factor * flight.gap
-    who, side = flank.toucher, f"the {FLANKS[flank.sense]} flank"
-    again = "rebounds from" if flight.rebound else "is off"
-    return (
+def _none(name: str, why: str) -> Flown:
+    return Flown(findings=(Finding(name, "warning", f"no landing is given: {why}"),))
+
+
+def _told(
+    told: Told,
+    subject: Subject,
+    free: FreeFollower,
+    leavings: tuple[Leaving, ...],
+    restitution: float,
+    tolerance: float,
+) -> Flown:
+    """The flights of `free`, in words."""
+    single = told.clearance is None
+    none = partial(_none, "flight" if single else "impact-speed")
+    try:
+        steady = free.steady(leavings, restitution, tolerance)
+    except (EffectError, GeometryError) as error:
+        return none(error.message)
+    if steady.unlanded is not None:
+        return none(
+            f"the flight from cam angle {degrees(steady.unlanded)} on lasts longer than"
+            f" {counted(MOST_TURNS, 'turn')}"
+        )
+    if not steady.turns:
+        return none(f"the flights do not repeat within {counted(MOST_TURNS, 'turn')}")
+    flights, turns = steady.flights, steady.turns
+    if not flights:
+        return Flown()
+    found: list[Finding] = []
+    for each in flights if single else flights[:LISTED]:
+        found += told.flight(each, subject)
+    tail = ""
+    if restitution > 0.0 and _longest_run(flights) > MOST_REBOUNDS:
+        tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"
+    found.append(told.fastest(flights, tail))
+    energy = N_M * sum(each.energy for each in flights) / turns
+    found.append(
         Finding(
-            name="flight",
-            severity="warning",
-            sentence=(
-                f"the {who} {again} {side} {between((flight.leaving, flight.landing))}, up to"
-                f" {gap:.6g} {unit} of lift beyond it"
-            ),
-            value=gap,
-            limit=0.0,
-            unit=unit,
-            cam_angle=start,
-            cam_range=(start, end),
-        ),
-        Finding(
-            name="impact-speed",
+            name="impact-energy",
             severity="ok",
-            sentence=f"it lands {at(end)}, at {flight.speed:.6g} mm/s",
-            value=flight.speed,
-            unit="mm/s",
-            cam_angle=end,
-        ),
+            sentence=f"the impacts take {energy:.6g} J from the {told.who} in a turn",
+            value=energy,
+            unit="J",
+        )
     )
+    if turns > 1:
+        sentence = f"the {told.who} does not fly alike in every turn: its flights repeat after"
+        sentence += f" {counted(turns, 'turn')}"
+        found.append(Finding("flight-turns", "warning", sentence, float(turns)))
+    return Flown(flights, turns, tuple(found), _errors(flights, turns, subject, single=single))
 
 
-def _endless(flank: Flank, leaving: float) -> Finding:
-    return Finding(
-        name="flight",
-        severity="warning",
-        sentence=(
-            f"no landing is given for the flight from cam angle {degrees(leaving % TURN)} on: the"
-            f" {flank.toucher} is still off the {FLANKS[flank.sense]} flank where the next turn's"
-            " first flight begins"
-        ),
-        cam_angle=leaving % TURN,
-    )
+def _longest_run(flights: tuple[Flight, ...]) -> int:
+    """Flights that follow each other as rebounds, at most."""
+    ends = [0, *(k for k, each in enumerate(flights) if not each.rebound), len(flights)]
+    return int(np.max(np.diff(ends)))
+
+
+def _errors(
+    flights: tuple[Flight, ...], turns: int, subject: Subject, *, single: bool
+) -> Mapping[str, Bound]:
+    """The errors of the findings, by their names."""
+    fastest = max(each.speed for each in flights)
+    hits = Bound(max(each.error * each.speed for each in flights), fastest)
+    errors = dict.fromkeys(("impact-speed", "largest-impact-speed"), hits)
+    losses = [each.energy for each in flights]
+    lost = sum(each.error * each.energy for each in flights)
+    errors["impact-energy"] = Bound(lost, sum(losses)).times(N_M / turns)
+    if single:
+        factor, _ = STATED[subject.cam.lift_unit]
+        farthest = max(each.gap for each in flights)
+        gaps = Bound(max(each.error * each.gap for each in flights), farthest)
+        errors["flight"] = gaps.times(factor)
+    return errors

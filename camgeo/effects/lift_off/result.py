@@ -27,11 +27,8 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
     Raises
     ------
     GeometryError
-        If the scene gives a margin or a restitution for a roller in a groove, which changes flanks
-        in operation, a backlash for a roller on a single flank, or one that differs from the side
-        clearance.
-    EffectError
-        If an impact speed cannot be computed to the tolerance.
+        If the scene gives a margin for a roller in a groove, which changes flanks in operation, a
+        backlash for a roller on a single flank, or one that differs from the side clearance.
     """
     subject, data = request.subject, request.data
     contact = request.results[CONTACT_FORCE]
@@ -44,14 +41,8 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
                 key=f"effects.{NAME}.margin",
                 value=f"{data.margin:g}",
             )
-        if data.restitution > 0.0:
-            raise GeometryError(
-                "a restitution is for a follower on one flank, and this one is held on both sides",
-                key=f"effects.{NAME}.restitution",
-                value=f"{data.restitution:g}",
-            )
         backlash = _backlash(data, subject.cam.clearance)
-        return of_groove(subject, contact, inertia, backlash, request.tolerance)
+        return of_groove(subject, contact, inertia, backlash, data.restitution, request.tolerance)
     if data.backlash is not None:
         raise GeometryError(
             'a backlash is for a roller in a groove, contact = "groove", or between two discs',

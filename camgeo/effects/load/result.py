@@ -61,8 +61,11 @@ def compute(request: Request[ProcessLoad]) -> Acting:
         )
         return found
 
-    def off(phi: FloatArray, _q: FloatArray, _rate: FloatArray) -> FloatArray:
-        return on_follower(phi, "right")
+    far = subject.drive.far_end
+
+    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        load = -scale * course.values(phi, "right")
+        return load if far is None else load * far.jet(phi, q)[1]
 
     potential = None if request.data.constant is None else work
     edges = merged(np.concatenate((subject.state.smooth_angles, course.borders)))
@@ -73,7 +76,7 @@ def compute(request: Request[ProcessLoad]) -> Acting:
             unmoved(on_follower),
             potential,
             course.borders,
-            off if subject.drive.linkage is None else None,
+            off,
             None if subject.drive.linkage is None else unmoved(on_member),
         ),
         findings=tuple(

@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.effects.force import acceleration, rates_of
+from camgeo.effects.results import BEYOND
 from camgeo.effects.touching import INNER, OUTER, bearing_of, carrier
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
@@ -73,7 +74,7 @@ class Bodies:
     def own(self) -> list[Mass]:
         """The masses of the follower itself."""
         masses = () if self.inertia is None else self.inertia.masses
-        return [each for each in masses if each.per_coordinate is not None]
+        return [each for each in masses if each.name not in BEYOND]
 
     @property
     def pull(self) -> complex:

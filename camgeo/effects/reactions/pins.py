@@ -37,6 +37,7 @@ from camgeo.effects.force import acceleration, at_rates, rates_of
 from camgeo.effects.immovable import refuse_locked
 from camgeo.effects.linked import shaft_and_turn
 from camgeo.effects.reactions.load import Load
+from camgeo.effects.results import BEYOND
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ class Pins:
             demand = demand + inertia.moved * acceleration(stroke[1:3], rates)
             turning = turn * (moved[far] - moved[near]) / rod
             moment = -inertia.coupler_moment * acceleration(turning.imag, rates)
-            for each in (mass for mass in inertia.masses if mass.per_coordinate is None):
+            for each in (mass for mass in inertia.masses if mass.name in BEYOND):
                 if each.name != "coupler":  # a slider
                     weight = each.mass * pull
                 else:

@@ -61,8 +61,10 @@ def compute(request: Request[SpringData]) -> Spring:
         x = way(phi, side)[0]
         return np.asarray((0.5 * stiffness * x - preload) * x)
 
-    def off(_phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
-        x, rate = way.at(q)
+    far = subject.drive.far_end
+
+    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        x, rate = way.at(far.place(phi, q) if far is not None and way.per_stroke else q)
         return (preload - stiffness * x) * rate
 
     def on_slider(phi: FloatArray, side: Side) -> FloatArray:
@@ -94,7 +96,7 @@ def compute(request: Request[SpringData]) -> Spring:
             "spring",
             unmoved(on_follower),
             potential,
-            off=off if subject.drive.linkage is None else None,
+            off=off,
             far=unmoved(on_slider) if way.per_stroke else None,
         ),
         way=way,
