@@ -203,6 +203,7 @@ def _refinements(_name: str) -> str:
         [name, each.taken, f"[{each.by}](#{each.by})"]
         for name in EFFECTS
         for each in find_effect(name).refined_by
+        if not each.followed
     ]
     return _table(("figures of", "hold for", "simpler than in"), rows)
 

@@ -103,7 +103,7 @@ def told_columns(name: str) -> set[str]:
     return set(re.findall(r"`([^`]+)`", found[1].replace("\n", " "))) if found else set()
 
 
-COMMON = {"contact-lost", "trimmed-motion", "simplified"}
+COMMON = {"contact-lost", "trimmed-motion", "elastic-train", "simplified"}
 """Findings that any effect may have; the section on conventions has them."""
 
 
