@@ -45,6 +45,11 @@ follower's acceleration; also triangles and bytes of the solids, and how much ac
 loses between its rows. `--json` prints the results for programs, `-o FILE` draws them. They end
 with one sentence of advice.
 
+`--bill` also builds the scene within each tolerance, all its formats, and bills the seconds by
+stage, from the ledger of that very build: evaluate, fit, prove, write, read back; with the pieces,
+the bytes of all files and the machining time. Drawn together with `--ripple`, the bill rises and
+the ripple falls over the tolerance, with the advice marked in both.
+
 ## What is possible
 
 For a small tolerance eps, a contour of pieces of order k needs at least
