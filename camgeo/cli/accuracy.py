@@ -6,9 +6,18 @@ import argparse
 import math
 from typing import Final
 
-from camgeo.cli.command import add_json, add_scene, notify_main_disc, opened, show, write_files
+from camgeo.cli.command import (
+    add_json,
+    add_scene,
+    notify_main_disc,
+    opened,
+    positive,
+    show,
+    write_files,
+)
 from camgeo.cli.plot import add_picture, pictures
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
+from camgeo.units import RPM
 
 SUMMARY: Final = (
     "measure what accuracy costs: pieces, bytes, computing and machining time over the"
@@ -18,6 +27,7 @@ SUMMARY: Final = (
 EXAMPLE: Final = (
     "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
     "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
+    "  camgeo accuracy my-cam.toml --speed 600\n"
     "  camgeo accuracy my-cam.toml --bill --ripple -o my-cam-bill.svg\n"
     "  camgeo accuracy my-cam.toml --json"
 )
@@ -42,6 +52,12 @@ def options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also build the scene within each tolerance: the seconds of each stage",
     )
+    parser.add_argument(
+        "--speed",
+        metavar="RPM",
+        type=positive,
+        help="also tell which tolerance is enough at this speed of the cam",
+    )
     add_json(parser)
     add_picture(parser)
 
@@ -58,6 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.tolerances or TOLERANCES,
         ripple=arguments.ripple or None,
         bill=arguments.bill,
+        speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,
     )
     write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from camgeo.accuracy import survey as surveys
 from camgeo.accuracy.knee import advice
@@ -13,7 +13,10 @@ from camgeo.accuracy.survey import TOLERANCES, Survey
 from camgeo.answers.answer import Answer
 from camgeo.design import Design
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER
+from camgeo.units import MM_PER, RPM
+
+if TYPE_CHECKING:
+    from camgeo.accuracy.benefit import BenefitRow
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +29,7 @@ class Accuracy(Answer):
     survey : what was measured.
     ripple : whether contours were replayed too.
     turns : whether the positions of the motion are angles.
+    benefits : what arcs do at one speed; empty if none was asked for.
     """
 
     command: ClassVar[str] = "accuracy"
@@ -34,11 +38,21 @@ class Accuracy(Answer):
     survey: Survey
     ripple: bool
     turns: bool
+    benefits: tuple[BenefitRow, ...] = ()
 
     @property
     def advice(self) -> str:
         """What is recommended, in words."""
         return advice(self.survey.knee)
+
+    @property
+    def enough(self) -> str | None:
+        """Which of the tolerances of arcs is enough at the speed asked for, in words."""
+        if not self.benefits:
+            return None
+        from camgeo.accuracy.enough import enough, words
+
+        return f"at {self.benefits[0].speed / RPM:g} rev/min: {words(enough(self.benefits))}"
 
     @property
     def unit(self) -> str:
@@ -71,6 +85,7 @@ def accuracy(
     *,
     ripple: bool | None = None,
     bill: bool = False,
+    speed: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Accuracy:
     """Measure what accuracy costs.
@@ -79,6 +94,7 @@ def accuracy(
     ----------
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
+    speed : of the cam [rad/s] at which arcs are judged by what they do; None for not.
     bill : whether the scene is also built within each of them.
     progress : called with the name of each step.
 
@@ -90,4 +106,9 @@ def accuracy(
     if ripple is None:
         ripple = design.scene.output.accuracy_ripple
     found = surveys.survey(design, tolerances, ripple=ripple, bill=bill, progress=progress)
-    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad")
+    benefits: tuple[BenefitRow, ...] = ()
+    if speed is not None:
+        from camgeo.accuracy.benefit import benefit_rows  # a survey without a speed needs none
+
+        benefits = benefit_rows(design, tolerances, (speed,), forms=("arcs",), progress=progress)
+    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", benefits)

@@ -68,7 +68,8 @@ def text(answer: Accuracy) -> str:
         lines += ["", *map(_rounded, found.rounded)]
     lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
     lines += [EFFECT_COLUMNS] if found.effects else []
-    return "\n".join([*lines, f"advice: {answer.advice}"])
+    lines.append(f"advice: {answer.advice}")
+    return "\n".join(lines if answer.enough is None else [*lines, answer.enough])
 
 
 def figure(answer: Accuracy) -> Figure:

@@ -1,0 +1,40 @@
+"""Which tolerance is enough: where benefits end, on rows made up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from camgeo.accuracy.benefit import BenefitRow
+from camgeo.accuracy.enough import SHARE, enough, words
+
+
+def row(tolerance: float, off: float, lift_off: float = 90.0) -> BenefitRow:
+    return BenefitRow(
+        "arcs", tolerance, 60.0, off, 1.0, 0.0, 40.0 * off, 10.0, 90.0, 11.0, 80.0, lift_off, 100.0
+    )
+
+
+def test_the_loosest_beyond_which_nothing_changes() -> None:
+    rows = [row(1e-1, 0.5), row(1e-2, 0.2), row(1e-3, 0.04), row(1e-4, 0.02)]
+    found = enough(rows[::-1])
+    assert found is not None
+    assert (found.row, found.last) == (rows[2], False)
+    assert found.gain == pytest.approx(0.02)
+    assert "0.001 mm" in words(found)
+
+
+@pytest.mark.parametrize("over", [0.9, 1.1])
+def test_the_lift_off_speed_counts_too(over: float) -> None:
+    loose, tight = row(1e-2, 0.02, 90.0), row(1e-3, 0.02, 90.0 + over * SHARE * 100.0)
+    found = enough([loose, tight])
+    assert found is not None
+    assert found.row == (loose if over < 1.0 else tight)
+    assert found.last == (over > 1.0)
+
+
+def test_tolerances_without_values_are_none() -> None:
+    missing = replace(row(1e-2, 0.0), fault="cannot be reached")
+    assert enough([missing]) is None
+    assert enough([missing, row(1e-1, 0.5)]) is not None
