@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -399,3 +400,42 @@ def test_flights_across_a_clearance_are_those_of_a_free_follower(
         loss = 0.5 * (1.0 - restitution**2) * held.mass * (rate - wall[1]) ** 2
         assert each.energy == pytest.approx(loss, rel=1e-8)
     assert result.errors["impact-speed"].share <= 1e-6
+
+
+def test_flights_behind_a_linkage_obey_lagrange() -> None:
+    """M q'' + (dM/dq / 2) q'^2 = sum Q, with dM/dq from differences of M over q, from the lift and
+    its rate at the leaving on. The slider has viscous friction."""
+    path = EFFECTS / "linked_press.toml"
+    text = path.read_text("utf-8").replace("speed = 90\n", "speed = 420\n")
+    for name in ("load", "vibration", "speed-fluctuation", "drive-torque", "contact-pressure"):
+        text = re.sub(rf"\[effects\.{name}\]\n(?:[^\[\n].*\n)*", "", text)
+    of = Design(parse_scene(text.replace("slider = 4\n", ""), str(path)))
+    contact, inertia = of.effect("contact-force"), of.effect("inertia")
+    state, omega = of.effects.subject.state, 14.0 * math.pi
+    free = [each for each in contact.forces if each is not inertia.force]
+    (flight_,) = of.effect("lift-off").flights
+
+    def lift(phi: float) -> Any:
+        return state.motion.jet(np.array([phi % TURN]))[:, 0]
+
+    def motion(phi: float, y: Any) -> list[float]:
+        here = np.full(3, phi % TURN)
+        q, rate = y[0] + np.array([-1e-5, 0.0, 1e-5]), np.full(3, y[1])
+        mass = inertia.at(here, q)[0]
+        bend = (mass[2] - mass[0]) / 4e-5
+        push = sum(each.off(here, q, rate)[1] for each in free) - bend * y[1] ** 2
+        return [y[1] / omega, push / mass[1] / omega]
+
+    start = lift(flight_.leaving)
+    solved = solve_ivp(
+        motion, (flight_.leaving, flight_.landing), [start[0], start[1] * omega], "DOP853",
+        rtol=1e-12, atol=1e-14, max_step=0.05,
+    )  # fmt: skip
+    q, rate = solved.y[:, -1]
+    end = lift(flight_.landing)
+    closing = rate - end[1] * omega
+    assert abs((q - end[0]) * omega / closing) <= 1e-8
+    lever = state.curve.leverage(np.array([flight_.landing % TURN]))[0]
+    assert flight_.speed == pytest.approx(abs(lever * closing), rel=1e-8)
+    mass = inertia.at(np.array([flight_.landing % TURN]), np.array([q]))[0, 0]
+    assert flight_.energy == pytest.approx(0.5 * mass * closing**2, rel=1e-8)

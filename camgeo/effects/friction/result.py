@@ -105,7 +105,7 @@ def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) ->
                 found[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
             return np.asarray(found)
 
-        return Force("friction", coefficients, borders=borders, far=far)
+        return Force("friction", coefficients, borders=borders, off=_off(subject, data), far=far)
     viscous = data.pivot_viscous + data.guide_viscous  # a follower has only one of the two
 
     def own(phi: FloatArray, side: Side) -> FloatArray:
