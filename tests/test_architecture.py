@@ -79,6 +79,7 @@ distributed a cluster."""
 
 EFFECT_FRAME = {
     "",
+    "bearing_friction",
     "effect",
     "elastic",
     "force",
@@ -86,6 +87,7 @@ EFFECT_FRAME = {
     "helical",
     "immovable",
     "linked",
+    "loads",
     "materials",
     "premises",
     "ranges",

@@ -20,11 +20,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
+
+Scalar = TypeVar("Scalar", np.float64, np.complex128)
 
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""
@@ -91,12 +94,13 @@ def acceleration(jet: Derivatives, rates: FloatArray) -> Derivatives:
     return found
 
 
-def at_rates(coefficients: FloatArray, rates: FloatArray) -> FloatArray:
-    """(n,) the force with `coefficients` (4, n) at `rates` (2 or more, n): omega and alpha."""
+def at_rates(coefficients: NDArray[Scalar], rates: FloatArray) -> NDArray[Scalar]:
+    """(..., n) the force with `coefficients` (4, ..., n) at `rates` (2 or more, n): omega and
+    alpha.
+    """
     omega, alpha = rates[0], rates[1]
     c0, c1, c2, c3 = coefficients
-    force: FloatArray = c0 + omega * (c1 + omega * c2) + alpha * c3
-    return force
+    return np.asarray(c0 + omega * (c1 + omega * c2) + alpha * c3)
 
 
 def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:

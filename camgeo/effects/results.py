@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
+import numpy as np
+
 from camgeo.effects.effect import Key, Result
 
 if TYPE_CHECKING:
@@ -166,6 +168,24 @@ class Bearing:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Rubbing:
+    """Coulomb friction in the pivot or guide, per unit of its loads.
+
+    Attributes
+    ----------
+    lever : friction on q per unit of load [mm in a pivot, 1 in a guide], above 0.
+    senses : (n,) sense of the motion, +1, -1, or 0 during a dwell.
+    per_normal : (k, n) complex loads of the contact per unit of |N| on the side `sense`: the force
+        of the pivot in the drawing, or the forces of near and far end to the right of the guide;
+        see `camgeo.effects.loads`.
+    """
+
+    lever: float
+    senses: Quantity
+    per_normal: Callable[[FloatArray, Side, int], ComplexArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Friction(Acting):
     """Friction of the follower.
 
@@ -174,17 +194,52 @@ class Friction(Acting):
     per_normal : (2, n) contribution of friction per unit of |N| at n cam angles, on the side
         `sense` (see `camgeo.effects.touching`): [0] generalised force on q [1 or mm/rad]; [1]
         torque on the cam [mm], that is N mm per N, positive if it adds to the drive torque. Coulomb
-        friction of guide and pivot is in [0] only, and is 0 during dwells; the roller still turns,
-        and a face still slides, during dwells. GeometryError at a cusp.
+        friction of guide and pivot is in [0] only, as of a contact force that is their only load,
+        and is 0 during dwells; the roller still turns, and a face still slides, during dwells.
+        GeometryError at a cusp.
     bearing : at n cam angles, on the side `sense`.
     guide_length : between the ends of the guide [mm]; None if the scene does not state it.
-    pivot_lever : lever of the friction in the pivot, of its load [mm].
+    rubbing : Coulomb friction in guide or pivot; None without any.
     """
 
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
     bearing: Callable[[FloatArray, Side, int], Bearing]
     guide_length: float | None
-    pivot_lever: float
+    rubbing: Rubbing | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BearingFriction:
+    """The friction in the pivot or guide of a scene, see `camgeo.effects.bearing_friction`.
+
+    Attributes
+    ----------
+    friction : all friction of the follower.
+    rubbing : that of the pivot or guide.
+    own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.effects.loads`.
+    """
+
+    friction: Friction
+    rubbing: Rubbing
+    own: Callable[[FloatArray, Side], ComplexArray]
+
+    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) w [1 or mm]."""
+        return self.rubbing.lever * self.rubbing.senses(phi, side)
+
+    def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) w sum |A_i| at `rates` [N or N mm]."""
+        from camgeo.effects.force import at_rates  # declarations import this module
+
+        sizes = np.abs(at_rates(self.own(phi, side), rates))
+        return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
+
+    def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
+        from camgeo.effects.force import at_rates  # see above
+
+        sizes = at_rates(np.abs(self.own(phi, side)), np.abs(rates))
+        return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +325,12 @@ class ContactForce(Touching):
     normal : (n,) N at the speed of the scene, or at rest if it gives none.
     normal_at : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2], with
         a rigid train.
-    bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`.
+    bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`, of a |N| so
+        large that all else that loads the bearings is nothing to it.
+    bearings : friction under the loads of pivot or guide; None without any.
+    released : (n,) [N or N mm] what is demanded of a contact that carries nothing, at rates (2, n):
+        R, with a rigid train, and the friction of what else loads the bearings. It has the sign of
+        dn/dq N.
     struck : (n,) inertia [t or t mm^2] reduced to the follower that a jump of its velocity strikes:
         all that is not behind an elastic train; None without masses.
     behind : the elastic train that `forces` include; None if it is rigid.
@@ -285,6 +345,8 @@ class ContactForce(Touching):
     normal_at: Callable[[FloatArray, Side, FloatArray], FloatArray]
     bracket: Callable[[FloatArray, Side, int], FloatArray]
     demand: Quantity
+    bearings: BearingFriction | None
+    released: Callable[[FloatArray, Side, FloatArray], FloatArray]
     struck: Quantity | None = None
     behind: ElasticTrain | None = None
 
@@ -301,7 +363,9 @@ class DriveTorque(Result):
     Attributes
     ----------
     contact : the contact force.
-    law : (6, n) c0 to c3 of R, then torque per unit of R [N mm] for R > 0 and for R < 0.
+    law : (6, n) c0 to c3 of R, then torque per unit of R [N mm] for R > 0 and for R < 0; with
+        friction in the bearings the rows of `camgeo.effects.bearing_friction.RubbingLaw`, whose
+        `linear_law` gives these six at given rates.
     at : (n,) [N mm] at n cam angles, with the cam turning at omega [rad/s] and alpha [rad/s^2].
     torque : (n,) [N mm] at the speed of the scene; the static part if it gives none.
     static : (n,) [N mm] at very low speed: without inertia and viscous friction.

@@ -59,6 +59,7 @@ class Stuck:
     design: Design
     share: float
     force: Force = field(default_factory=lambda: Force("friction", lambda phi, side: zero(phi)))
+    rubbing: None = None
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         velocity = self.design.cam.drive.motion.jet(phi, side)[1]

@@ -57,6 +57,7 @@ class DefinedForce:
     subject: Design
     forces: Sequence[Force]
     friction: Friction | None = None
+    bearings: None = None
     edges: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -77,6 +78,9 @@ class DefinedForce:
     def demand(self, phi: FloatArray, side: Side) -> FloatArray:
         course = self.subject.drive.time_course
         rates = np.zeros((2, len(phi))) if course is None else course.rates(phi)
+        return at_rates(self.required(phi, side), rates)
+
+    def released(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         return at_rates(self.required(phi, side), rates)
 
     def normal_at(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from camgeo.design import Design
 from camgeo.errors import EffectError, SceneError
@@ -141,6 +142,17 @@ class Bodies:
         return np.asarray(self.normal - coefficient * self.slip / np.abs(self.slip))
 
 
+def on_pivot(made: Design, phi: FloatArray) -> ComplexArray:
+    """(n,) weight and d'Alembert's force of the rocker, which load its pivot."""
+    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
+    follower = made.cam.follower
+    assert isinstance(follower, OscillatingFlat)
+    swing = follower.swing_sense
+    centre = (complex(-35.0, 62.0) - follower.pivot) * np.exp(1j * swing * timed[0])
+    acceleration = (1j * swing * timed[2] - timed[1] ** 2) * centre
+    return np.asarray(0.6e-3 * (pull(-75.0) - acceleration))
+
+
 def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatArray:
     """(n,) the normal force, from the balance of forces and moments on the follower.
 
@@ -162,7 +174,12 @@ def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatAr
         needed = swing * 2.0 * timed[2] - weight + swing * (spring + drag + 0.8e3)
         lever = np.imag(np.conj(place - follower.pivot) * push)
         pin = 0.5 * table["pivot"] * table["pivot_diameter"] * swing * moving
-        return np.asarray(needed / (lever - pin))
+        other = on_pivot(made, phi)
+
+        def left(n: float, k: int) -> float:
+            return float(n * lever[k] - pin[k] * abs(n * push[k] + other[k]) - needed[k])
+
+        return np.array([brentq(left, 0.0, 1e5, (k,), 1e-11) for k in range(len(phi))])
     assert isinstance(follower, TranslatingFlat)
     out = np.exp(1j * follower.guide_angle)
     right = -1j * out
@@ -174,6 +191,7 @@ def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatAr
     found = np.zeros(len(phi))
     for k in range(len(phi)):
         ahead, aside = along(out, push[k]), along(right, push[k])
+        weight = 0.9e-3 * along(right, pull(-60.0))
         for first, second in itertools.product((1.0, -1.0), repeat=2):
             drag = -table["guide"] * moving[k]
             rows = np.array([
@@ -181,7 +199,7 @@ def by_newton(made: Design, table: dict[str, float], phi: FloatArray) -> FloatAr
                 [aside, 1.0, 1.0],
                 [beside[k] * ahead - height[k] * aside, -near, -far],
             ])  # fmt: skip
-            size, r1, r2 = np.linalg.solve(rows, [needed[k], 0.0, 0.0])
+            size, r1, r2 = np.linalg.solve(rows, [needed[k], -weight, height[k] * weight])
             if first * r1 >= 0.0 and second * r2 >= 0.0:
                 found[k] = size
                 break
@@ -234,7 +252,8 @@ def test_power_of_the_drive_goes_into_energies_the_load_and_losses(scene: str) -
             return np.asarray(0.5 * 2.0 * moved**2 + weight + spring)
 
         load = 0.8e3 * rate
-        rest = 0.5 * table["pivot"] * table["pivot_diameter"] * normal * np.abs(rate)
+        held = np.abs(normal * at.push(table["face"]) + on_pivot(made, phi))
+        rest = 0.5 * table["pivot"] * table["pivot_diameter"] * held * np.abs(rate)
         rest = rest + 1e3 * table["pivot_viscous"] * speed * rate**2
     else:
         out = np.exp(1j * math.radians(70.0))
@@ -266,8 +285,11 @@ def _held(made: Design, table: dict[str, float], phi: FloatArray, normal: FloatA
     near = 30.0 + table["guide_overhang"]
     beside = along(-1j * out, place) - table["guide_offset"]
     turning = beside * along(out, load) - along(out, place) * along(-1j * out, load)
-    far = (turning + near * along(-1j * out, load)) / table["guide_length"]
-    return np.asarray(np.abs(far) + np.abs(far + along(-1j * out, load)))
+    weight = 0.9e-3 * along(-1j * out, pull(-60.0))
+    turning = turning - along(out, place) * weight
+    across = along(-1j * out, load) + weight
+    far = (turning + near * across) / table["guide_length"]
+    return np.asarray(np.abs(far) + np.abs(far + across))
 
 
 LINKED: Final = """
@@ -306,7 +328,8 @@ def test_work_of_a_linked_rocker_over_a_turn_is_lost_by_friction() -> None:
         assert isinstance(follower, OscillatingFlat)
         height = follower.centre_distance * np.sin(follower.face_angle(jet[0])) + 16.0
         slide = np.abs(height - made.cam.rotation * 16.0 * follower.swing_sense * jet[1])
-        return np.asarray(contact.normal(phi, side) * (0.1 * slide + np.abs(jet[1])))
+        pivot = math.hypot(1.0, 0.1) * np.abs(jet[1])  # under the force of the face alone
+        return np.asarray(contact.normal(phi, side) * (0.1 * slide + pivot))
 
     work = turn_integral(drive.torque, drive.edges)
     slid = 5.0 * 2.0 * 4.0  # up and down the stroke

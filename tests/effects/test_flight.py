@@ -114,7 +114,7 @@ def lever() -> Free:
     of = loaded(
         "lever",
         ("speed = 300", "speed = 1200"),
-        ("pivot = 0.1\n", "pivot = 0.1\npivot_viscous = 0.05\n"),
+        ("pivot = 0.1\n", "pivot_viscous = 0.05\n"),
         ("[effects.contact-force]", "[effects.gravity]\n[effects.contact-force]"),
     )
     pivot, arm = complex(95, 10), of.cam.follower.start_arm
@@ -270,7 +270,8 @@ class Roller:
 class Held:
     """A rocker between two walls, at which one of the `gaps` is 0: (sign, roller, width) each.
 
-    A gap is width + sign times the distance of the roller from its pitch curve.
+    A gap is width + sign times the distance of the roller from its pitch curve. Friction in the
+    pivot takes `rubbed` at a cam angle.
     """
 
     of: Design
@@ -278,6 +279,7 @@ class Held:
     mass: float
     force: Callable[[float, float], float]
     gaps: dict[int, tuple[float, Roller, float]]
+    rubbed: Callable[[float], float] = lambda phi: 0.0
 
     def gap(self, side: int, phi: float, q: float) -> tuple[float, float, float]:
         sign, roller, width = self.gaps[side]
@@ -298,14 +300,15 @@ class Held:
         q, rate = self.on_wall(side, phi)
         before, after = (self.on_wall(side, phi + sign * step)[1] for sign in (-1.0, 1.0))
         needed = self.mass * (after - before) / (2.0 * step) * self.omega - self.force(q, rate)
+        needed += self.rubbed(phi)
         return needed * math.copysign(1.0, self.gap(side, phi, q)[2])
 
     def flight(self, left: int, leaving: float, begin: list[float], about: float) -> Any:
         """Landing [rad], side, impact speed, q and dq/dt there, of a flight about so long [rad]."""
 
         def motion(t: float, y: Any) -> list[float]:
-            del t
-            return [y[1], self.force(y[0], y[1]) / self.mass]
+            taken = self.rubbed(leaving + self.omega * t)
+            return [y[1], (self.force(y[0], y[1]) - taken) / self.mass]
 
         def stop(side: int) -> Callable[[float, Any], float]:
             def event(t: float, y: Any) -> float:
@@ -363,7 +366,14 @@ def pair(restitution: float, backlash: float = 0.03) -> Held:
     main, back = rollers(of)
     mass = 12.0 + 0.18e-3 * 75.0**2
     gaps = {1: (1.0, main, 0.0), -1: (1.0, back, backlash)}
-    return Held(of, 8.0 * math.pi, mass, lambda q, rate: -500.0, gaps)
+    omega = 8.0 * math.pi
+
+    def rubbed(phi: float) -> float:
+        """In the pivot, mu d / 2 = 1 mm, loaded by m a of the roller."""
+        _, rate, second = main.lift(phi)[:3]
+        return float(np.sign(rate)) * 0.18e-3 * 75.0 * omega**2 * math.hypot(second, rate * rate)
+
+    return Held(of, omega, mass, lambda q, rate: -500.0, gaps, rubbed)
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.4])

@@ -134,7 +134,8 @@ def test_the_power_balance_closes(scene: str, changes: int, sense: int) -> None:
     tangential = -(pin + rolling) / np.imag(np.conj(at.arm) * at.tangent)
     load = sense * at.normal + tangential * at.tangent
     if isinstance(made.cam.follower, OscillatingRoller):
-        lost = 0.5 * table["pivot"] * table["pivot_diameter"] * np.abs(at.turning)
+        held = np.abs(load)  # with no load but the contact
+        lost = 0.5 * table["pivot"] * table["pivot_diameter"] * held * np.abs(at.turning)
     else:
         carried = reactions(made, table, at, load, -pin)
         lost = table["guide"] * carried * np.abs(at.velocity)

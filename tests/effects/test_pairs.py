@@ -136,11 +136,17 @@ def test_with_friction_the_drive_gives_what_is_stored_done_and_lost() -> None:
     phi, speed = inside(made), omega(made)
     main, back = both(made, phi)
     assert len(made.discs) == 2
-    losses = np.zeros(len(phi))
+    losses, jet = np.zeros(len(phi)), made.cam.drive.motion.jet(phi)
+    follower: Any = made.cam.follower
+    turn = 1j * swing_of(made, phi)
+    arm = follower.start_arm * np.exp(turn * jet[0])
+    other = -ROLLING * arm * (turn * jet[2] - jet[1] ** 2) * speed**2
     for disc, force in zip(made.discs, (main, back), strict=True):
         carries = force > 0.0
         assert np.any(carries)
-        losses[carries] += Bodies(disc.cam, phi[carries], force[carries]).losses(table)
+        losses[carries] += Bodies(disc.cam, phi[carries], force[carries]).losses(
+            table, other[carries]
+        )
     velocity = slope(lambda x: lift(made, x), phi)
     losses += 1e3 * table["pivot_viscous"] * speed * velocity**2
 

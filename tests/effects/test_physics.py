@@ -218,13 +218,13 @@ class Bodies:
         share = -(pin + rolling) / np.imag(np.conj(self.arm) * tangent)
         return np.asarray(np.abs(self.normal) * self.push + share * tangent)
 
-    def guide_reactions(self, table: dict[str, float]) -> FloatArray:
+    def guide_reactions(self, table: dict[str, float], weight: complex) -> FloatArray:
         """(2, n) magnitudes [N] at both ends of the guide, as of a beam on two supports."""
         follower = self.cam.follower
         assert isinstance(follower, TranslatingRoller)
         out = np.exp(1j * follower.guide_angle)
         start = along(out, self.centre(np.zeros(1)))[0] + table["guide_overhang"]
-        load, (pin, _) = self.load(table), self.moments(table)
+        load, (pin, _) = self.load(table) + weight, self.moments(table)
         height = along(out, self.centre(self.phi))
         found = []
         for y, force, moment in zip(height, along(-1j * out, load), -pin, strict=True):
@@ -232,17 +232,42 @@ class Bodies:
             found.append(np.abs(np.linalg.solve(rows, [-force, y * force - moment])))
         return np.array(found).T
 
-    def losses(self, table: dict[str, float]) -> FloatArray:
-        """Of the bearings and the rolling, per unit of cam speed [N mm]."""
+    def losses(self, table: dict[str, float], other: Any) -> FloatArray:
+        """Of the bearings and the rolling, per unit of cam speed [N mm].
+
+        `other` is what loads the pivot or the guide besides the contact, with its inertia.
+        """
         pin, rolling = self.moments(table)
         lost = np.abs(pin * (self.roller - self.turning))
         lost += np.abs(rolling * (self.roller - self.cam.rotation))
         if isinstance(self.cam.follower, OscillatingRoller):
-            moment = 0.5 * table["pivot"] * table["pivot_diameter"] * np.abs(self.normal)
+            moment = 0.5 * table["pivot"] * table["pivot_diameter"]
+            moment *= np.abs(self.load(table) + other)
             return np.asarray(lost + moment * np.abs(self.turning))
         velocity = np.abs(slope(self.centre, self.phi))
-        held = np.sum(self.guide_reactions(table), axis=0)
+        held = np.sum(self.guide_reactions(table, other), axis=0)
         return np.asarray(lost + table["guide"] * held * velocity)
+
+
+def on_bearings(made: Design, phi: FloatArray, speed: float) -> Any:
+    """What loads pivot or guide besides the contact: weights, and on a rocker d'Alembert's forces.
+
+    Nothing behind a linkage, whose forces on the follower do not count.
+    """
+    if made.cam.drive.linkage is not None:
+        return 0.0
+    follower: Any = made.cam.follower
+    if isinstance(follower, TranslatingRoller):
+        return 1.3e-3 * pull(-60.0)
+    found = np.zeros(len(phi), dtype=np.complex128)
+    for mass, start in ((0.15e-3, follower.start_arm), (0.9e-3, 70.0 + 30.0j - follower.pivot)):
+
+        def place(x: FloatArray, start: complex = start) -> Any:
+            return start * np.exp(1j * follower.swing_sense * lift(made, x))
+
+        acceleration = slope(lambda x: slope(place, x), phi) * speed**2
+        found += mass * (pull(-75.0) - acceleration)
+    return found
 
 
 def lift(made: Design, phi: FloatArray) -> FloatArray:
@@ -334,7 +359,7 @@ def test_power_of_the_drive_goes_into_energies_the_load_and_losses(scene: str, r
 
     stored = slope(energy, phi)
     load = load_of(scene) * way
-    losses = Bodies(made.cam, phi, normal).losses(table)
+    losses = Bodies(made.cam, phi, normal).losses(table, on_bearings(made, phi, speed))
     if "slider" in table:
         losses = losses + table["slider"] * np.abs(way) + table["guide_viscous"] * speed * way**2
     elif "guide_viscous" in table:
@@ -409,14 +434,15 @@ def test_newton_in_a_guide_with_friction(rev: float, side: int) -> None:
         for flank, first, second in itertools.product((1.0, -1.0), repeat=3):
             load, moment = (each[k] for each in by_flank[flank])
             drag = -table["guide"] * moving[k]
+            across, weight = along(-1j * out, load), 1.3e-3 * along(-1j * out, pull(-60.0))
             rows = np.array(
                 [
                     [along(out, load), drag * first, drag * second],
-                    [along(-1j * out, load), 1.0, 1.0],
-                    [-height[k] * along(-1j * out, load) + moment, -near, -far],
+                    [across, 1.0, 1.0],
+                    [-height[k] * across + moment, -near, -far],
                 ]
             )
-            size, r1, r2 = np.linalg.solve(rows, [needed[k], 0.0, 0.0])
+            size, r1, r2 = np.linalg.solve(rows, [needed[k], -weight, height[k] * weight])
             if size >= 0.0 and first * r1 >= 0.0 and second * r2 >= 0.0:
                 agreed[k] = flank * size
                 break

@@ -12,6 +12,10 @@ outer one does, and the contribution p of Coulomb and rolling friction to q per 
 friction N = R / (dn/dq). In a conjugate pair sense -1 is the return disc, and sense dn/dq the
 leverage of its own inner flank: discs only push, so R is provided by the disc whose leverage has
 its sign.
+
+Friction in the pivot or guide grows with whatever loads it, not with |N| alone: the balance and its
+only root are in `camgeo.effects.bearing_friction`, and R is replaced by R_0 of that module wherever
+its sign is meant.
 """
 
 from __future__ import annotations
@@ -23,13 +27,14 @@ from typing import Final, NoReturn
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import directions, with_reversals
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import Force, at_rates, rates_of, smooth_edges
-from camgeo.effects.results import Friction
+from camgeo.effects.force import Force, at_rates, rates_of, smooth_edges, total
+from camgeo.effects.results import BearingFriction, Friction
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import dips, grid_of, piecewise_lowest, stretch_below
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.numeric.rounding import SHARE
@@ -49,11 +54,13 @@ class ForceBalance:
     subject : the design.
     forces : all except that of the contact.
     friction : at the contact and in the guides, or None.
+    bearings : friction under the loads of pivot or guide, or None.
     """
 
     subject: Subject
     forces: tuple[Force, ...]
     friction: Friction | None
+    bearings: BearingFriction | None
 
     def rates(self, phi: FloatArray) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
@@ -69,6 +76,21 @@ class ForceBalance:
             size += at_rates(np.abs(coefficients), np.abs(rates))
         needed[np.abs(needed) <= SHARE * size] = 0.0
         return needed
+
+    def required(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(4, n) coefficients of R."""
+        return -total(self.forces, phi, side)
+
+    def released(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) R_0 [N or N mm] at `rates`; exactly 0 where it is rounding."""
+        needed = self.demand(phi, side, rates)
+        if self.bearings is None:
+            return needed
+        alone = self.bearings.alone(phi, side, rates)
+        size = np.abs(needed) + self.bearings.largest(phi, side, rates)
+        found = needed + alone
+        found[np.abs(found) <= SHARE * size] = 0.0
+        return found
 
     def leverage(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(n,) sense dn/dq [1 or mm/rad]: force on q per unit of |N|, without friction.
@@ -86,7 +108,7 @@ class ForceBalance:
     def bracket(
         self, phi: FloatArray, side: Side, sense: int, leverage: FloatArray | None = None
     ) -> FloatArray:
-        """(n,) [1 or mm/rad] force on q per unit of |N| on the side `sense`.
+        """(n,) [1 or mm/rad] force on q per unit of |N| on the side `sense`, of a large |N|.
 
         `leverage` is that of the side, if already known.
         """
@@ -99,12 +121,13 @@ class ForceBalance:
     def parts(
         self, phi: FloatArray, side: Side, rates: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """R, the side that must carry (+1 or -1), and its reserve against jamming, (n,) each.
+        """R_0, the side that must carry (+1 or -1), and its reserve against jamming, (n,) each.
 
-        The reserve is the bracket in the direction of R, |R| = reserve |N|. The follower jams where
-        it is not above 0, also between two discs that push in the same direction.
+        The reserve is the bracket in the direction of R_0, |R_0| = reserve |N| where the contact is
+        the only load of pivot or guide. The follower jams where it is not above 0, also between two
+        discs that push in the same direction.
         """
-        needed = self.demand(phi, side, rates)
+        needed = self.released(phi, side, rates)
         lever = self.leverage(phi, side, INNER)
         other = -lever if self.subject.returning is None else self.leverage(phi, side, OUTER)
         sense = np.where(needed * np.sign(lever) >= 0.0, INNER, OUTER)
@@ -127,9 +150,49 @@ class ForceBalance:
         if np.any(jammed):
             self.refuse(float(phi[jammed][0]), side)
         found = np.zeros(len(phi))
-        np.divide(np.abs(needed), reserve, out=found, where=loaded)
+        if self.bearings is None:
+            np.divide(np.abs(needed), reserve, out=found, where=loaded)
+        else:
+            found[loaded] = self._under_loads(phi, side, rates, sense)[0][loaded]
         found *= sense
         return found
+
+    def _under_loads(
+        self, phi: FloatArray, side: Side, rates: FloatArray, sense: FloatArray
+    ) -> FloatArray:
+        """(2, n) |N| on the side `sense` (n,) with friction in the bearings, and d|R|/d|N|."""
+        found, bearings = np.zeros((2, len(phi))), self.bearings
+        assert bearings is not None
+        demand, drag = self.demand(phi, side, rates), bearings.drag(phi, side)
+        own = at_rates(bearings.own(phi, side), rates)
+        for flank in (INNER, OUTER):
+            here = sense == flank
+            if not np.any(here):
+                continue
+            per = bearings.rubbing.per_normal(phi, side, flank)
+            free = self.bracket(phi, side, flank) + drag * np.sum(np.abs(per), axis=0)
+            u = np.where(demand + drag * np.sum(np.abs(own), axis=0) >= 0.0, 1.0, -1.0)
+            n, d = directions(u * demand, u * free, u * drag, own, per)
+            slope = u * (free - drag * np.sum((np.conj(d) * per).real, axis=0))
+            found[:, here] = np.stack((n, slope))[:, here]
+        return found
+
+    def stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) d|R|/d|N| [1 or mm/rad] at the speed of the scene."""
+        rates = self.rates(phi)
+        _, sense, reserve = self.parts(phi, side, rates)
+        if self.bearings is None:
+            return reserve
+        return np.asarray(self._under_loads(phi, side, rates, sense)[1])
+
+    def bearing_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""
+        bearings, rates = self.bearings, self.rates(phi)
+        assert bearings is not None
+        normal = self.normal(phi, side, rates)
+        inner, outer = (bearings.rubbing.per_normal(phi, side, each) for each in (INNER, OUTER))
+        per = np.where(normal >= 0.0, inner, outer)
+        return np.asarray(at_rates(bearings.own(phi, side), rates) + per * np.abs(normal))
 
     def refuse(
         self, angle: float, side: Side, cam_range: tuple[float, float] | None = None
@@ -171,14 +234,14 @@ class ForceBalance:
 def edges_of(balance: ForceBalance) -> FloatArray:
     """(k,) cam angles [rad] from 0 to 2 pi between which the normal force is smooth.
 
-    They are the smooth angles of the motion, the borders of the forces, and the roots of R and of
+    They are the smooth angles of the motion, the borders of the forces, and the roots of R_0 and of
     the leverage, at which the flank that carries changes.
     """
     edges = smooth_edges(balance.subject.state.smooth_angles, balance.forces)
     grid = grid_of(edges)
 
     def demand(phi: FloatArray) -> FloatArray:
-        return balance.demand(phi, "right", balance.rates(phi))
+        return balance.released(phi, "right", balance.rates(phi))
 
     def leverage(phi: FloatArray, sense: int) -> FloatArray:
         return balance.leverage(phi, "right", sense)
@@ -188,6 +251,16 @@ def edges_of(balance: ForceBalance) -> FloatArray:
     found = [edges, roots_on_grid(demand, inner)]
     found += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
     return merged(np.concatenate(found))
+
+
+def load_edges(balance: ForceBalance, edges: FloatArray) -> FloatArray:
+    """(k,) `edges`, and the cam angles [rad] at which a force at an end of a guide reverses.
+
+    Its friction has a kink there; that of a pivot has none, unless its load is 0.
+    """
+    if balance.bearings is None or balance.subject.cam.follower.pivot is not None:
+        return edges
+    return with_reversals(lambda phi: balance.bearing_loads(phi, "right").real, edges)
 
 
 def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,12 +15,24 @@ from camgeo.effects.contact_force.balance import (
     VANISHING,
     ForceBalance,
     edges_of,
+    load_edges,
     refuse_jamming,
 )
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Subject
-from camgeo.effects.force import all_borders, total
+from camgeo.effects.force import all_borders
 from camgeo.effects.immovable import shocks
-from camgeo.effects.results import FRICTION, INERTIA, LOAD, VIBRATION, ContactForce, Inertia
+from camgeo.effects.loads import Loads
+from camgeo.effects.results import (
+    FRICTION,
+    GRAVITY,
+    INERTIA,
+    LOAD,
+    SPRING,
+    VIBRATION,
+    BearingFriction,
+    ContactForce,
+    Inertia,
+)
 from camgeo.effects.touching import (
     INNER,
     OUTER,
@@ -50,7 +63,7 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     if friction is not None:
         forces.append(friction.force)
     require_convex(subject, "contact force")
-    rigid = ForceBalance(subject, tuple(forces), friction)
+    rigid = ForceBalance(subject, tuple(forces), friction, bearings_of(request))
     inertia, vibration = request.results.get(INERTIA), request.results.get(VIBRATION)
     behind = None if vibration is None else vibration.behind
     balance = rigid
@@ -59,15 +72,13 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
         balance = replace(rigid, forces=(*rigid.forces, train))
     edges = edges_of(balance)
     refuse_jamming(balance, edges)
+    edges = load_edges(balance, edges)
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         return balance.normal(phi, side, balance.rates(phi))
 
     def demand(phi: FloatArray, side: Side) -> FloatArray:
         return balance.demand(phi, side, balance.rates(phi))
-
-    def required(phi: FloatArray, side: Side) -> FloatArray:
-        return -total(forces, phi, side)
 
     limit = request.data.limit
     extremes = piecewise_extremes(normal, edges)
@@ -83,14 +94,26 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
         friction=friction,
         edges=edges,
         extremes=extremes,
-        required=required,
+        required=balance.required,
         normal=normal,
         normal_at=rigid.normal,
         bracket=balance.bracket,
         demand=demand,
+        bearings=rigid.bearings,
+        released=rigid.released,
         struck=struck,
         behind=behind,
     )
+
+
+def bearings_of(request: Request[ForceLimit]) -> BearingFriction | None:
+    """Friction under the loads of pivot or guide; None if the scene has none."""
+    results = request.results
+    friction = results.get(FRICTION)
+    if friction is None or friction.rubbing is None:
+        return None
+    loads = Loads(request.subject, results.get(INERTIA), results.get(GRAVITY), results.get(SPRING))
+    return BearingFriction(friction, friction.rubbing, partial(loads.on_bearings, friction))
 
 
 def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list[Finding]:
@@ -135,7 +158,7 @@ def errors_of(
 
     def per_force(phi: FloatArray, side: Side) -> FloatArray:
         """(n,) N [N] per unit of m x''."""
-        reserve = balance.parts(phi, side, balance.rates(phi))[2]
+        reserve = balance.stiffness(phi, side)
         least = VANISHING * abs(balance.subject.cam.follower.reach)
         return np.asarray(np.abs(behind.per_lift(phi, side)) / np.maximum(reserve, least))
 

@@ -9,20 +9,27 @@ if there is no friction. With friction, the normal force N on a flank (sense = +
     T = R (sense * leverage * q' + m) / (sense * leverage + f),
 
 and the flank that carries follows from the sign of R. T is a linear function of R on either side of
-R = 0, and continuous there.
+R = 0, and continuous there. Friction in pivot or guide, which their whole load has a part in, is no
+part of f then: |N| is the root of `camgeo.effects.bearing_friction`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import (
+    LINEAR,
+    RubbingLaw,
+    linear_law,
+    with_reversals,
+)
 from camgeo.effects.effect import Subject
-from camgeo.effects.force import at_rates, smooth_edges
-from camgeo.effects.results import ContactForce
+from camgeo.effects.force import at_rates, rates_of, smooth_edges
+from camgeo.effects.results import BearingFriction, ContactForce
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at
 from camgeo.errors import EffectError
@@ -30,9 +37,6 @@ from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import TURN
-
-ROWS: Final = 6
-"""Rows of the law: c0 to c3 of R, and the torque per unit of R for positive and negative R."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,9 +55,12 @@ class TorqueLaw:
     def coefficients(self, phi: FloatArray, side: Side) -> FloatArray:
         """(6, n) c0 to c3 of R, then T / R [N mm per unit of R] for R > 0 and for R < 0.
 
-        T / R is nan where the follower would jam with an R of this sign.
+        T / R is nan where the follower would jam with an R of this sign. With friction in pivot or
+        guide it is the rows of a `RubbingLaw`.
         """
-        out = np.empty((ROWS, len(phi)))
+        if self.contact.bearings is not None:
+            return self._rubbing(self.contact.bearings, phi, side).rows
+        out = np.empty((LINEAR, len(phi)))
         out[:4] = self.contact.required(phi, side)
         velocity = self.subject.state.motion.jet(phi, side, 1)[1]
         friction = self.contact.friction
@@ -70,6 +77,26 @@ class TorqueLaw:
         out[5] = np.where(outwards, gains[-1], gains[1])
         return out
 
+    def _rubbing(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> RubbingLaw:
+        """The law with friction in the bearings."""
+        velocity = self.subject.state.motion.jet(phi, side, 1)[1]
+        drag, friction = bearings.drag(phi, side), bearings.friction
+        found = {}
+        for sense in (INNER, OUTER):
+            lever = leverage_of(self.subject, phi, side, sense)
+            loads = bearings.rubbing.per_normal(phi, side, sense)
+            force, torque = friction.per_normal(phi, side, sense)
+            free = lever + force + drag * np.sum(np.abs(loads), axis=0)
+            found[sense] = (lever * velocity + torque, free, loads)
+        outwards = leverage_of(self.subject, phi, side, INNER) >= 0.0
+        torque, free, per = (
+            np.stack((np.where(outwards, inner, outer), np.where(outwards, outer, inner)))
+            for inner, outer in zip(found[INNER], found[OUTER], strict=True)
+        )
+        return RubbingLaw(
+            self.contact.required(phi, side), torque, free, drag, bearings.own(phi, side), per
+        )
+
     def at(
         self, phi: FloatArray, side: Side, omega: FloatArray | float, alpha: FloatArray | float
     ) -> FloatArray:
@@ -81,9 +108,14 @@ class TorqueLaw:
         EffectError
             "jamming", if friction prevents any contact force from driving the follower.
         """
-        law = self.coefficients(phi, side)
-        shape = np.broadcast_to(np.zeros(1), phi.shape)
-        return self._under(at_rates(law[:4], np.stack((omega + shape, alpha + shape))), law, phi)
+        shape = np.zeros(phi.shape)
+        rates = np.stack((omega + shape, alpha + shape))
+        return self._at(rates, self.coefficients(phi, side), phi)
+
+    def _at(self, rates: FloatArray, rows: FloatArray, phi: FloatArray) -> FloatArray:
+        """(n,) torque [N mm] at `rates` (2, n) by the law `rows`, see `coefficients`."""
+        law = linear_law(rows, rates[0], rates[1])
+        return self._under(at_rates(law[:4], rates), law, phi)
 
     def _under(self, force: FloatArray, law: FloatArray, phi: FloatArray) -> FloatArray:
         """(n,) torque [N mm] where the contact provides R = `force` (n,)."""
@@ -110,8 +142,12 @@ class TorqueLaw:
 
     def torque(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at the speed of the scene; the static part if it gives none."""
-        force = self.contact.demand(phi, side)
-        return self._under(force, self.coefficients(phi, side), phi)
+        rows, contact = self.coefficients(phi, side), self.contact
+        if contact.bearings is None:
+            return self._under(contact.demand(phi, side), rows, phi)
+        if contact.behind is not None:
+            rows[0] -= contact.behind.beyond_rigid(phi, side)
+        return self._at(rates_of(self.subject, phi), rows, phi)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at very low speed: without inertia and viscous friction."""
@@ -124,13 +160,25 @@ class TorqueLaw:
     def static_edges(self) -> FloatArray:
         """(k,) cam angles [rad] where the formula of the static part changes.
 
-        With friction these include the angles at which its R changes sign.
+        With friction these include the angles at which its R changes sign, or a force at an end of
+        a guide.
         """
         base = smooth_edges(self.subject.state.smooth_angles, self.contact.lasting)
         if self.contact.friction is None:
             return base
-        roots = roots_on_grid(lambda phi: self.contact.required(phi, "right")[0], grid_of(base))
-        return merged(np.concatenate((base, roots)))
+
+        def released(phi: FloatArray) -> FloatArray:
+            return self.contact.released(phi, "right", np.zeros((2, len(phi))))
+
+        edges = merged(np.concatenate((base, roots_on_grid(released, grid_of(base)))))
+        if self.contact.bearings is None or self.subject.cam.follower.pivot is not None:
+            return edges
+
+        def loads(phi: FloatArray) -> FloatArray:
+            law = RubbingLaw.of(self.coefficients(phi, "right"))
+            return np.asarray(law.loads(0.0, 0.0).real)
+
+        return with_reversals(loads, edges)
 
 
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:

@@ -54,7 +54,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
         per_normal=statics.per_normal,
         bearing=statics.bearing,
         guide_length=data.guide_length,
-        pivot_lever=statics.pivot_lever,
+        rubbing=statics.rubbing,
     )
 
 

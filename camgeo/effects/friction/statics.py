@@ -15,8 +15,8 @@ roller has no mass. On it act, per unit of |N|,
     f_t = -s sigma (m_p + m_r) / r_R        along t, from the cam, by balance of moments
 
 (Rothbart, Cam Design Handbook, chapter 8, forces; Volmer, Kurvengetriebe, friction of the roller;
-rolling friction as a shifted normal force is in any textbook). The bearings of the roller and of
-the rocker are loaded by |N|; the small f_t, and all other forces at the pivot, are neglected.
+rolling friction as a shifted normal force is in any textbook). The bearing of the roller is loaded
+by |N|; the small f_t is neglected there.
 
 A flat face slides. With its coefficient mu_f and the sliding g along t (`camgeo.effects.touching`)
 
@@ -35,7 +35,9 @@ moments across the guide gives
 which without M is H = |S| (2 a + b) / b for a >= 0, and |S| for a roller centre between the ends
 (Rothbart, chapter 6, follower overhang A = a and bearing length B = b; Norton, Cam Design and
 Manufacturing Handbook, chapter 7, forces on a translating roller follower). The diameter of the
-stem is neglected. Friction takes mu H in the guide and mu (d / 2) in the bearing of a rocker.
+stem is neglected. Friction takes mu H in the guide and mu (d / 2) |s n + f_t t| in the pivot of a
+rocker. So much is due to the contact; whatever else loads guide and pivot is added to it in
+`camgeo.effects.bearing_friction`.
 """
 
 from __future__ import annotations
@@ -47,9 +49,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.effects.friction.table import FrictionCoefficients
-from camgeo.effects.results import Bearing
+from camgeo.effects.loads import guide_ends
+from camgeo.effects.results import Bearing, Rubbing
 from camgeo.effects.touching import carrier, sliding
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -111,6 +114,7 @@ class ContactState:
     near, far : R_1 and R_2, to the right looking along the guide; -S and 0 without a guide length.
     overhang : a [mm]; 0 for a rocker.
     tilt : M, counter-clockwise [mm]; 0 for a rocker.
+    force : s n + f_t t, in the drawing.
     """
 
     velocity: FloatArray
@@ -127,6 +131,7 @@ class ContactState:
     far: FloatArray
     overhang: FloatArray
     tilt: FloatArray
+    force: ComplexArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,17 +191,15 @@ class Statics:
             # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
             across = sigma * (tangential * relative.u - sense * relative.v) / speed
             overhang = data.guide_overhang - outward * (jet[0] - self.start)
-            near, far = -across, np.zeros_like(across)
             # the force on a roller passes through the axis of the guide
             tilt = sense * (relative.along[0] - follower.offset - data.guide_offset) - pin
-            length = data.guide_length
-            if length is not None:
-                far = (overhang * across + tilt) / length
-                near = -((overhang + length) * across + tilt) / length
+            near, far = guide_ends(across, tilt, overhang, data.guide_length)
         reach = np.abs(relative.reach) + np.zeros_like(speed)
+        tangent = (relative.along[1] + 1j * relative.across[1]) / speed * np.exp(1j * relative.axis)
+        force = (1j * sigma * sense + tangential) * tangent
         return ContactState(
             jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, near,
-            far, overhang, tilt,
+            far, overhang, tilt, force,
         )  # fmt: skip
 
     def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
@@ -221,16 +224,29 @@ class Statics:
         return Bearing(at.tangential, at.tilt, at.overhang)
 
     @property
-    def pivot_lever(self) -> float:
-        """Of the friction in the pivot [mm]."""
-        return 0.5 * self.data.pivot * self.data.pivot_diameter
+    def lever(self) -> float:
+        """Friction on q per unit of the load of pivot [mm] or guide."""
+        data = self.data
+        return 0.5 * data.pivot * data.pivot_diameter if self.swing else data.guide
+
+    @property
+    def rubbing(self) -> Rubbing | None:
+        """See `Friction`."""
+        return Rubbing(self.lever, self.senses, self.loads) if self.lever else None
+
+    def loads(self, phi: FloatArray, side: Side, sense: int) -> ComplexArray:
+        """(k, n) of the contact on pivot or guide, see `Rubbing`."""
+        at = self.state(phi, side, sense)
+        if self.swing:
+            return -at.force[np.newaxis]
+        ends = (at.near,) if self.data.guide_length is None else (at.near, at.far)
+        return np.stack(ends).astype(np.complex128)
 
     def drag(self, at: ContactState) -> FloatArray:
-        """(n,) [1 or mm] friction of guide or pivot along q."""
-        data = self.data
+        """(n,) [1 or mm] friction of guide or pivot along q, with no load but the contact."""
         if self.swing:
-            return np.full(len(at.sine), self.pivot_lever)
-        return np.asarray(data.guide * (np.abs(at.near) + np.abs(at.far)))
+            return np.asarray(self.lever * np.hypot(1.0, at.tangential))
+        return np.asarray(self.lever * (np.abs(at.near) + np.abs(at.far)))
 
     def margin(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(n,) [rad] margin of the transmission angle against jamming.

@@ -173,6 +173,10 @@ def elastic_speed(
     rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
     """
     rates, period = behind.train.rates, behind.response.base.period
+    if flank.turning:
+        return ElasticSpeed(
+            why="the friction in the pivot goes with a load that turns with the speed"
+        )
     if np.max(rates.real) >= 0.0:
         return ElasticSpeed(
             why="without damping the train resonates with a harmonic at ever lower speeds"

@@ -45,7 +45,7 @@ from camgeo.effects.lift_off.cells import (
 )
 from camgeo.effects.lift_off.walls import Wall
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import Inertia
+from camgeo.effects.results import BearingFriction, ContactForce, Inertia
 from camgeo.effects.wording import missed
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -188,7 +188,7 @@ class _Cell:
     angles, phi : (n,) [rad], `phi` in [0, 2 pi).
     omega : (n,) pace of the cam [rad/s].
     lift, pace, pull : (n,) h, h' and h'' in time.
-    mass, free : (n,) M and F on the wall.
+    mass, free, needed : (n,) M, F and R on the wall.
     room : (n,) distance to the other wall in q, away from the wall left; None without one.
     """
 
@@ -201,6 +201,7 @@ class _Cell:
     pull: FloatArray
     mass: FloatArray
     free: FloatArray
+    needed: FloatArray
     room: FloatArray | None = None
 
 
@@ -218,6 +219,8 @@ class FreeFollower:
     inertia : its mass is above 0.
     course : how the cam turns.
     walls : one, or two with a clearance between them.
+    bearings : friction in pivot or guide, which goes on under what loads them without a contact in
+        the motion of the state, and against that motion; None without any.
     edges : (k,) [rad] from 0 to 2 pi, between which everything is smooth.
     least : smallest gap [mm or rad]; less is rounding of the lift.
     """
@@ -226,6 +229,7 @@ class FreeFollower:
     inertia: Inertia
     course: TimeCourse
     walls: tuple[Wall, ...]
+    bearings: BearingFriction | None
     edges: FloatArray
     least: float
 
@@ -388,12 +392,18 @@ class FreeFollower:
     def _on_wall(
         self, wall: Wall, phi: FloatArray, side: Side
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """The motion (3, n) on `wall` in time, and (n,) M, F and R there, see the module."""
+        """The motion (3, n) on `wall` in time, and (n,) M, F and R there, see the module.
+
+        R has the friction of the bearings.
+        """
         jet, rates = wall.motion(phi, side), self.course.rates(phi)
         omega, alpha = rates[0], rates[1]
         timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
         mass, free = self._free(phi, timed[0], timed[1])
-        return timed, mass, free, mass * timed[2] - free
+        needed = mass * timed[2] - free
+        if self.bearings is not None:
+            needed = needed + self.bearings.alone(phi, side, rates)
+        return timed, mass, free, needed
 
     def _free(
         self, phi: FloatArray, q: FloatArray, rate: FloatArray
@@ -416,8 +426,8 @@ class FreeFollower:
             lows, highs = np.array(block).T[:, :, None]
             angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * nodes.places
             phi = np.mod(angles, TURN).ravel()
-            timed, mass, free, _ = self._on_wall(own, phi, "right")
-            found = [phi, self.course.rates(phi)[0], *timed, mass, free]
+            timed, *forces = self._on_wall(own, phi, "right")
+            found = [phi, self.course.rates(phi)[0], *timed, *forces]
             if len(self.walls) > 1:
                 other = self.walls[1 - wall].motion(phi, "right")[0]
                 found.append(outwards * (other - timed[0]))
@@ -431,14 +441,13 @@ class FreeFollower:
     ) -> tuple[Polynomial, Polynomial]:
         """d and its rate in a cell; at its start they are `way` and `rate`."""
         count = len(cell.phi)
-        needed = cell.mass * cell.pull - cell.free
         time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
         size = np.max((np.abs(cell.free) + np.abs(cell.mass * cell.pull)) / cell.mass)
         noise = NOISE * float(size) * time * time
         d, v = np.full(count, way), np.full(count, rate)
         for _ in range(MOST_ITERATIONS):
             mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
-            push = (free - cell.free - needed + (cell.mass - mass) * cell.pull) / mass
+            push = (free - cell.free - cell.needed + (cell.mass - mass) * cell.pull) / mass
             speed = nodes.integral(push / cell.omega, rate, cell.ends)
             gap = nodes.integral(speed(cell.angles) / cell.omega, way, cell.ends)
             last, d, v = d, gap(cell.angles), speed(cell.angles)
@@ -448,19 +457,14 @@ class FreeFollower:
 
 
 def free_of(
-    forces: tuple[Force, ...],
-    inertia: Inertia,
-    course: TimeCourse,
-    walls: tuple[Wall, ...],
-    edges: FloatArray,
+    contact: ContactForce, inertia: Inertia, course: TimeCourse, walls: tuple[Wall, ...]
 ) -> FreeFollower:
-    """A follower with these `forces`, inertia among them, smooth between `edges` (k,) [rad] but for
-    the borders of its walls.
-    """
-    others = tuple(each for each in forces if each is not inertia.force)
-    cuts = merged(np.concatenate((edges, *(each.borders for each in walls))))
+    """A follower with the forces of `contact`, inertia among them."""
+    others = tuple(each for each in contact.forces if each is not inertia.force)
+    cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
     lifts = np.abs(walls[0].motion(cuts, "right")[0])
-    return FreeFollower(others, inertia, course, walls, cuts, ROUNDED * float(np.max(lifts)))
+    least = ROUNDED * float(np.max(lifts))
+    return FreeFollower(others, inertia, course, walls, contact.bearings, cuts, least)
 
 
 def _next(leavings: tuple[Leaving, ...], wall: int, angle: float) -> tuple[Leaving | None, float]:

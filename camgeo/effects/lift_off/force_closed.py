@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound
@@ -15,12 +17,17 @@ from camgeo.effects.results import Leaving, Range, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
 from camgeo.effects.wording import N_M, angles, at, by_place, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.effects.lift_off.elastic_speed import ElasticSpeed
     from camgeo.effects.lift_off.flight import Flight
+
+
+VectorOf = Callable[[FloatArray, Side], ComplexArray]
+"""(n,) complex at n cam angles [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,8 +88,9 @@ def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
         never = Extreme(math.inf, leaps[0]) if leaps else None
-        preload = never or least_of(flank, spring.per_preload, spring.preload, edges)
-        stiffness = never or least_of(flank, spring.per_stiffness, rate, edges)
+        loads = _pivot_loads(flank, spring)
+        preload = never or least_of(flank, spring.per_preload, spring.preload, edges, loads[0])
+        stiffness = never or least_of(flank, spring.per_stiffness, rate, edges, loads[1])
         found.append(
             _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
         )
@@ -92,6 +100,23 @@ def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
     return ForceClosed(
         lowest, lost, speed, preload, stiffness, findings=tuple(found), errors=errors
     )
+
+
+def _pivot_loads(flank: Flank, spring: Spring) -> tuple[VectorOf | None, VectorOf | None]:
+    """Load of a pivot with friction per unit of preload and of stiffness; None without a load."""
+    bearings, line = flank.contact.bearings, spring.line
+    subject = flank.subject
+    alone = subject.drive.linkage is not None  # there the contact alone counts, see `loads`
+    if bearings is None or line is None or subject.cam.follower.pivot is None or alone:
+        return None, None
+
+    def per_preload(phi: FloatArray, side: Side) -> ComplexArray:
+        return -line(phi, side)
+
+    def per_stiffness(phi: FloatArray, side: Side) -> ComplexArray:
+        return np.asarray(spring.way(phi, side)[0] * line(phi, side))
+
+    return per_preload, per_stiffness
 
 
 def _leaves(flank: Flank) -> str:

@@ -152,7 +152,7 @@ def flown_from(
     if why or inertia is None or course is None:
         return _none("flight", why)
     walls = (of_state(subject, flank.sense),)
-    free = free_of(contact.forces, inertia, course, walls, contact.edges)
+    free = free_of(contact, inertia, course, walls)
     found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
     for each in lost.ranges:
         length = (each.end - each.start) % TURN
@@ -181,7 +181,7 @@ def crossed_by(
         return _none("impact-speed", why)
     try:
         walls = with_clearance(subject, clearance)
-        free = free_of(contact.forces, inertia, course, walls, contact.edges)
+        free = free_of(contact, inertia, course, walls)
         leavings = free.leavings()
     except GeometryError as error:
         return _none("impact-speed", error.message)

@@ -11,10 +11,16 @@ design: spring rate and preload against follower jump): a times the preload, b t
 and the rest, each a function of cam angle. Where a is above 0, the preload must be at least the
 missing force divided by a. Where a is below 0, which is possible with a lever, it must not exceed
 this.
+
+Friction in pivot or guide adds the sizes of their loads, with which neither is a polynomial any
+more. With the directions of the loads given it is one, and has the value and the derivative of the
+whole at the speed, or at the spring, for which they are taken. So both are found again with the
+directions at the value found before, until it stays: Newton's method for the whole turn.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -22,30 +28,74 @@ import numpy as np
 from camgeo.effects.effect import Quantity
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.touching import TOUCH
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.errors import EffectError
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_extremes, piecewise_highest
 from camgeo.numeric.roots import roots_on_grid
 
+FASTEST: Final = 1e6
+"""A factor of the speed at which inertia alone directs the loads."""
+
 BOUNDLESS: Final = 1e200
 """Stands for division by 0: far above all quotients, with finite differences."""
+
+MOST_STEPS: Final = 100
+"""Largest number of times that a value is found again."""
+
+SETTLED: Final = 1e-13
+"""Relative change of a value that has settled."""
 
 BLUNT: Final = 1e-10
 """Where the spring has less than this share of its largest effect, it has none."""
 
 
-def least_of(flank: Flank, per_unit: Quantity, now: float, edges: FloatArray) -> Extreme:
+def least_of(
+    flank: Flank,
+    per_unit: Quantity,
+    now: float,
+    edges: FloatArray,
+    load: Callable[[FloatArray, Side], ComplexArray] | None = None,
+) -> Extreme:
     """The least preload or stiffness; the spring has `now`, with the effect `per_unit` of it.
 
     This is the least x >= 0 with rest + x effect >= 0 over the whole turn, where effect and rest
     are generalised forces in the direction in which the flank pushes, and the other property of the
     spring is unchanged. It comes with the cam angle [rad] that determines it; if no value is enough
-    it is infinite, with the cam angle at which none helps.
+    it is infinite, with the cam angle at which none helps. `load` (n,) is the force on the pivot
+    for one unit more of x; None if there is none.
     """
+    if flank.contact.bearings is None:
+        return _least(flank, per_unit, now, edges)
+    found = _least(flank, per_unit, now, edges, load, now)
+    for _ in range(MOST_STEPS):
+        if load is None or np.isinf(found.value):
+            return found
+        last = found
+        found = _least(flank, per_unit, now, edges, load, last.value)
+        if abs(found.value - last.value) <= SETTLED * last.value:
+            return found
+    raise EffectError("no least value of the spring settles with the friction in the pivot")
+
+
+def _least(
+    flank: Flank,
+    per_unit: Quantity,
+    now: float,
+    edges: FloatArray,
+    load: Callable[[FloatArray, Side], ComplexArray] | None = None,
+    guess: float = 0.0,
+) -> Extreme:
+    """The same with the directions of the loads that they have with `guess`."""
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) effect and rest."""
-        effect = -flank.outwards(phi, side) * per_unit(phi, side)
-        return effect, flank.left(phi, side) - now * effect
+        outwards = flank.outwards(phi, side)
+        effect = -outwards * per_unit(phi, side)
+        if load is None:
+            return effect, flank.left(phi, side) - now * effect
+        more = (guess - now) * load(phi, side)
+        slope = effect + outwards * flank.slope(phi, side, more, load(phi, side))
+        return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
     roots = roots_on_grid(lambda phi: per_unit(phi, "right"), grid_of(edges))
     cuts = merged(np.concatenate((edges, roots)))
@@ -86,21 +136,39 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
     """
 
     def static(phi: FloatArray, side: Side) -> FloatArray:
-        at_rest: FloatArray = flank.reserve(phi, side)[0]
+        at_rest: FloatArray = flank.reserve(phi, side, factor=0.0)[0]
         return at_rest
 
     rest = piecewise_extremes(static, edges)
     if rest.lowest.value < -TOUCH * rest.magnitude:
         return Extreme(0.0, rest.lowest.place)
 
+    if flank.contact.bearings is None:
+        return _speed(flank, edges, 1.0)
+    found = _speed(flank, edges, 1.0)
+    if np.isinf(found.value):
+        found = _speed(flank, edges, FASTEST)
+    for _ in range(MOST_STEPS):
+        if found.value == 0.0 or np.isinf(found.value):
+            return found
+        last = found
+        found = _speed(flank, edges, last.value)
+        if abs(found.value - last.value) <= SETTLED * last.value:
+            return found
+    raise EffectError("no lift-off speed settles with the friction in the pivot")
+
+
+def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
+    """The same with the directions of the loads that they have at `factor`."""
+
     def discriminant(phi: FloatArray) -> FloatArray:
-        r0, r1, r2 = flank.reserve(phi, "right")
+        r0, r1, r2 = flank.reserve(phi, "right", factor=factor)
         found: FloatArray = r1 * r1 - 4.0 * r0 * r2
         return found
 
     # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
     cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
-    slowest = piecewise_highest(_slowness(flank), cuts)
+    slowest = piecewise_highest(_slowness(flank, factor), cuts)
     if slowest.value <= 0.0:
         return Extreme(np.inf, slowest.place)
     if slowest.value >= BOUNDLESS:
@@ -108,11 +176,11 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
     return Extreme(1.0 / slowest.value, slowest.place)
 
 
-def _slowness(flank: Flank) -> Quantity:
+def _slowness(flank: Flank, factor: float) -> Quantity:
     """(n,) 1 / f for the smallest positive f with r0 + f r1 + f^2 r2 = 0, or 0 without one."""
 
     def slowness(phi: FloatArray, side: Side) -> FloatArray:
-        r0, r1, r2 = flank.reserve(phi, side)
+        r0, r1, r2 = flank.reserve(phi, side, factor=factor)
         r0 = np.maximum(r0, 0.0)
         # Divided by the largest coefficient, so that squares neither overflow nor underflow.
         size = np.maximum(np.maximum(r0, np.abs(r1)), np.abs(r2))

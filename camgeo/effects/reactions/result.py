@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,7 +16,7 @@ from camgeo.effects.reactions.load import Load
 from camgeo.effects.reactions.shaft import Shaft, disc_of
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.wording import N_M, missed
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral
 from camgeo.units import TURN
 
@@ -96,14 +97,14 @@ def _of_guide(bodies: Bodies) -> list[Load]:
 def _friction_work(
     request: Request[Bearings], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
-    """What friction in the pivot takes a turn under its real load, and under N alone."""
-    friction = bodies.contact.friction
-    if friction is None or not friction.pivot_lever:
+    """What friction in the pivot takes a turn; behind a linkage also what is counted of it."""
+    bearings, tolerance = bodies.contact.bearings, request.tolerance
+    if bearings is None or request.subject.cam.follower.pivot is None:
         return [], {}
-    lever, tolerance = friction.pivot_lever, request.tolerance
+    lever = bearings.rubbing.lever
 
-    def work(load: Quantity) -> Integral:
-        """Of friction under the `load` (n,) [N], over the turn [N mm]."""
+    def taken(load: Callable[[FloatArray, Side], ComplexArray]) -> Integral:
+        """Under the `load` (n,), over the turn [N mm]."""
 
         def power(phi: FloatArray) -> FloatArray:
             velocity = request.subject.state.motion.jet(phi, "right", 1)[1]
@@ -111,15 +112,16 @@ def _friction_work(
 
         return piecewise_integral(power, edges, 0.1 * tolerance)
 
-    real = work(lambda phi, side: np.abs(bodies.of_pivot(phi, side)))
-    assumed = work(bodies.contact.normal)
-    if real.error > tolerance * real.value:
-        raise missed("the work of friction in the pivot", real.error / real.value, "itself",
+    work = taken(bodies.of_pivot)
+    if work.error > tolerance * work.value:
+        raise missed("the work of friction in the pivot", work.error / work.value, "itself",
                      tolerance)  # fmt: skip
-    sentence = (
-        f"friction in the pivot takes {N_M * real.value:.6g} J a turn under its whole load;"
-        f" {N_M * assumed.value:.6g} J under the contact force alone, for which the effect friction"
-        " counts it"
-    )
-    found = Finding(WORK, "ok", sentence, N_M * real.value, unit="J")
-    return [found], {WORK: Bound(real.error, real.value).times(N_M)}
+    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J a turn"
+    if bodies.pins is not None:
+        counted = N_M * taken(bodies.of_cam).value
+        sentence += (
+            f" under its whole load; {counted:.6g} J under the contact force alone, for which the"
+            " effect friction counts it behind a linkage"
+        )
+    found = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
+    return [found], {WORK: Bound(work.error, work.value).times(N_M)}

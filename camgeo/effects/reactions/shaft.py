@@ -55,7 +55,7 @@ class Shaft:
         found = -self.bodies.of_cam(phi, side)
         if self.disc is not None:
             sigma, rates = self.bodies.subject.cam.rotation, rates_of(self.bodies.subject, phi)
-            found += self.disc.area * self.bodies.pull
+            found += self.disc.area * self.bodies.loads.pull
             found += unbalance_force(self.disc.first, sigma, phi, rates)
         return found
 
@@ -90,7 +90,7 @@ class Shaft:
             return np.abs(unbalance_force(1.0, 1, phi, rates_of(self.bodies.subject, phi)))
 
         error = self.disc.first_error * piecewise_highest(per_unbalance, edges).value
-        error += self.disc.area_error * abs(self.bodies.pull)
+        error += self.disc.area_error * abs(self.bodies.loads.pull)
         largest = {each.name: each.value or 0.0 for each in found}
         whole = largest[f"largest-{TOTAL.replace(' ', '-')}"]
         if error > tolerance * whole:

@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import LINEAR, RubbingLaw, with_reversals
 from camgeo.effects.effect import Bound, Quantity
 from camgeo.effects.speed_fluctuation.mesh import collocation, nodes_of
 from camgeo.effects.speed_fluctuation.rate import Shaft
@@ -125,19 +126,28 @@ def accurate(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -
 
 
 def _switches(shaft: Shaft, law: Quantity, edges: FloatArray, turn: SteadyTurn) -> FloatArray:
-    """(k,) cam angles [rad] at which the side that carries changes, and with it the friction.
+    """(k,) cam angles [rad] at which the side that carries changes, and with it the friction, or a
+    force at an end of a guide.
 
     The acceleration has a kink there, which cells must not contain: one beside the end of a cell is
     seen at none of its nodes.
     """
-    if np.array_equal(*turn.mesh.laws[4:]):
+    linear = len(turn.mesh.laws) == LINEAR
+    if linear and np.array_equal(*turn.mesh.laws[4:]):
         return np.empty(0)
 
     def push(phi: FloatArray) -> FloatArray:
         return shaft.push(law(phi, "right"), turn.y(phi))
 
     grid = grid_of(merged(np.concatenate((edges, dips(push, grid_of(edges))))))
-    return roots_on_grid(push, grid)
+    found = roots_on_grid(push, grid)
+    if linear or not RubbingLaw.of(turn.mesh.laws).collinear:
+        return found
+
+    def loads(phi: FloatArray) -> FloatArray:
+        return shaft.loads(law(phi, "right"), turn.y(phi)).real
+
+    return with_reversals(loads, merged(np.concatenate((edges, found))))
 
 
 def _worst(found: Steady) -> float:

@@ -1,6 +1,6 @@
 """Cells of a turn with the torque law at their nodes, which can be halved.
 
-The law is (6, n) at n cam angles [rad], see `camgeo.effects.speed_fluctuation.rate`.
+The law is (6 or more, n) at n cam angles [rad], see `camgeo.effects.speed_fluctuation.rate`.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Mesh:
     Attributes
     ----------
     low, high : (m,) their ends [rad].
-    laws : (6, m, n) the torque law at their nodes.
+    laws : (6 or more, m, n) the torque law at their nodes.
     """
 
     low: FloatArray
@@ -148,7 +148,7 @@ def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
 
 
 def laws_of(law: Quantity, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(6, m, n) the torque law at the nodes of the cells, at their ends from inside."""
+    """(6 or more, m, n) the torque law at the nodes of the cells, at their ends from inside."""
     nodes = nodes_of(low, high)
     return law(nodes.ravel(), "left").reshape(-1, *nodes.shape)
 

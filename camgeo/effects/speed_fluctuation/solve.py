@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import LINEAR, RubbingLaw, linear_law
 from camgeo.effects.effect import Quantity, Subject
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.speed_fluctuation.march import outcome
@@ -74,13 +75,13 @@ def solve(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -> S
 
 def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
     """y [rad^2/s^2] of the largest constant speed with balanced power; None if there is none."""
-    c0, c1, c2, _, ahead, behind = mesh.laws
     weights = mesh.spans[:, np.newaxis] * collocation().weights / TURN
 
     def surplus(omega: FloatArray) -> FloatArray:
         drive = shaft.motor.torque(omega)[0]
         taken = np.empty(len(omega))
         for k, each in enumerate(omega):
+            c0, c1, c2, _, ahead, behind = linear_law(mesh.laws, each, 0.0)
             force = c0 + each * (c1 + each * c2)
             torque = np.where(force == 0.0, 0.0, force * np.where(force > 0.0, ahead, behind))
             taken[k] = np.sum(weights * torque)
@@ -114,8 +115,11 @@ def _stall(shaft: Shaft, phi: float) -> EffectError:
 
 
 def _jamming(shaft: Shaft, mesh: Mesh) -> EffectError:
-    moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
-    bad = ~np.all(moments > 0.0, axis=0)
+    if len(mesh.laws) == LINEAR:
+        moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
+        bad = ~np.all(moments > 0.0, axis=0)
+    else:
+        bad = np.any(RubbingLaw.of(mesh.laws).jams, axis=0)
     place = float(mesh.nodes[bad][0]) if np.any(bad) else None
     where = "" if place is None else f" {at(place)}"
     return EffectError(
