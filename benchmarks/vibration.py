@@ -34,8 +34,8 @@ from scipy.integrate import solve_ivp
 from camgeo.design import Design
 from camgeo.effects.vibration.output import Clock, clock_of
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.oscillator.chain import one_mass
 from camgeo.numeric.oscillator.steady import Base, Response, steady_state
-from camgeo.numeric.oscillator.train import one_mass
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
 

@@ -1,17 +1,17 @@
 """The force that an elastic train passes to the follower, beyond that of a rigid one.
 
-The masses m_i behind the train have the motions x_i, and its base y, the motion of the output of a
-rigid train, on the follower. First spring and damper pass on what accelerates them all, the sum of
-m_i x_i'', which is m x'' of their centre of mass (Newton's second law for the masses as a system).
-With x = y + e, the generalised force on the follower is that of a rigid train and
+The base of the train has the motion y of the output of a rigid train, on the follower. Its first
+spring and damper push the masses with the force F, which accelerates them all and moves what holds
+them to the frame, and push back the base as much. Forces of a rigid train have -m y'' of the masses
+instead, m in sum. So the generalised force on the follower is that of a rigid train and
 
-    Q = -m e'' dy/dq,
+    Q = -(F - m y'') dy/dq,
 
 known for the present course of the cam in time only: the state of a train depends on how the cam
 has turned before. Springs, weights and loads act on the base, so they do not excite the train.
 
 With the cam running f times as fast, in the time of the scene, the train is one whose rates are
-divided by f, on the same base; accelerations per s^2 are then f^2 times those in that time.
+divided by f, on the same base; forces are then f^2 times those in that time.
 """
 
 from __future__ import annotations
@@ -62,36 +62,27 @@ class ElasticTrain:
 
     Attributes
     ----------
-    response : of the centre of mass, in the time of the scene.
-    mass : of all that is behind the train [t, or t mm^2 if it turns].
+    response : in the time of the scene.
+    mass : behind the train, as far as forces of a rigid train have it [t, or t mm^2 if it turns].
     per_lift : (n,) dy/dq [1, 1/mm or mm].
-    states : (3, n) e, e' and x'' of a response at n cam angles, in the time of the scene.
-    base : (n,) y'' at n cam angles, in the time of the scene.
+    pushes : (n,) F [N or N mm] of a response at n cam angles, in the time of the scene.
+    base : (3, n) y, y', y'' at n cam angles, in the time of the scene.
     """
 
     response: Response
     mass: float
     per_lift: Quantity
-    states: Callable[[Response, FloatArray, Side], FloatArray]
+    pushes: Callable[[Response, FloatArray, Side], FloatArray]
     base: Quantity
-
-    def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) x'' of the centre of mass."""
-        found: FloatArray = self.states(self.response, phi, side)[2]
-        return found
-
-    def weight(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) m dy/dq: generalised force per unit of acceleration of the centre of mass."""
-        return self.mass * self.per_lift(phi, side)
 
     def beyond_rigid(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) Q [N or N mm]."""
         return self.beyond_base(phi, side) * self.per_lift(phi, side)
 
     def beyond_base(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) -m e'' [N or N mm], on the base."""
-        lag = self.acceleration(phi, side) - self.base(phi, side)
-        return np.asarray(-self.mass * lag)
+        """(n,) -(F - m y'') [N or N mm], on the base."""
+        push = self.pushes(self.response, phi, side)
+        return np.asarray(self.mass * self.base(phi, side)[2] - push)
 
     def reduced(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) m (dy/dq)^2, the part of `Inertia.to_follower` that is behind the train."""
@@ -100,16 +91,16 @@ class ElasticTrain:
 
     @property
     def error(self) -> float:
-        """Estimate of the error of m x'' [N or N mm]."""
-        return self.mass * self.response.error * float(np.max(np.abs(self.train.rates))) ** 2
+        """Estimate of the error of F [N or N mm]."""
+        return self.response.error_of(self.train.force(0))
 
     @property
     def train(self) -> Train:
-        """The modes of the centre of mass."""
+        """Its modes."""
         return self.response.train
 
     def edges(self, smooth: FloatArray) -> FloatArray:
-        """(k,) cam angles [rad] between which x'' is searched for extremes."""
+        """(k,) cam angles [rad] between which F is searched for extremes."""
         return search_edges(smooth, self.train, self.response.base.period)
 
     def force(self, smooth: FloatArray) -> Force:
@@ -125,6 +116,5 @@ class ElasticTrain:
 
     def at(self, factor: float) -> ElasticTrain:
         """The same with the cam running `factor` times as fast as in `response`."""
-        own = self.train
-        train = replace(own, rates=own.rates / factor, weights=own.weights * factor)
-        return replace(self, response=answered(train, self.response.base, self.response.forcing))
+        base, forcing = self.response.base, self.response.forcing
+        return replace(self, response=answered(self.train.in_time(factor), base, forcing))

@@ -40,6 +40,12 @@ FORCES: Final[Mapping[LiftUnit, Label]] = {
 }
 """The generalised force on a follower, by the unit of its lift."""
 
+MASSES: Final[Mapping[LiftUnit, Label]] = {
+    "mm": Label("mass", "kg", KG),
+    "rad": Label("moment of inertia", "kg m^2", KG_M2),
+}
+"""The inertia of a follower, by the unit of its lift."""
+
 
 def at(phi: float) -> str:
     """The place `phi` [rad] in words."""

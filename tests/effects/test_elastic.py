@@ -17,6 +17,7 @@ from scipy.linalg import expm
 
 from camgeo.design import Design
 from camgeo.effects.results import CONTACT_FORCE, INERTIA
+from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.units import RPM, TURN
@@ -42,7 +43,8 @@ class Chain:
     """Masses in a row on springs and dampers, whose base is the output of a rigid follower.
 
     m_1 x_1'' = k_1 (y - x_1) + c_1 (y' - x_1') - k_2 (x_1 - x_2) - c_2 (x_1' - x_2'), and so on:
-    Newton's law for each mass.
+    Newton's law for each mass. `ground` holds the last one to the frame, as a spring and a damper;
+    `front` is in front of the first spring.
     """
 
     of: Design
@@ -50,6 +52,8 @@ class Chain:
     masses: tuple[float, ...]
     stiffness: tuple[float, ...]
     damping: tuple[float, ...]
+    ground: tuple[float, float] = (0.0, 0.0)
+    front: float = 0.0
 
     def base(self, t: float) -> FloatArray:
         """y, y', y''."""
@@ -70,7 +74,7 @@ class Chain:
         x = np.concatenate((y[:1], state[:count]))
         v = np.concatenate((y[1:2], state[count:]))
         pull = np.array(self.stiffness) * -np.diff(x) + np.array(self.damping) * -np.diff(v)
-        force = pull - np.append(pull[1:], 0.0)
+        force = pull - np.append(pull[1:], self.ground[0] * x[-1] + self.ground[1] * v[-1])
         return np.concatenate((state[count:], force / np.array(self.masses)))
 
     def from_rest(self, at: FloatArray, rtol: float) -> FloatArray:
@@ -89,15 +93,19 @@ class Chain:
         return np.concatenate((*out, state[:, np.newaxis]), axis=1)
 
     def steady(self, at: FloatArray, rtol: float = FINEST) -> FloatArray:
-        """(n,) sum of m x'' in the state that repeats itself: Poincare's map is linear."""
+        """(n,) force of the first spring and damper, and of what is in front of them, in the state
+        that repeats itself: Poincare's map is linear."""
         states, count = self.from_rest(at, rtol), len(self.masses)
         after = expm(self.matrix * TURN / self.speed)
         start = np.linalg.solve(np.eye(2 * count) - after, states[:, -1])
         found = []
         for phi, state in zip(at, states.T, strict=False):
             t = phi / self.speed
-            rates = self.rate(t, state + expm(self.matrix * t) @ start)
-            found.append(np.array(self.masses) @ rates[count:])
+            y, own = self.base(t), state + expm(self.matrix * t) @ start
+            slip = y[:2] - own[[0, count]]
+            found.append(
+                self.front * y[2] + self.stiffness[0] * slip[0] + self.damping[0] * slip[1]
+            )
         return np.array(found)
 
 
@@ -120,11 +128,25 @@ def lever(speed: float) -> Chain:
     )  # fmt: skip
 
 
+def valve(speed: float, ground: tuple[float, float] = (4.0, 0.002)) -> Chain:
+    """Three masses, 1.2 kg of the 1.5 kg that are moved, and a closing spring on the last."""
+    rows = ((0.5, 2600.0, 0.3), (0.4, 1900.0, 0.25), (0.3, 2200.0, 0.2))
+    table = [{"mass": m, "stiffness": k, "viscous": c} for m, k, c in rows]
+    table[-1] |= {"ground_stiffness": ground[0], "ground_viscous": ground[1]}
+    of = loaded("lift_off_elastic", cam__speed=speed, effects__vibration={"masses": table})
+    masses, stiffness, damping = zip(*rows, strict=True)
+    return Chain(
+        of, speed * RPM, tuple(1e-3 * each for each in masses), stiffness, damping, ground, 0.3e-3
+    )
+
+
 PHI = np.linspace(0.003, TURN - 0.003, 61)
 
 
 @pytest.mark.parametrize(
-    "chain", [press(330.0), press(600.0), lever(900.0)], ids=["slow", "fast", "two masses"]
+    "chain",
+    [press(330.0), press(600.0), lever(900.0), valve(500.0)],
+    ids=["slow", "fast", "two masses", "three masses"],
 )
 def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     """Within what the integration changes from one tolerance to the next, and what is told."""
@@ -139,7 +161,7 @@ def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     assert off <= 1e-6 * contact.extremes.magnitude
 
 
-@pytest.mark.parametrize("made", [press, lever])
+@pytest.mark.parametrize("made", [press, lever, valve])
 def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
     """Within 1e-6: it is pressed on its flank just below, and would be pulled just above."""
     of = made(400.0).of
@@ -201,7 +223,7 @@ def test_the_drive_puts_in_what_the_dampers_take() -> None:
     contact = chain.of.effect(CONTACT_FORCE)
     assert contact.behind is not None
     phi = (np.arange(20000) + 0.5) * TURN / 20000
-    (_, slip, _) = contact.behind.states(contact.behind.response, phi, "right")
+    slip = contact.behind.response.states(phi / chain.speed, "right")[1]
     taken = chain.damping[0] * np.mean(slip**2) * TURN / chain.speed
     error = chain.of.effect("drive-torque").errors["work-per-turn"].error
     assert value(chain.of, "drive-torque", "work-per-turn") == pytest.approx(
@@ -254,3 +276,36 @@ def test_only_what_is_in_front_of_the_train_is_struck() -> None:
     assert contact.struck is not None
     assert not np.any(contact.struck(PHI, "right"))
     assert np.all(inertia.to_follower(PHI, "right") > 0.0)
+
+
+def test_two_masses_one_by_one_leave_the_cam_as_given_by_frequencies() -> None:
+    """100 Hz and 0.05, and on it 160 Hz and 0.03 with a quarter of the mass: 1.2 kg and 0.3 kg."""
+    second = {"natural_frequency": 160.0, "mass_ratio": 0.25, "damping": 0.03}
+    old = {"natural_frequency": 100.0, "damping": 0.05, "second": second}
+    rows = [
+        {"mass": mass, "stiffness": 1e-3 * mass * (TURN * hertz) ** 2, "damping": damping}
+        for mass, hertz, damping in ((1.2, 100.0, 0.05), (0.3, 160.0, 0.03))
+    ]
+    one, other = (loaded("lift_off_elastic", effects__vibration=each) for each in
+                  (old, {"masses": rows}))  # fmt: skip
+    told = [each.effect("lift-off").errors["lift-off-speed"].error for each in (one, other)]
+    here, there = (value(each, "lift-off", "lift-off-speed") for each in (one, other))
+    assert abs(here - there) <= sum(told) + 1e-12 * here
+    assert sum(told) <= 1e-6 * here
+
+
+def test_listed_masses_are_a_part_of_those_that_are_moved() -> None:
+    """1.5 kg in the scene; without [effects.inertia] the same force comes from the train alone."""
+    row = {"mass": 1.5, "stiffness": 2000.0, "damping": 0.05}
+    told = loaded("lift_off_elastic", effects__vibration={"masses": [row]})
+    alone = loaded("lift_off_elastic", effects__vibration={"masses": [row]})
+    alone.effects.tables = {
+        each: table for each, table in alone.effects.tables.items() if each != "inertia"
+    }
+    one, other = (each.effect(CONTACT_FORCE) for each in (told, alone))
+    off = np.max(np.abs(one.normal(PHI, "right") - other.normal(PHI, "right")))
+    assert off <= 1e-12 * one.extremes.magnitude
+    heavy = loaded("lift_off_elastic", effects__vibration={"masses": [{**row, "mass": 1.6}]})
+    with pytest.raises(GeometryError, match=r"more than the 1\.5 kg") as raised:
+        heavy.effect(CONTACT_FORCE)
+    assert raised.value.key == "effects.vibration.masses"

@@ -34,6 +34,9 @@ from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
 from tests.long_form import examples
 
+LISTED: Final = ("masses", "moments")
+"""Lists of the masses of a train."""
+
 NAMES: Final = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
 
 WHOLE: Final = whole_schema()
@@ -85,7 +88,7 @@ OF_GUIDE: Final = {
         "coupler_moment",
     ),
     "spring": ("kind", "torsional_stiffness", "preload_torque", "anchor", "attachment"),
-    "vibration": ("torsional_stiffness", "limit_angle"),
+    "vibration": ("torsional_stiffness", "limit_angle", "moments"),
 }
 """Keys that a translating follower does not have."""
 
@@ -93,13 +96,13 @@ OF_ROCKER: Final = {
     "friction": ("guide", "guide_length", "guide_overhang", "guide_viscous", "slider"),
     "inertia": ("mass", "coupler_mass", "coupler_centre", "coupler_moment"),
     "spring": (),
-    "vibration": ("stiffness", "limit"),
+    "vibration": ("stiffness", "limit", "masses"),
 }
 OF_LINKAGE: Final = {
     "friction": ("guide", "guide_length", "guide_overhang"),
     "inertia": (),
     "spring": (),
-    "vibration": ("torsional_stiffness", "limit_angle"),
+    "vibration": ("torsional_stiffness", "limit_angle", "moments"),
 }
 
 SPRINGS: Final = (
@@ -151,10 +154,24 @@ def value(rng: Random, key: str, node: dict[str, Any], *, wild: bool) -> Any:
         return round(rng.random(), 3)
     if key == "segments":
         return [number(rng, "load", wild=wild) for _ in range(5)]
+    if key == "output":
+        return 1
+    if key in LISTED:
+        return [stage(rng, node["items"], wild=wild) for _ in range(rng.randint(1, 3))]
     if node["type"] == "array":
         return [number(rng, "coordinate", wild=wild) for _ in range(2)]
     inner = node["properties"]
     return {each: value(rng, each, inner[each], wild=wild) for each in inner}
+
+
+def stage(rng: Random, node: dict[str, Any], *, wild: bool) -> dict[str, Any]:
+    """A mass of a train; its damper is given in one way."""
+    inner = node["properties"]
+    twice = rng.choice([each for each in inner if each == "damping" or each.startswith("viscous")])
+    keys = [
+        each for each in inner if each in node["required"] or (each != twice and rng.random() < 0.6)
+    ]
+    return {each: value(rng, each, inner[each], wild=wild) for each in keys}
 
 
 def drives_slider(text: str) -> bool:
@@ -177,6 +194,20 @@ def foreign_keys(effect: str, text: str) -> set[str]:
     return found
 
 
+def keys_of_train(rng: Random, chosen: list[str], text: str) -> list[str]:
+    """The keys with one that gives the train, and those that suit it."""
+    turns = "oscillating" in text and not drives_slider(text)
+    if rng.random() < 0.3:
+        listed = "moments" if turns else "masses"
+        return [listed, *(each for each in chosen if each.startswith(("limit", "output")))]
+    stiff = "torsional_stiffness" if turns else "stiffness"
+    if "[linkage]" in text and not drives_slider(text):  # the mass of its far end is not known
+        stiff = "natural_frequency"
+    one = rng.choice(("natural_frequency", stiff))
+    several = ("natural_frequency", "stiffness", "torsional_stiffness", *LISTED, "output")
+    return [one, *(each for each in chosen if each not in several)]
+
+
 def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> list[str]:
     """Some of the keys of a table, most times those that suit the follower."""
     rocks, slides = "oscillating" in text, drives_slider(text)
@@ -189,12 +220,7 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
         suits = SPRINGS if rocks else SPRINGS[:1]
         chosen = list(rng.choice(suits[1:] if rocks and not slides else (*suits, WOUND)))
     if effect == "vibration":
-        stiff = "torsional_stiffness" if rocks and not slides else "stiffness"
-        if "[linkage]" in text and not slides:  # the mass of its far end is not known
-            stiff = "natural_frequency"
-        one = rng.choice(("natural_frequency", stiff))
-        three = ("natural_frequency", "stiffness", "torsional_stiffness")
-        chosen = [one, *(each for each in chosen if each not in three)]
+        chosen = keys_of_train(rng, chosen, text)
     if effect == "load":
         chosen = [
             "segments" if text.count("[[motion]]") == 5 and rng.random() < 0.5 else "constant"
@@ -235,7 +261,7 @@ def spelled(item: Any) -> str:
         return "{ " + ", ".join(f"{key} = {spelled(each)}" for key, each in item.items()) + " }"
     if isinstance(item, list):
         return "[" + ", ".join(spelled(each) for each in item) + "]"
-    return json.dumps(item) if isinstance(item, str) else repr(float(item))
+    return json.dumps(item) if isinstance(item, (str, int)) else repr(float(item))
 
 
 def tables_of(rng: Random, text: str) -> str:

@@ -363,6 +363,111 @@ def test_a_second_mass_has_two_natural_frequencies_and_the_output() -> None:
     )
 
 
+# -- masses one by one ---------------------------------------------------------------------------
+
+
+def test_masses_one_by_one_are_the_train_of_frequencies() -> None:
+    """60 Hz and 0.03, and on it 90 Hz and 0.02 with a fifth of the mass: 0.5 kg and 0.1 kg."""
+    old = "natural_frequency = 60\ndamping = 0.03\n"
+    old += "second = { natural_frequency = 90, mass_ratio = 0.2, damping = 0.02 }"
+    rows = [
+        f"{{ mass = {mass}, stiffness = {1e-3 * mass * (TURN * hertz) ** 2}, damping = {damping} }}"
+        for mass, hertz, damping in ((0.5, 60.0, 0.03), (0.1, 90.0, 0.02))
+    ]
+    one, other = (
+        result("plate_translating", table) for table in (old, f"masses = [{', '.join(rows)}]")
+    )
+    for first, second in zip(one.columns, other.columns, strict=False):
+        values = first.values(PHI, "right")
+        size = float(np.max(np.abs(values)))
+        assert np.max(np.abs(values - second.values(PHI, "right"))) <= 1e-12 * size
+    assert (one.links, other.links) == (0, 2)
+    assert len(other.columns) == len(one.columns) + 2
+
+
+def test_the_forces_in_the_springs_move_what_is_behind_them() -> None:
+    """With dampers as N s/mm and as ratios, a closing spring, and the output in the middle."""
+    rows = (
+        "{ mass = 0.5, stiffness = 400, viscous = 0.2 }",
+        "{ mass = 0.2, stiffness = 900, damping = 0.1 }",
+        "{ mass = 0.1, stiffness = 700, ground_stiffness = 5, ground_viscous = 0.01 }",
+    )
+    found = result("plate_translating", f"output = 2\nmasses = [{', '.join(rows)}]")
+    response = found.output.response
+    assert response is not None
+    clock = found.output.clock
+    t = clock.time(PHI)
+    y = clock.jet(t, "right")
+    x = np.array([response.states_of(mass, t, "right") for mass in range(3)])
+    x[:, :2] += y[:2]
+    off = x[1, 0] - y[0] - found.output.deflection(PHI, "right")
+    assert np.max(np.abs(off)) <= 1e-14 * float(np.max(y[0]))
+    forces = [column.values(PHI, "right") for column in found.columns[2:]]
+    first = 400.0 * (y[0] - x[0, 0]) + 0.2 * (y[1] - x[0, 1])
+    second = 2.0 * 0.1 * math.sqrt(900.0 * 0.2e-3) * (x[0, 1] - x[1, 1])
+    second += 900.0 * (x[0, 0] - x[1, 0])
+    last = 0.1e-3 * x[2, 2] + 5.0 * x[2, 0] + 0.01 * x[2, 1]
+    whole = 0.5e-3 * x[0, 2] + 0.2e-3 * x[1, 2] + last
+    for got, wanted in ((0, first), (0, whole), (1, second), (2, last)):
+        size = float(np.max(np.abs(wanted)))
+        assert np.max(np.abs(forces[got] - wanted)) <= 1e-10 * size
+    largest = [each for each in found.findings if each.name == "largest-train-force"]
+    assert [each.value for each in largest] == pytest.approx(
+        [float(np.max(np.abs(each))) for each in forces], rel=2e-3
+    )
+    assert [each.unit for each in largest] == ["N"] * 3
+
+
+def test_forty_masses_are_a_train_like_any_other() -> None:
+    """Equal masses on equal springs: 2 w sin(pi / 162) is the lowest frequency."""
+    row = "{ mass = 0.01, stiffness = 20, damping = 0.02 }"
+    found = result("plate_translating", f"masses = [{', '.join([row] * 40)}]")
+    values = [each.value for each in found.findings if each.name == "natural-frequency"]
+    lowest = 2.0 * math.sqrt(20.0 / 1e-5) * math.sin(math.pi / 162.0) / TURN
+    assert values[0] == pytest.approx(lowest, rel=1e-12)
+    assert len(values) == 40
+    assert found.error is not None
+    assert found.error <= 1e-6
+
+
+def test_a_mode_beyond_critical_damping_has_a_time_constant() -> None:
+    """m s^2 + c s + k = 0 with 1 kg, 2 N s/mm and 0.36 N/mm: -0.2 1/s and -1.8 1/s, by 1000."""
+    found = result("plate_translating", "masses = [{ mass = 1, stiffness = 360, viscous = 2 }]")
+    values = [each.value for each in found.findings if each.name == "time-constant"]
+    assert values == pytest.approx([1.0 / 200.0, 1.0 / 1800.0], rel=1e-12)
+    assert not [each for each in found.findings if each.name == "natural-frequency"]
+
+
+def test_moments_are_for_a_rocker() -> None:
+    row = "{ moment = 0.05, torsional_stiffness = 2000, damping = 0.05 }"
+    found = result("groove", f"moments = [{row}]")
+    assert finding_of(found, "natural-frequency").value == pytest.approx(200.0 / TURN, rel=1e-14)
+    force = finding_of(found, "largest-train-force")
+    assert force.unit == "N m"
+    top = finding_of(found, "largest-output-acceleration").value
+    assert top is not None
+    assert force.value == pytest.approx(0.05 * math.radians(top), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ("masses = [{ mass = 0, stiffness = 5 }]", "mass"),
+        ("masses = [{ mass = 1, stiffness = 0 }]", "stiffness"),
+        ("masses = [{ mass = 1, stiffness = 5, damping = 0.1, viscous = 1 }]", "damping"),
+        ("masses = [{ mass = 1, stiffness = 5 }]\noutput = 2", "output"),
+        ("masses = [{ mass = 1, stiffness = 5 }]\ndamping = 0.1", "damping"),
+        ("masses = [{ mass = 1, stiffness = 5 }]\nnatural_frequency = 9", "masses"),
+        ("natural_frequency = 9\noutput = 1", "output"),
+        ("masses = []", "masses"),
+        ("moments = [{ moment = 1, torsional_stiffness = 5 }]", "moments"),
+    ],
+)
+def test_a_wrong_train_is_named(table: str, key: str) -> None:
+    with pytest.raises(SceneError, match=rf"effects\.vibration\..*{key}"):
+        made("plate_translating", table)
+
+
 def test_a_cam_that_only_rests_does_not_vibrate() -> None:
     made_ = made(
         "plate_translating",

@@ -14,9 +14,10 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.motion.time_course import ConstantSpeed, in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.oscillator import steady
+from camgeo.numeric.oscillator.chain import one_mass
 from camgeo.numeric.oscillator.mode import Pieces, gain_over, interpolated, series_values, solve
 from camgeo.numeric.oscillator.steady import Base, ResonanceError, Response, steady_state
-from camgeo.numeric.oscillator.train import Second, Train, one_mass, two_masses
+from camgeo.numeric.oscillator.train import Train
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
 from tests.strategies import attack
@@ -339,100 +340,6 @@ def test_the_harmonics_are_those_of_the_deflection() -> None:
     for number in (1, 2, 6, 7, 20):
         # The third derivative of e jumps, so coefficients fall with k^-4 and fold back at k = 4096.
         assert abs(response.harmonic(number) - series[number]) <= 20.0 * 1e3 / 4096.0**4
-
-
-# -- two masses ----------------------------------------------------------------------------------
-
-
-def second(frequency: float = 9.0, ratio: float = 0.3, damping: float = 0.05) -> Second:
-    return Second(TURN * frequency, ratio, damping)
-
-
-@pytest.mark.parametrize("both", [0.05, 0.0])
-def test_two_masses_solve_their_equations_as_an_integrator_does(both: float) -> None:
-    from scipy.integrate import solve_ivp
-
-    base, w, other = cam(), TURN * 4.3, second(damping=both)
-    trains = [two_masses(w, both, other, output) for output in (0, 1)]
-    responses = [steady_state(train, base, 0.0) for train in trains]
-    low, high = base.edges[1], base.edges[2]
-
-    def state(t: float, side: Side) -> FloatArray:
-        parts = [each.states(np.array([t]), side)[:2, 0] for each in responses]
-        return np.array([parts[0][0], parts[1][0], parts[0][1], parts[1][1]])
-
-    def rate(t: float, z: FloatArray) -> list[float]:
-        forced = base.jet(np.array([t]), "right" if t < 0.5 * (low + high) else "left")[2, 0]
-        pull = 2.0 * both * other.frequency * (z[3] - z[2]) + other.frequency**2 * (z[1] - z[0])
-        return [
-            z[2],
-            z[3],
-            -2.0 * both * w * z[2] - w * w * z[0] + other.mass_ratio * pull - forced,
-            -pull - forced,
-        ]
-
-    found = solve_ivp(rate, (low, high), state(low, "right"), "DOP853", rtol=1e-12, atol=1e-14)
-    off = np.abs(found.y[:, -1] - state(high, "left"))
-    assert np.all(off <= 20.0 * 1e-11 * np.array([1.0, 1.0, w, w]))
-
-
-def test_a_small_second_mass_leaves_the_first_one_as_it_is() -> None:
-    """To the first order in the ratio of the masses."""
-    base, w = cam(), TURN * 4.3
-    t = np.linspace(0.0, 1.0, 101)
-    alone = steady_state(one_mass(w, 0.05), base, 0.0).states(t, "right")[0]
-    off = []
-    for ratio in (1e-4, 1e-6, 1e-8):
-        train = two_masses(w, 0.05, second(ratio=ratio), output=0)
-        off.append(np.max(np.abs(steady_state(train, base, 0.0).states(t, "right")[0] - alone)))
-    assert off[0] / off[1] == pytest.approx(100.0, rel=0.01)
-    assert off[1] / off[2] == pytest.approx(100.0, rel=0.01)
-
-
-def test_two_masses_on_a_stiff_spring_are_one() -> None:
-    """The first spring then carries both: w / sqrt(1 + m), and the damping falls alike."""
-    base, w, ratio, damping = cam(), TURN * 5.1, 0.44, 0.06
-    t = np.linspace(0.0, 1.0, 101)
-    root = math.sqrt(1.0 + ratio)
-    one = steady_state(one_mass(w / root, damping / root), base, 0.0).states(t, "right")[0]
-    off = []
-    for stiff in (100.0, 1000.0):
-        train = two_masses(w, damping, Second(stiff * w, ratio, 0.3))
-        off.append(np.max(np.abs(steady_state(train, base, 0.0).states(t, "right")[0] - one)))
-    assert off[0] < 1e-3 * float(np.max(np.abs(one)))
-    assert off[0] / off[1] == pytest.approx(100.0, rel=0.1)  # with the inverse of the stiffness
-
-
-@attack
-@given(
-    ratio=st.floats(0.01, 100.0),
-    damping=st.floats(0.0, 0.9),
-    frequency=st.floats(0.01, 100.0),
-    masses=st.floats(1e-3, 1e3),
-    other=st.floats(0.0, 0.9),
-)
-def test_the_modes_of_two_masses_add_up(
-    ratio: float, damping: float, frequency: float, masses: float, other: float
-) -> None:
-    """A kick of the base leaves both masses where they are; the rates are roots of their equation.
-
-    The characteristic equation of e_1, e_2 in s: (s^2 + a s + w^2 + m (b s + v^2)) (s^2 + b s +
-    v^2) = m (b s + v^2)^2 with a = 2 D w and b = 2 D_2 v.
-    """
-    train = two_masses(ratio, damping, Second(frequency, masses, other))
-    rounding = 1e3 * EPS * train.spread**2 * (1.0 + ratio / frequency + frequency / ratio) ** 2
-    assume(rounding < 1e-3)
-    assert abs(train.sums(0)) <= rounding * float(np.sum(np.abs(train.weights)))
-    assert abs(train.sums(1) - 1.0) <= rounding * max(1.0, train.spread)
-    a, b = 2.0 * damping * ratio, 2.0 * other * frequency
-    for s in train.rates.tolist():
-        link = b * s + frequency**2
-        left = (s * s + a * s + ratio**2 + masses * link) * (s * s + link)
-        size = (abs(s) ** 2 + a * abs(s) + ratio**2 + masses * abs(link)) * (
-            abs(s) ** 2 + abs(link)
-        )
-        assert abs(left - masses * link**2) <= rounding * max(1.0, masses) * size
-    assert np.all(train.rates.real <= 0.0)
 
 
 def test_pieces_are_joined_in_order() -> None:

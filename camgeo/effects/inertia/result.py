@@ -9,7 +9,7 @@ of Machinery", chapters on dynamics and cam dynamics) do the same for a single m
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -32,7 +32,7 @@ from camgeo.effects.inertia.rates import (
     train_of,
 )
 from camgeo.effects.results import Inertia
-from camgeo.effects.wording import FORCES, KG, KG_M2, Label, extreme_finding, extreme_findings
+from camgeo.effects.wording import FORCES, KG_M2, MASSES, Label, extreme_finding, extreme_findings
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, piecewise_highest
 from camgeo.wording import at_cam_angles, cam_angle
@@ -41,16 +41,9 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Request, Subject
     from camgeo.effects.inertia.table import MassProperties
     from camgeo.motion.time_course import TimeCourse
-    from camgeo.units import LiftUnit
 
 WRITTEN: Final = 1e-3
 """Relative error of a moment of inertia that may come from writing it with a few digits."""
-
-MASSES: Final[Mapping[LiftUnit, Label]] = {
-    "mm": Label("mass", "kg", KG),
-    "rad": Label("moment of inertia", "kg m^2", KG_M2),
-}
-"""The inertia of a follower, by the unit of its lift."""
 
 
 def compute(request: Request[MassProperties]) -> Inertia:

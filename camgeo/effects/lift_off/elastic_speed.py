@@ -3,18 +3,19 @@
 With the cam running f times as fast as in the scene, and s = 1 / f, the reserve of the contact (see
 `Flank.reserve`), divided by f^2, is
 
-    G = s^2 r0 + s r1 + r2 + w (s Re sum C u - y''),    C = c lambda^2,    u' = s lambda u - y'',
+    G = s^2 (r0 + w a y) + s (r1 + w b y') + r2 + w (s Re sum C u - m y''),   u' = s lambda u - y'',
 
-with r0 to r2 of a rigid train, the modes u of the centre of mass behind the elastic one, see
-`camgeo.numeric.oscillator.train`, and w = m dy/dq in the direction of the flank. Contact is lost
-where the smallest G of the turn, g(s), is below 0. It is searched from low speeds upwards, from an
-s at which no vibration can be large enough.
+with r0 to r2 of a rigid train, the modes u of the elastic one, the weights C, a and b of the force
+in its first spring and damper, see `camgeo.numeric.oscillator.train`, and w = dy/dq in the
+direction of the flank; a and b are 0 unless something holds its masses to the frame. Contact is
+lost where the smallest G of the turn, g(s), is below 0. It is searched from low speeds upwards,
+from an s at which no vibration can be large enough.
 
 On the real line the periodic solution of v' = s lambda v + b is at most |b| / (s |Re lambda|). For
 the derivatives of u by s, v' = s lambda v + lambda u and z' = s lambda z + 2 lambda v, this gives
 |v| <= rho |u| / s and |z| <= 2 rho^2 |u| / s^2 with rho = |lambda| / |Re lambda|, so
 
-    |d^2 G / ds^2| <= K = 2 max r0 + max |w| sum |C| (2 rho + 2 rho^2) |u| / s.
+    |d^2 G / ds^2| <= K = 2 max (r0 + w a y) + max |w| sum |C| (2 rho + 2 rho^2) |u| / s.
 
 Between two s at the distance d a function is nowhere more than K d^2 / 8 below its chord. Where the
 smaller of both g is larger than this, contact is kept at all speeds between: no resonance, however
@@ -27,7 +28,7 @@ u_0. Close to the crossing the steps shrink quadratically.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -101,12 +102,24 @@ class _Search:
     flank: Flank
     behind: ElasticTrain
     edges: FloatArray
-    widest: float
-    largest: float
+    widest: float = 0.0
+    largest: float = 0.0
 
     def weight(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w."""
-        return self.flank.outwards(phi, side) * self.behind.weight(phi, side)
+        return self.flank.outwards(phi, side) * self.behind.per_lift(phi, side)
+
+    def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(3, n) r0 + w a y, r1 + w b y', r2 - w m y''."""
+        held = self.behind.train.force(0)
+        own = np.array([[held.lift], [held.slope], [-self.behind.mass]])
+        pushed = self.weight(phi, side) * own * self.behind.base(phi, side)
+        return np.asarray(self.flank.reserve(phi, side) + pushed)
+
+    @property
+    def weights(self) -> FloatArray:
+        """(m,) |C|."""
+        return np.abs(self.behind.train.force(0).weights)
 
     @property
     def rho(self) -> FloatArray:
@@ -114,12 +127,17 @@ class _Search:
         rates = self.behind.train.rates
         return np.asarray(np.abs(rates) / np.abs(rates.real))
 
+    def static(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) the reserve at rest."""
+        found: FloatArray = self.reserve(phi, side)[0]
+        return found
+
     def at(self, s: float) -> _Point:
         found = self.behind.at(1.0 / s)
 
         def reserve(phi: FloatArray, side: Side) -> FloatArray:
             r0, r1, r2 = self.flank.reserve(phi, side)
-            lag = found.acceleration(phi, side) - found.base(phi, side)
+            lag = -found.beyond_base(phi, side)
             return np.asarray(s * (s * r0 + r1) + r2 + self.weight(phi, side) * lag)
 
         lowest = piecewise_lowest(reserve, found.edges(self.edges))
@@ -128,9 +146,9 @@ class _Search:
     def sag(self, one: _Point, other: _Point) -> float:
         """K d^2 / 8 between both."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
-        rates, rho = self.behind.train.rates, self.rho
+        rho = self.rho
         sizes = np.maximum(one.sizes, other.sizes) * (1.0 + 0.5 * rho * d / s)
-        bend = np.abs(self.behind.train.weights * rates**2) * (2.0 * rho + 2.0 * rho**2) * sizes
+        bend = self.weights * (2.0 * rho + 2.0 * rho**2) * sizes
         curvature = 2.0 * self.largest + self.widest * float(np.sum(bend)) / s
         return 0.125 * curvature * d * d
 
@@ -141,19 +159,17 @@ class _Search:
         J of the jumps of y'.
         """
         train, forcing = self.behind.train, self.behind.response.forcing
-        period, c = self.behind.response.base.period, np.abs(train.weights * train.rates**2)
+        period, c = self.behind.response.base.period, self.weights
         most = float(np.max(np.sum(np.abs(forcing.pieces.series), axis=0)))
         jumps = float(np.sum(np.abs(forcing.jumps)))
 
         def size(row: int) -> float:
             def of_row(phi: FloatArray, side: Side) -> FloatArray:
-                r = self.flank.reserve(phi, side)[1 + row]
-                rigid = self.weight(phi, side) * self.behind.base(phi, side) if row else 0.0
-                return np.asarray(np.abs(r - rigid))
+                return np.asarray(np.abs(self.reserve(phi, side)[row]))
 
             return piecewise_highest(of_row, self.edges).value
 
-        r1, r2, s = size(0), size(1), 1.0
+        r1, r2, s = size(1), size(2), 1.0
         while True:
             lasting = 1.0 / -np.expm1(s * train.rates.real * period)
             moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
@@ -181,17 +197,16 @@ def elastic_speed(
         return ElasticSpeed(
             why="without damping the train resonates with a harmonic at ever lower speeds"
         )
-
-    def static(phi: FloatArray, side: Side) -> FloatArray:
-        return np.asarray(flank.reserve(phi, side)[0])
-
-    rest = piecewise_extremes(static, edges)
+    if behind.response.forcing.soft:
+        return ElasticSpeed(why="the cam turns faster than the train vibrates")
+    search = _Search(flank, behind, edges)
+    rest = piecewise_extremes(search.static, edges)
     if rest.lowest.value < -TOUCH * rest.magnitude:
         return ElasticSpeed(Extreme(0.0, rest.lowest.place))
     if rest.lowest.value <= TOUCH * rest.magnitude:
         return ElasticSpeed(why="nothing presses it on its flank at rest")
-    widest = piecewise_highest(lambda phi, side: np.abs(behind.weight(phi, side)), edges).value
-    search = _Search(flank, behind, edges, widest, rest.highest.value)
+    widest = piecewise_highest(lambda phi, side: np.abs(behind.per_lift(phi, side)), edges).value
+    search = replace(search, widest=widest, largest=rest.highest.value)
     fastest = float(np.min(np.abs(rates))) * period / SOFT
     end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
     return _first(search, max(search.start(rest.lowest.value), 2.0 * end), end)
@@ -249,6 +264,6 @@ def _found(search: _Search, kept: _Point, lost: _Point) -> ElasticSpeed:
     beside = search.at(lost.s * (1.0 + BESIDE))
     slope = abs(beside.g - lost.g) / (beside.s - lost.s)
     found = search.behind.at(1.0 / lost.s)
-    off = search.widest * found.error / found.mass / slope + (kept.s - lost.s)
+    off = search.widest * found.error / slope + (kept.s - lost.s)
     speed = Extreme(1.0 / lost.s, lost.lowest.place)
     return ElasticSpeed(speed, 1.0 / kept.s, speed.value * off / lost.s)

@@ -16,11 +16,14 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.vibration.result:compute",
     schema=schema_beside(__file__),
     parse=parse,
-    rules=(Only(LENGTHS, "stiffness", "limit"), Only(ANGLES, "torsional_stiffness", "limit_angle")),
+    rules=(
+        Only(LENGTHS, "stiffness", "limit", "masses"),
+        Only(ANGLES, "torsional_stiffness", "limit_angle", "moments"),
+    ),
     uses=(INERTIA,),
     keys=(SPEED,),
     tabled=True,
     numerical=True,
-    regardless=("natural-frequency", "settling"),
+    regardless=("natural-frequency", "time-constant", "settling"),
     refined_by=(GIVEN_SPEED,),
 )

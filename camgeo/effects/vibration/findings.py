@@ -10,15 +10,18 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.vibration.output import Clock, Output
-from camgeo.effects.wording import at
+from camgeo.effects.vibration.output import Clock, Links, Output
+from camgeo.effects.wording import Label, at
 from camgeo.motion.motion import Dwell
 from camgeo.motion.plan import in_turn
-from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of_each, piecewise_extremes
 from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.oscillator.train import Train
 from camgeo.units import RPM, TURN
 from camgeo.wording import cam_angle
+
+LARGEST_FORCE: Final = "largest-train-force"
 
 AMPLIFICATION: Final = 10.0
 """Amplification of a harmonic above which it counts as resonance. Without damping this is reached
@@ -57,9 +60,19 @@ def magnitude(both: Extremes) -> Extreme:
 
 
 def of_modes(train: Train, period: float) -> Iterator[Finding]:
-    """The natural frequencies."""
-    for rate in train.rates.tolist():
+    """The natural frequencies, and the time constants of overdamped modes."""
+    for rate in train.poles.tolist():
         frequency = abs(rate)
+        if rate.imag == 0.0:
+            yield Finding(
+                name="time-constant",
+                severity="ok",
+                sentence=f"a mode that does not oscillate, with the time constant"
+                f" {1e3 / frequency:.6g} ms",
+                value=1.0 / frequency,
+                unit="s",
+            )
+            continue
         yield Finding(
             name="natural-frequency",
             severity="ok",
@@ -110,6 +123,30 @@ def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
     )
 
 
+def force_column(link: int) -> str:
+    """The name of the force in a spring over the cam angle."""
+    return f"train force {link + 1}"
+
+
+def of_forces(output: Output, links: int, edges: FloatArray, label: Label) -> Iterator[Finding]:
+    """The largest force in each spring with its damper, from the cam outwards."""
+    if not links:
+        return
+    for link, both in enumerate(extremes_of_each(Links(links), output, edges)):
+        found = magnitude(both)
+        yield Finding(
+            name=LARGEST_FORCE,
+            severity="ok",
+            sentence=(
+                f"largest {label.word} in spring and damper {link + 1} of the train"
+                f" {label.scale * found.value:.6g} {label.unit} {at(found.place)}"
+            ),
+            value=label.scale * found.value,
+            unit=label.unit,
+            cam_angle=found.place,
+        )
+
+
 def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Finding]:
     """The vibration at the start of each dwell, the largest of them, and what is left at the
     end.
@@ -129,7 +166,7 @@ def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Fi
         float(amplitudes[worst]),
         shown,
     )
-    slowest = float(np.max(response.train.rates.real))
+    slowest = float(np.max(response.train.poles.real))
     shortest = min(rests, key=lambda rest: _duration(clock, rest))
     left = math.exp(slowest * _duration(clock, shortest))
     lasts = "longer" if left <= SETTLED else "shorter"
@@ -149,7 +186,9 @@ def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Fi
 def of_resonance(response: Response, most: float, shown: MotionUnit) -> Iterator[Finding]:
     """The harmonic of the cam's speed nearest to each natural frequency."""
     turn = TURN / response.base.period
-    for rate in response.train.rates.tolist():
+    for rate in response.train.poles.tolist():
+        if rate.imag == 0.0:
+            continue
         number = max(1, round(abs(rate) / turn))
         factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
         part = 2.0 * abs(response.harmonic(number))

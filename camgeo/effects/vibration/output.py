@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from camgeo.effects.effect import Subject
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import in_turn
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged
 from camgeo.numeric.oscillator.steady import Base, Response
 from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
@@ -85,4 +86,30 @@ class Output:
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
         found: FloatArray = self.states(phi, side)[2]
+        return found
+
+    def forces(self, links: Sequence[int], phi: FloatArray, side: Side) -> FloatArray:
+        """(k, n) forces [N or N mm] in the `links`, see `Response.forces`."""
+        assert self.response is not None  # a rigid train has no springs
+        return self.response.forces(links, self.clock.time(in_turn(phi, side)), side)
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """The first `count` springs with their dampers, asked for their forces together: all follow
+    from the same modes. See `camgeo.numeric.many.Many`.
+    """
+
+    count: int
+
+    def everywhere(self, output: Output, phi: FloatArray, side: Side) -> FloatArray:
+        """(count, n) forces [N or N mm]."""
+        return output.forces(range(self.count), phi, side)
+
+    def at(self, output: Output, phi: FloatArray, side: Side, which: IntArray) -> FloatArray:
+        """(n,) forces, each in the spring with the number in `which` (n,)."""
+        found = np.zeros(len(phi))
+        for link in np.unique(which).tolist():
+            own = which == link
+            found[own] = output.forces([link], phi[own], side)[0]
         return found

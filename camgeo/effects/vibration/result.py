@@ -1,15 +1,16 @@
 """Effect `vibration`: an elastic follower train in its steady state, solved exactly.
 
-The train is a mass on a spring and a damper whose base has the motion of the state, or two of them
-in series; see `camgeo.numeric.oscillator.train` for the equations and their sources. The motion
-laws are piecewise smooth, and on each piece the response is known in closed form, see
+The train is a row of masses on springs and dampers, whose base has the motion of the state; see
+`camgeo.numeric.oscillator.chain` for the equations and their sources. The motion laws are piecewise
+smooth, and on each piece the response is known in closed form, see
 `camgeo.numeric.oscillator.mode`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,21 +20,27 @@ from camgeo.effects.effect import Bound, Column, Request, Subject
 from camgeo.effects.elastic import ElasticTrain, search_edges
 from camgeo.effects.results import INERTIA, Elastic
 from camgeo.effects.vibration.findings import (
+    LARGEST_FORCE,
     MotionUnit,
+    force_column,
     magnitude,
     of_acceleration,
     of_error,
+    of_forces,
     of_modes,
     of_resonance,
     of_rests,
 )
 from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
+from camgeo.effects.wording import FORCES, MASSES, Label
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.arrays import FloatArray, Side, frozen
+from camgeo.motion.time_course import in_time
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.numeric.oscillator.steady import ResonanceError, Response, answered, steady_state
-from camgeo.numeric.oscillator.train import Train, one_mass, two_masses
+from camgeo.numeric.oscillator.chain import SeparationError, Stage, chain
+from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
+from camgeo.numeric.oscillator.train import Train
 from camgeo.units import TURN
 
 DEFLECTIONS: Final = (
@@ -43,6 +50,9 @@ DEFLECTIONS: Final = (
     "largest-residual-vibration",
 )
 """Figures that are deflections."""
+
+SAME: Final = 1e-9
+"""Relative difference of two masses that are the same but for how they were given."""
 
 FORCING: Final = 1e-3
 """Initial tolerance of the forcing, as a share of that of the response, which magnifies errors."""
@@ -57,11 +67,14 @@ class Vibration(Elastic):
     behind : see `camgeo.effects.results.Elastic`.
     findings, columns : see `camgeo.effects.effect.Result`.
     errors : of deflections, relative to the largest lift, and of accelerations, relative to that of
-        a free vibration with this amplitude.
+        a free vibration with this amplitude; of forces, relative to that of a spring and damper
+        deflected by the largest lift.
     output : over the cam angle.
+    links : the number of springs whose forces are known: all, or none where only frequencies are.
     """
 
     output: Output
+    links: int
 
 
 def compute(request: Request[TrainData]) -> Vibration:
@@ -78,71 +91,103 @@ def compute(request: Request[TrainData]) -> Vibration:
     turns = subject.drive.unit == "rad"
     limit = data.limit_angle if turns else data.limit
     shown = MotionUnit("deg", math.degrees(1.0)) if turns else MotionUnit("mm", 1.0)
-    trains = trains_of(request)
-    train = None if trains is None else trains.output
+    force = FORCES[subject.drive.unit]
+    stages = stages_of(request)
+    train = train_of(data, stages) if stages else None
+    links = len(stages) if data.natural_frequency is None else 0
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
     edges = search_edges(subject.state.smooth_angles, train, period)
     findings: list[Finding] = []
     response, behind, errors = None, None, {}
-    if trains is not None and train is not None:
-        # Forces follow from the accelerations, and have no tolerance of their own.
-        share = FORCING * request.tolerance if not trains.mass else 0.0
-        response, deflection = _response(clock, train, request.tolerance, share)
-        behind = _behind(subject, trains, clock, response)
-        errors = _errors(deflection, train, shown)
+    if train is not None:
+        moved = _moved(request)
+        passed = bool(data.stages) or moved > 0.0
+        # The force on the cam has no tolerance of its own.
+        share = 0.0 if passed else FORCING * request.tolerance
+        response, bounds = _response(clock, train, links, request.tolerance, share)
+        if passed:
+            behind = _behind(subject, _counted(stages, moved, subject), clock, response)
+        errors = _errors(bounds, train, shown, force)
         findings += of_modes(train, period)
     output = Output(clock, response)
     most = magnitude(piecewise_extremes(output.deflection, edges))
     fastest = magnitude(piecewise_extremes(output.acceleration, edges))
     findings += [of_error(most, limit, shown), of_acceleration(fastest, clock, shown)]
+    findings += of_forces(output, links, edges, force)
     if response is not None:
         findings += of_rests(clock, response, shown)
         findings += of_resonance(response, most.value, shown)
     return Vibration(
         output,
+        links,
         behind=behind,
         findings=tuple(findings),
-        columns=_columns(output, shown, limit),
+        columns=_columns(output, links, shown, force, limit),
         errors=errors,
     )
 
 
-def _errors(deflection: Bound, train: Train, shown: MotionUnit) -> dict[str, Bound]:
+def _errors(bounds: list[Bound], train: Train, shown: MotionUnit, force: Label) -> dict[str, Bound]:
     """The errors of all figures; frequencies, settling and amplification are exact.
 
     The acceleration of a mode is its deflection times the square of its rate.
     """
-    own = deflection.times(shown.scale)
+    own = bounds[0].times(shown.scale)
     fast = own.times(float(np.max(np.abs(train.rates))) ** 2)
     found = dict.fromkeys(DEFLECTIONS, own)
-    return found | dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
+    found |= dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
+    pushed = [each.times(force.scale) for each in bounds[1:]]
+    if pushed:
+        found[LARGEST_FORCE] = max(pushed, key=lambda each: each.error)
+    return found | {force_column(link): each for link, each in enumerate(pushed)}
 
 
-def _behind(
-    subject: Subject, trains: Trains, clock: Clock, response: Response
-) -> ElasticTrain | None:
-    """What the train passes on to the follower, if it has mass."""
-    if not trains.mass:
-        return None
-    own = response
-    if trains.centre is not trains.output:
-        own = answered(trains.centre, response.base, response.forcing)
-    rigid = Output(clock, None)
+def _counted(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
+    """The mass in the train; 0 if [effects.inertia] has none with the demanded motion.
+
+    Raises
+    ------
+    GeometryError
+        If it is more than the mass `moved`, of which it is a part.
+    """
+    if moved == 0.0:
+        return 0.0
+    mass = sum(each.mass for each in stages)
+    if mass > moved * (1.0 + SAME):
+        label = MASSES[subject.drive.unit]
+        raise GeometryError(
+            f"must not be more than the {label.scale * moved:.6g} {label.unit} of [effects.inertia]"
+            " that have the demanded motion, of which they are a part, in sum",
+            key=f"effects.vibration.{'moments' if subject.drive.unit == 'rad' else 'masses'}",
+            value=f"{label.scale * mass:.6g} {label.unit}",
+        )
+    return mass
+
+
+def _behind(subject: Subject, mass: float, clock: Clock, response: Response) -> ElasticTrain:
+    """What the train passes on to the follower; the rigid forces have its `mass`."""
 
     def per_lift(phi: FloatArray, side: Side) -> FloatArray:
         if subject.drive.linkage is None:
             return np.ones(len(phi))
         return subject.drive.linkage.per_follower(clock.motion.jet(phi, side)[0])
 
-    def states(response: Response, phi: FloatArray, side: Side) -> FloatArray:
-        return Output(clock, response).states(phi, side)
+    def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
+        found: FloatArray = Output(clock, response).forces([0], phi, side)[0]
+        return found
 
-    return ElasticTrain(own, trains.mass, per_lift, states, rigid.acceleration)
+    def base(phi: FloatArray, side: Side) -> FloatArray:
+        return in_time(clock.motion.jet(phi, side), clock.course, phi)[:3]
+
+    return ElasticTrain(response, mass, per_lift, push, base)
 
 
-def _response(clock: Clock, train: Train, tolerance: float, first: float) -> tuple[Response, Bound]:
-    """The steady state, and the error of its deflection, with the largest lift as the scale.
+def _response(
+    clock: Clock, train: Train, links: int, tolerance: float, first: float
+) -> tuple[Response, list[Bound]]:
+    """The steady state, and the errors of its deflection, with the largest lift as the scale, and
+    of the force in each of the `links`.
 
     The share of the forcing that is truncated is `first`, or that of rounding if this is too much.
     """
@@ -160,9 +205,17 @@ def _response(clock: Clock, train: Train, tolerance: float, first: float) -> tup
                 value=resonance.frequency / TURN,
                 unit="Hz",
             ) from None
-        error = response.error / lift if lift > 0.0 else 0.0
+        forces = [train.force(link) for link in range(links)]
+        bounds = [
+            Bound(response.error, lift),
+            *(
+                Bound(response.error_of(each), lift * stiffness)
+                for each, stiffness in zip(forces, train.stiffnesses.tolist(), strict=False)
+            ),
+        ]
+        error = max(each.share for each in bounds)
         if error <= tolerance:
-            return response, Bound(response.error, lift)
+            return response, bounds
     raise EffectError(
         f"the deflection has an error of {error:.3g} of the lift; the tolerance is {tolerance:.3g}:"
         " an undamped train this close to resonance magnifies rounding errors",
@@ -172,7 +225,9 @@ def _response(clock: Clock, train: Train, tolerance: float, first: float) -> tup
     )
 
 
-def _columns(output: Output, shown: MotionUnit, limit: float | None) -> tuple[Column, ...]:
+def _columns(
+    output: Output, links: int, shown: MotionUnit, force: Label, limit: float | None
+) -> tuple[Column, ...]:
     unit, scale = shown.unit, shown.scale
     bound = None if limit is None else scale * limit
 
@@ -182,32 +237,42 @@ def _columns(output: Output, shown: MotionUnit, limit: float | None) -> tuple[Co
     def acceleration(phi: FloatArray, side: Side) -> FloatArray:
         return scale * output.acceleration(phi, side)
 
+    def push(link: int) -> Column:
+        def values(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(force.scale * output.forces([link], phi, side)[0])
+
+        return Column(force_column(link), force.unit, values)
+
     return (
         Column("vibration deflection", unit, deflection, bound),
         Column("output acceleration", f"{unit}/s^2", acceleration),
+        *(push(link) for link in range(links)),
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Trains:
-    """The train, as the motion of its output and of its centre of mass follow from the base.
+def train_of(data: TrainData, stages: Sequence[Stage]) -> Train:
+    """The elastic train of the `stages`.
 
-    Attributes
-    ----------
-    output, centre : the same modes with the weights of each; the same object for one mass.
-    mass : in the centre of mass [t, or t mm^2 if it turns]; 0 if the scene states no masses.
+    Raises
+    ------
+    EffectError
+        If rounding keeps its modes from being found.
     """
+    try:
+        return chain(stages, -1 if data.output is None else data.output - 1)
+    except SeparationError as error:
+        raise EffectError(
+            f"{error}: the masses, springs and dampers differ too much for numbers of 16 digits",
+            finding="vibration-tolerance",
+        ) from None
 
-    output: Train
-    centre: Train
-    mass: float
 
+def stages_of(request: Request[TrainData]) -> tuple[Stage, ...]:
+    """The masses in a row with their springs and dampers; none if the train is rigid.
 
-def trains_of(request: Request[TrainData]) -> Trains | None:
-    """The elastic train; None if it is rigid, without mass.
-
-    With a stiffness k, w^2 = k / m for the mass m from [effects.inertia]. With a second mass m is
-    the sum of both, so the first one is m / (1 + mass_ratio).
+    Without a list there are one or two. With a stiffness k, w^2 = k / m for the mass m from
+    [effects.inertia]. With a second mass m is the sum of both, so the first one is
+    m / (1 + mass_ratio). With a frequency m is 1 if there is no such mass.
 
     Raises
     ------
@@ -215,36 +280,50 @@ def trains_of(request: Request[TrainData]) -> Trains | None:
         If the masses are missing.
     """
     data, second = request.data, request.data.second
-    inertia = request.results.get(INERTIA)
-    moved = 0.0 if inertia is None else inertia.moved
-    ratio = 0.0 if second is None else second.mass_ratio
-    frequency = data.natural_frequency
+    if data.stages:
+        return data.stages
+    moved = _moved(request)
+    mass, frequency = moved or 1.0, data.natural_frequency
+    if second is not None:
+        mass /= 1.0 + second.mass_ratio
     if frequency is None:
         stiffness = data.stiffness if data.stiffness is not None else data.torsional_stiffness
         assert stiffness is not None  # `parse` refuses a table without
-        if inertia is None:
-            raise GeometryError(
-                "is missing: with a stiffness the natural frequency needs the masses",
-                key="effects.inertia",
-            )
-        linkage = request.subject.drive.linkage
-        if moved == 0.0 and linkage is not None and linkage.member != "slider":
-            raise GeometryError(
-                "is missing: with a stiffness the natural frequency needs the moment of inertia at"
-                " the far end of the linkage; or give natural_frequency",
-                key="effects.inertia.output_moment",
-            )
+        _require(request)
         if moved == 0.0:
-            return None
-        frequency = math.sqrt((1.0 + ratio) * stiffness / moved)
-    if math.isinf(frequency):
-        if second is None:
-            return None
-        alone = one_mass(second.frequency, second.damping)
-        return Trains(alone, alone, moved * ratio / (1.0 + ratio))
-    if second is None:
-        alone = one_mass(frequency, data.damping)
-        return Trains(alone, alone, moved)
-    first, last = (two_masses(frequency, data.damping, second, which) for which in (0, 1))
-    weights = frozen((first.weights + ratio * last.weights) / (1.0 + ratio), np.complex128)
-    return Trains(last, replace(last, weights=weights), moved)
+            return ()
+        frequency = math.sqrt(stiffness) / math.sqrt(mass)
+    stages = []
+    if not math.isinf(frequency):
+        stages.append(_tuned(mass, frequency, data.damping))
+    if second is not None:
+        own = mass * second.mass_ratio
+        stages.append(_tuned(own, second.natural_frequency, second.damping))
+    return tuple(stages)
+
+
+def _tuned(mass: float, frequency: float, damping: float) -> Stage:
+    """The mass on a spring and a damper that make its natural frequency and damping ratio."""
+    return Stage(mass, mass * frequency * frequency, 2.0 * damping * frequency * mass)
+
+
+def _moved(request: Request[TrainData]) -> float:
+    """The mass that has the demanded motion, from [effects.inertia]; 0 if it states none."""
+    inertia = request.results.get(INERTIA)
+    return 0.0 if inertia is None else inertia.moved
+
+
+def _require(request: Request[TrainData]) -> None:
+    """The mass that has the demanded motion must be known."""
+    if request.results.get(INERTIA) is None:
+        raise GeometryError(
+            "is missing: with a stiffness the natural frequency needs the masses",
+            key="effects.inertia",
+        )
+    linkage = request.subject.drive.linkage
+    if _moved(request) == 0.0 and linkage is not None and linkage.member != "slider":
+        raise GeometryError(
+            "is missing: with a stiffness the natural frequency needs the moment of inertia at"
+            " the far end of the linkage; or give natural_frequency",
+            key="effects.inertia.output_moment",
+        )

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.oscillator.mode import Mode, Pieces, followed, gain_over, interpolated, solve
-from camgeo.numeric.oscillator.train import EPS, Train
+from camgeo.numeric.oscillator.train import EPS, Reading, Train
 
 FINEST: Final = 1e-14
 """Smallest fraction of the forcing that its series may truncate: rounding of the forcing itself."""
@@ -122,20 +122,29 @@ class ResonanceError(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """The response of the output of a train to its base.
+    """The response of a train to its base.
 
     Attributes
     ----------
     train, base, forcing : the system and its excitation.
     modes : over the turn; of u' = lambda u + forcing.
-    error : estimate of the largest error of the deflection, in the unit of y.
+    errors : (m,) estimates of the largest error of each mode, driven by -y''.
     """
 
     train: Train
     base: Base
     forcing: Forcing
     modes: tuple[Mode, ...]
-    error: float
+    errors: FloatArray
+
+    @property
+    def error(self) -> float:
+        """Estimate of the largest error of the output's deflection, in the unit of y."""
+        return self.error_of(self.train.deflection(self.train.output))
+
+    def error_of(self, reading: Reading) -> float:
+        """Estimate of the largest error of `reading`, with the rounding of its weights."""
+        return float(np.sum(np.abs(reading.weights) * self.errors))
 
     def states(self, t: FloatArray, side: Side) -> FloatArray:
         """(3, n) deflection e, its velocity e', and the acceleration x'' of the output.
@@ -143,35 +152,66 @@ class Response:
         `t` (n,) in [0, period]. Only a jump of the base's velocity, which the damper feels, makes
         e' and x'' jump.
         """
+        return self.states_of(self.train.output, t, side)
+
+    def states_of(self, mass: int, t: FloatArray, side: Side) -> FloatArray:
+        """`states` of the `mass`, counted from 0 at the base."""
+        train = self.train
+        readings = train.deflection(mass), train.velocity(mass), train.acceleration(mass)
+        return self.read(readings, t, side)
+
+    def forces(self, links: Sequence[int], t: FloatArray, side: Side) -> FloatArray:
+        """(k, n) forces in the `links`, see `Train.force`."""
+        return self.read([self.train.force(link) for link in links], t, side)
+
+    def read(self, readings: Sequence[Reading], t: FloatArray, side: Side) -> FloatArray:
+        """(k, n) the `readings` at `t` (n,)."""
         t = self._on_side(t, side)
-        c, rate = self.train.weights, self.train.rates
-        if not self.forcing.soft:
-            return self._summed(t, side, c)
-        # u = q - y' - lambda y with q = -lambda^2 p and p' = lambda p + y.
-        y, velocity = self.base.jet(t, side)[:2]
-        out = self._summed(t, side, -c * rate**2)
-        second, third = self.train.sums(2), self.train.sums(3)
-        out[0] -= y
-        out[1] -= velocity + second * y
-        out[2] -= second * velocity + third * y
+        rates = self.train.rates
+        weights = np.stack([each.weights for each in readings])
+        slow = np.array([(each.lift, each.slope) for each in readings])
+        if self.forcing.soft:
+            # u = -(y' + lambda y + lambda^2 p) with p' = lambda p + y
+            slow -= np.stack(
+                (np.sum(weights * rates, axis=1), np.sum(weights, axis=1)), axis=1
+            ).real
+            weights = -weights * rates**2
+        out = np.zeros((len(readings), len(t)))
+        for mode, weight in zip(self.modes, weights.T, strict=True):
+            u = mode.values(t, side)
+            out += np.multiply.outer(weight.real, u.real) - np.multiply.outer(weight.imag, u.imag)
+        if np.any(slow):
+            out += slow @ self.base.jet(t, side)[:2]
         return out
 
     def free_amplitude(self, t: FloatArray, side: Side) -> FloatArray:
         """(n,) amplitude of the free vibration of the output while the base rests.
 
         For one mass |u| / (w sqrt(1 - D^2)) = sqrt(e^2 + (e' + D w e)^2 / (w^2 (1 - D^2))), the
-        amplitude that then decays with exp(-D w t); for two masses the sum of both modes, which
-        they reach together sooner or later.
+        amplitude that then decays with exp(-D w t); for more masses the sum of all modes, which
+        they reach together sooner or later. Modes that nearly coincide, around mu, are
+        (a + b t) exp(mu t) together, and count as |a| + |b / Re mu|, which is not exceeded.
         """
         t = self._on_side(t, side)
-        total = np.zeros(len(t))
+        train = self.train
         y = self.base.jet(t, side)[:2] if self.forcing.soft else None
-        for mode, c, rate in zip(self.modes, self.train.weights, self.train.rates, strict=True):
+        at_once = np.zeros((2, len(train.centre), len(t)), dtype=np.complex128)
+        weights = train.shapes[train.output]
+        for mode, c, rate, group in zip(
+            self.modes, weights, train.rates, train.group.tolist(), strict=True
+        ):
             u = mode.values(t, side)
             if y is not None:
                 u = -(rate**2) * u - y[1] - rate * y[0]
-            total += np.abs(c * u)
-        return total
+            u *= c
+            at_once[0, group] += u
+            at_once[1, group] += (rate - train.centre[group]) * u
+        real = train.centre.imag == 0.0
+        at_once[:, real] = at_once[:, real].real
+        amplitude, growth = np.abs(at_once)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            later = growth / np.abs(train.centre.real)[:, np.newaxis]
+        return np.asarray(np.sum(amplitude + np.where(growth > 0.0, later, 0.0), axis=0))
 
     def harmonic(self, number: int) -> complex:
         """Coefficient of exp(i number 2 pi t / T) in the deflection, for number >= 1.
@@ -192,17 +232,6 @@ class Response:
         if side == "left":
             return np.where(t <= 0.0, period, t)
         return np.where(t >= period, 0.0, t)
-
-    def _summed(self, t: FloatArray, side: Side, weights: ComplexArray) -> FloatArray:
-        out = np.zeros((3, len(t)))
-        for mode, weight, rate in zip(self.modes, weights, self.train.rates, strict=True):
-            u = weight * mode.values(t, side)
-            out[0] += u.real
-            u *= rate
-            out[1] += u.real
-            u *= rate
-            out[2] += u.real
-        return out
 
 
 def steady_state(train: Train, base: Base, tolerance: float) -> Response:
@@ -231,25 +260,28 @@ def answered(train: Train, base: Base, forcing: Forcing) -> Response:
     """
     period = base.period
     count = forcing.pieces.series.shape[1]
-    modes, error = [], 0.0
-    for rate, weight in zip(train.rates.tolist(), train.weights.tolist(), strict=True):
+    modes, errors = [], []
+    noise = forcing.noise(period)
+    for rate, drift, doubt in zip(
+        train.rates.tolist(), train.drift.tolist(), train.doubt.tolist(), strict=True
+    ):
         cells = solve(forcing.pieces, np.arange(count), np.full(count, rate))
-        noise = forcing.noise(period)
-        phase = ROUNDINGS * EPS * abs(rate) * period * train.spread
+        phase = ROUNDINGS * EPS * abs(rate) * period * drift
         gain = gain_over(cells, forcing.jumps, period)
         loss = abs(_loss(rate, period))
         if loss <= phase:
-            if abs(gain) > forcing.noise(period, abs(rate) * train.spread):
+            if abs(gain) > forcing.noise(period, abs(rate) * drift):
                 raise ResonanceError(abs(rate), round(abs(rate) * period / (2.0 * math.pi)))
             begin = _beside(forcing, rate, period)
             loss = 1.0
         else:
             begin = gain / _loss(rate, period)
         mode = followed(cells, forcing.jumps, period, begin)
-        scale = abs(weight) * (abs(rate) ** 2 if forcing.soft else 1.0)
-        error += train.spread * scale * (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
+        own = (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
+        own += ROUNDINGS * EPS * doubt * mode.largest
+        errors.append(own * (abs(rate) ** 2 if forcing.soft else 1.0))
         modes.append(mode)
-    return Response(train, base, forcing, tuple(modes), error)
+    return Response(train, base, forcing, tuple(modes), np.array(errors))
 
 
 def _loss(rate: complex, period: float) -> complex:
