@@ -138,7 +138,7 @@ class Design(Pickled, Displayed):
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
             subject = replace(moved, disc=each.drawn, returning=subject)
-        return Effects(subject or moved, scene.effects, self.ledger)
+        return Effects(subject or moved, scene.effects, self.ledger, speed=scene.state_speed)
 
     @property
     def writing(self) -> Writing:

@@ -29,12 +29,12 @@ from camgeo.effects.balance.holes import MOST_HOLES
 from camgeo.effects.contact_pressure.findings import HEAVY
 from camgeo.effects.contact_pressure.line_contact import SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.effects.friction.jamming import NEAR
-from camgeo.effects.graph import TOLERANCE
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
 from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
+from camgeo.effects.nodes import TOLERANCE
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.shock_spectrum.result import measured
 from camgeo.effects.spring_surge.result import CLEAR

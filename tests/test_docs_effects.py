@@ -103,7 +103,14 @@ def told_columns(name: str) -> set[str]:
     return set(re.findall(r"`([^`]+)`", found[1].replace("\n", " "))) if found else set()
 
 
-COMMON = {"contact-lost", "clearance-crossed", "trimmed-motion", "elastic-train", "simplified"}
+COMMON = {
+    "contact-lost",
+    "clearance-crossed",
+    "trimmed-motion",
+    "elastic-train",
+    "simplified",
+    "found-speed",
+}
 """Findings that any effect may have; the section on conventions has them."""
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.motion.time_course import TimeCourse
     from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
-    from camgeo.state.state import Model, State, Train
+    from camgeo.state.state import Model, State, Train, Used
     from camgeo.state.written import Writing
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -63,6 +63,7 @@ class Subject:
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, with the same motion; None without one.
     writing : how the contour is written whose motion is meant by the model "written".
+    course : how the cam turns, if not as `drive` says.
     """
 
     drive: Drive
@@ -74,6 +75,7 @@ class Subject:
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
     writing: Writing | None = None
+    course: TimeCourse | None = None
 
     @cached_property
     def state(self) -> State:
@@ -87,6 +89,13 @@ class Subject:
 
         cam = None if self.disc is None else self.disc.cam
         return state_of(self.drive, cam, self.model, paired=self.returning is not None)
+
+    def turning(self, course: TimeCourse) -> Subject:
+        """The same design with the cam turning as `course` says."""
+        other = None if self.returning is None else self.returning.turning(course)
+        made = replace(self, returning=other, course=course)
+        vars(made)["state"] = self.state.turning(course)  # the same motion, which may be dear
+        return made
 
     @property
     def made(self) -> HasPart:
@@ -250,11 +259,13 @@ class Result(Displayed):
     findings : all values found, good and bad.
     columns : the quantities over the cam angle.
     errors : by the names of findings and columns; figures without an entry are exact to rounding.
+    state : for which the graph of effects had it computed; None outside of it.
     """
 
     findings: tuple[Finding, ...] = ()
     columns: tuple[Column, ...] = ()
     errors: Mapping[str, Bound] = field(default_factory=dict)
+    state: Used | None = None
 
     @property
     def error(self) -> float | None:

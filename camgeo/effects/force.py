@@ -82,10 +82,10 @@ def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
 Derivatives = TypeVar("Derivatives", FloatArray, ComplexArray)
 
 
-def rates_of(subject: Subject, phi: FloatArray) -> FloatArray:
+def rates_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
     course = subject.state.course
-    return np.zeros((2, len(phi))) if course is None else course.rates(phi)
+    return np.zeros((2, len(phi))) if course is None else course.rates(phi, side)
 
 
 def acceleration(jet: Derivatives, rates: FloatArray) -> Derivatives:

@@ -1,36 +1,41 @@
-"""The effects of one design: each is computed once, on demand, together with what it needs."""
+"""The effects of one design: each is computed once, on demand, together with what it needs.
+
+Where the scene names `speed-fluctuation`, all effects that depend on the speed of the cam are
+computed for the speed that it finds. What this is found from, the forces on the follower as
+functions of speed and acceleration, holds for any speed, and is computed for the one that the scene
+gives.
+"""
 
 from __future__ import annotations
 
-import pkgutil
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
-from camgeo.effects.effect import Answer, Effect, Key, Request, Results, Subject, machine_of
+from camgeo.effects.catalogue import Catalogue, Find
+from camgeo.effects.effect import Answer, Effect, Key, Subject
+from camgeo.effects.nodes import Nodes, node_name
 from camgeo.effects.premises import qualified, trimming
 from camgeo.effects.registry import find_effect
-from camgeo.effects.results import CONTACT_FORCE, LIFT_OFF, LostContact, Touching
-from camgeo.effects.rules import Table
-from camgeo.errors import CycleError, EffectError, GeometryError
+from camgeo.effects.results import (
+    CONTACT_FORCE,
+    DRIVE_TORQUE,
+    LIFT_OFF,
+    SPEED_FLUCTUATION,
+    LostContact,
+    Touching,
+)
+from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
+from camgeo.motion.time_course import ConstantSpeed, TimeCourse, period
+from camgeo.state.state import Speed
+from camgeo.units import RPM, TURN
 
-TOLERANCE: Final = 1e-6
-"""Default for numerical effects, relative to the largest magnitude of the result."""
-
-Find = Callable[[str], Effect]
-
-
-def node_name(name: str) -> str:
-    """Name of the effect `name` in the ledger."""
-    return f"effects.{name}"
-
-
-def _place(name: str, key: str | None) -> str:
-    """The full key in the scene for a `key` of the table of the effect `name`, or for the table."""
-    return ".".join(filter(None, (node_name(name), key)))
+AT_FOUND: Final = " at the found speed"
+AT_ROUGH: Final = " at the found speed, roughly"
+"""What the ledger adds to the names of effects that are computed for this speed."""
 
 
 class Effects:
@@ -42,6 +47,8 @@ class Effects:
     tables : the table of each effect that the scene names, in internal units.
     ledger : records what was computed.
     find : returns the effect with a given name.
+    speed : of the cam, for which effects that depend on it are computed; None for the found one if
+        the scene names what finds it.
     """
 
     def __init__(
@@ -50,14 +57,15 @@ class Effects:
         tables: Mapping[str, Mapping[str, Any]],
         ledger: Ledger,
         find: Find = find_effect,
+        speed: Speed | None = None,
     ) -> None:
         self.subject = subject
         self.tables = tables
         self.ledger = ledger
-        self._find = find
-        self._known: dict[str, Effect] = {}
-        self._results: dict[str, Any] = {}
-        self._failures: dict[str, EffectError] = {}
+        self.catalogue = Catalogue(tables, find, subject.output)
+        self._finds = SPEED_FLUCTUATION in tables and speed != "stated"
+        self._stated: Nodes | None = None
+        self._found: Nodes | None = None
 
     def __repr__(self) -> str:
         return clipped(f"Effects({', '.join(map(repr, self.names))})")
@@ -69,34 +77,11 @@ class Effects:
 
     def effect(self, name: str) -> Effect:
         """The declaration of the effect `name`; UnknownNameError if there is none."""
-        if name not in self._known:
-            self._known[name] = self._find(name)
-        return self._known[name]
+        return self.catalogue.effect(name)
 
     def inputs(self, name: str) -> tuple[str, ...]:
-        """The effects whose results `name` receives: those it needs, and used ones in the scene.
-
-        Raises
-        ------
-        CycleError
-            If an effect needs itself, with the path of the cycle.
-        """
-        self._walk(name, ())
-        return self._inputs(name)
-
-    def _inputs(self, name: str) -> tuple[str, ...]:
-        effect = self.effect(name)
-        used = [each for each in effect.uses if each in self.tables]
-        better = {each.by for each in effect.refined_by if each.followed and each.by in used}
-        if better and self.subject.output == "rigid":
-            used = [each for each in used if each not in better]
-        return (*effect.needs, *(each for each in used if each not in effect.needs))
-
-    def _walk(self, name: str, way: tuple[str, ...]) -> None:
-        if name in way:
-            raise CycleError((*way[way.index(name) :], name))
-        for each in self._inputs(name):
-            self._walk(each, (*way, name))
+        """See `Catalogue.inputs`."""
+        return self.catalogue.inputs(name)
 
     @overload
     def result(self, name: Key[Answer]) -> Answer: ...
@@ -119,46 +104,62 @@ class Effects:
             If there is no answer for this design.
         """
         with self.ledger.lock:  # another thread may be computing it
-            if name in self._results:
-                return self._results[name]
-            if name in self._failures:
-                raise self._failures[name]
-            self.inputs(name)
-            try:
-                found = self.ledger.run(node_name(name), lambda: self._compute(name))
-            except EffectError as error:
-                self._failures[name] = error
-                raise
-            self._results[name] = found
-            return found
+            return self._nodes(name).result(name)
 
-    def _compute(self, name: str) -> Any:
-        effect = self.effect(name)
-        if effect.tabled and name not in self.tables:
-            raise GeometryError(
-                f"is missing: without it there is no {effect.title}", key=node_name(name)
-            )
-        if self.subject.disc is None and not effect.of_drive:
-            raise GeometryError("needs [follower]", key="follower")
-        results = Results({each: self.result(each) for each in self._inputs(name)})
-        table = self.tables.get(name, {})
-        tolerance = float(table.get("tolerance", TOLERANCE))
-        if name in self.tables and effect.rules:
-            self._refuse_misfits(effect, table)
+    def course(self, name: str) -> TimeCourse | None:
+        """How the cam turns in the state of the effect `name`; None if that is not known.
+
+        Raises EffectError if it is neither found nor given.
+        """
+        return self._nodes(name).subject.state.course
+
+    def _nodes(self, name: str) -> Nodes:
+        """Where the effect `name` is computed.
+
+        Raises
+        ------
+        EffectError
+            If its speed is neither found nor given.
+        """
+        if self._stated is None:
+            self._stated = Nodes(self._given, self.catalogue, self.ledger)
+        if not self._finds or not self.catalogue.moved(name):
+            return self._stated
+        if self._found is None:
+            self._found = self._turned(self._stated)
+        return self._found
+
+    @property
+    def _given(self) -> Subject:
+        """The design at the speed of the scene; if it gives but a motor, at one near what is to be
+        found, for what does not depend on it.
+        """
+        if not self._finds or self.subject.state.course is not None:
+            return self.subject
+        data = self.effect(SPEED_FLUCTUATION).parse(self.tables[SPEED_FLUCTUATION])
+        first = data.first_speed
+        return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
+
+    def _turned(self, stated: Nodes) -> Nodes:
+        """The effects at the found speed; if there is none, at that of the scene."""
         try:
-            data = effect.parse(table)
-        except GeometryError as error:
-            raise GeometryError(error.message, _place(name, error.key), error.value) from error
-        compute = pkgutil.resolve_name(effect.compute)
-        return compute(Request(self.subject, data, results, tolerance))
-
-    def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
-        """Raise GeometryError with the key if the effect or one of its keys does not fit."""
-        machine = machine_of(self.subject)
-        for key, message in (
-            fault for rule in effect.rules for fault in rule(machine, Table(table))
-        ):
-            raise GeometryError(message, _place(effect.name, key))
+            found = stated.result(SPEED_FLUCTUATION)
+        except EffectError as error:
+            if self.subject.state.course is not None:
+                return stated
+            raise EffectError(
+                f"the speed of the cam is neither given nor found: {error.message}",
+                finding="no-speed",
+                cam_angle=error.cam_angle,
+            ) from error
+        rough = Nodes(
+            self.subject.turning(found.rough_course), self.catalogue,
+            self.ledger.named(AT_ROUGH), base=stated,
+        )  # fmt: skip
+        return Nodes(
+            self.subject.turning(found.course), self.catalogue,
+            self.ledger.named(AT_FOUND), base=stated, rough=rough,
+        )  # fmt: skip
 
     def findings(self, name: str) -> tuple[Finding, ...]:
         """The findings of the effect `name`; a "broken" one that says why if there is no answer.
@@ -190,18 +191,38 @@ class Effects:
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
+        taken = self._nodes(name) is not self._stated
+        named = tuple(each for each in self.names if not (taken and each == SPEED_FLUCTUATION))
         effect = self.effect(name)
         flies = lost or (lost is not None and effect.premise == "contact")
         flown = self._flown() if flies and at_speed_of_scene else ()
-        return qualified(effect, result.findings, self.subject, lost, self.names, flown,
-                         elastic=self._is_elastic(effect))  # fmt: skip
+        found = qualified(effect, result.findings, self.subject, lost, named, flown,
+                          elastic=self._is_elastic(effect))  # fmt: skip
+        return (*self._at_speed(name, result.findings), *found)
 
     def _is_elastic(self, effect: Effect) -> bool:
         """Whether the figures of `effect` are for an elastic train that has mass."""
-        followed = any(each.followed and each.by in self.tables for each in effect.refined_by)
-        if not followed or self.subject.output == "rigid":
+        if not self.catalogue.followed(effect.name):
             return False
         return self.result(CONTACT_FORCE).behind is not None
+
+    def _at_speed(self, name: str, findings: tuple[Finding, ...]) -> Iterator[Finding]:
+        """For which speed the figures of the effect `name` are, if that is the found one."""
+        nodes = self._nodes(name)
+        if nodes is self._stated or not self.catalogue.of_given_speed(name):
+            return
+        course = nodes.subject.course
+        if course is not None and any(each.value is not None for each in findings):
+            mean = TURN / period(course) / RPM
+            sentence = (
+                f"these figures are for the speed that {SPEED_FLUCTUATION} finds, {mean:.6g}"
+                " rev/min in the mean"
+            )
+            if name != SPEED_FLUCTUATION and self._is_elastic(self.effect(DRIVE_TORQUE)):
+                rigid = ", where the train is taken as rigid"
+                yield Finding("found-speed", "warning", sentence + rigid)
+                return
+            yield Finding("found-speed", "ok", sentence)
 
     def _flown(self) -> tuple[tuple[float, float], ...]:
         """The ranges [rad] over which the follower flies, if the scene names what computes them."""
@@ -228,19 +249,19 @@ class Effects:
         """Whether the scene names the effect `name` or one that needs it."""
 
         def needed(each: str) -> bool:
-            return each == name or any(needed(other) for other in self._inputs(each))
+            return each == name or any(needed(other) for other in self.catalogue.received(each))
 
         return any(needed(each) for each in self.names)
 
-    def recomputed(self, name: str, tolerance: float | None = None) -> Effects:
+    def recomputed(self, name: str, tolerance: float | None = None) -> Nodes:
         """Effects of the same design in which only `name` is computed again.
 
         A numerical effect is computed to `tolerance`; None keeps the tolerance of the scene. The
         results that it needs are reused, and are computed now if they have not been yet.
         """
-        tables = dict(self.tables)
+        nodes, catalogue = self._nodes(name), self.catalogue
         if tolerance is not None:
-            tables[name] = {**tables.get(name, {}), "tolerance": tolerance}
-        again = Effects(self.subject, tables, Ledger(), self._find)
-        again._results = {each: self.result(each) for each in self.inputs(name)}
-        return again
+            table = {**self.tables.get(name, {}), "tolerance": tolerance}
+            catalogue = catalogue.with_table(name, table)
+        self.inputs(name)
+        return Nodes(nodes.subject, catalogue, Ledger(), nodes.inputs(name))

@@ -42,8 +42,7 @@ WORDS: Final[dict[Form, str]] = {
 OF_TRAIN: Final = Finding(
     "elastic-train",
     "ok",
-    "these figures are for the elastic train of the effect vibration, in the steady state at the"
-    " speed of the scene",
+    "these figures are for the elastic train of the effect vibration, in the steady state",
 )
 
 SLACK: Final = 1e-9

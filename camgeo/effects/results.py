@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
     from camgeo.effects.helical import HelicalSpring
+    from camgeo.motion.time_course import TimeCourse
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
     from camgeo.numeric.extremes import Extreme, Extremes
 
@@ -293,6 +294,20 @@ class Touching(Result):
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Turning(Touching):
+    """A result that includes how the cam turns.
+
+    Attributes
+    ----------
+    course : in the steady state, to the tolerance.
+    rough_course : less accurate; `course` is off by less than the two differ.
+    """
+
+    course: TimeCourse
+    rough_course: TimeCourse
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Leaving(Result):
     """A result that includes where the follower flies.
 
@@ -389,3 +404,4 @@ VIBRATION: Final = Key[Elastic]("vibration")
 LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
+SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")

@@ -49,15 +49,21 @@ class TimeCourse(Protocol):
 
     Attributes
     ----------
-    borders : (k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega, alpha
-        and dalpha/dt are continuous there.
+    borders : (k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega is
+        continuous there.
+    jumps : those at which alpha jumps.
     """
 
     @property
     def borders(self) -> FloatArray: ...
 
-    def rates(self, phi: FloatArray) -> FloatArray:
-        """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad]."""
+    @property
+    def jumps(self) -> FloatArray: ...
+
+    def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad],
+        approached from the given side.
+        """
 
     def time(self, phi: FloatArray) -> FloatArray:
         """(n,) time [s] at which the cam is at `phi` (n,) [rad], any number of turns."""
@@ -86,7 +92,12 @@ class ConstantSpeed:
     def borders(self) -> FloatArray:
         return np.empty(0)
 
-    def rates(self, phi: FloatArray) -> FloatArray:
+    @property
+    def jumps(self) -> FloatArray:
+        return np.empty(0)
+
+    def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        del side
         out = np.zeros((3, len(phi)))
         out[0] = self.speed
         return out
@@ -153,7 +164,12 @@ class SpeedCurve(Pickled):
         """(n - 1,) the cam angles of the table, in [0, 2 pi)."""
         return ascending(np.mod(self.phi[:-1], TURN))
 
-    def rates(self, phi: FloatArray) -> FloatArray:
+    @property
+    def jumps(self) -> FloatArray:
+        return np.empty(0)
+
+    def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        del side  # all three are continuous
         return self.spline.values(self.time(phi))[1:]
 
     def time(self, phi: FloatArray) -> FloatArray:
@@ -166,12 +182,12 @@ def period(course: TimeCourse) -> float:
     return float(end - start)
 
 
-def in_time(jet: Jet, course: TimeCourse, phi: FloatArray) -> FloatArray:
+def in_time(jet: Jet, course: TimeCourse, phi: FloatArray, side: Side = "right") -> FloatArray:
     """Lift and its derivatives over time.
 
     Parameters
     ----------
-    jet : (4, n) s, s', s'', s''' over the cam angle at `phi` [mm or rad per rad^k].
+    jet : (4, n) s, s', s'', s''' over the cam angle at `phi`, from `side` [mm or rad per rad^k].
     course : how the cam turns.
     phi : (n,) cam angles [rad].
 
@@ -181,7 +197,7 @@ def in_time(jet: Jet, course: TimeCourse, phi: FloatArray) -> FloatArray:
     and jerk s''' omega^3 + 3 s'' omega alpha + s' dalpha/dt [mm/s^3], or with rad instead of mm.
     VDI 2143-1, eqs. (1) and (2); with constant omega (3) and (4).
     """
-    return _chained(jet, course.rates(phi))
+    return _chained(jet, course.rates(phi, side))
 
 
 def _chained(jet: Jet, rates: FloatArray) -> FloatArray:
@@ -248,7 +264,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
 
     def timed(phi: FloatArray, side: Side = "right") -> FloatArray:
         """(5, n) lift over time, and the torque."""
-        rates = course.rates(phi)
+        rates = course.rates(phi, side)
         out = _chained(motion.jet(phi, side), rates)
         return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
 

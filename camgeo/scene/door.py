@@ -280,6 +280,7 @@ class Builder:
             "model": get("state", "motion"),
             "contour": get("state", "contour"),
             "train": get("state", "output") or "elastic",
+            "state_speed": get("state", "speed"),
             "printing": self.kept("printing", Builder._printing),
             "drawing": self.kept("drawing", Builder._drawing),
         }

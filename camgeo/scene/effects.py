@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.effects.effect import Effect
+from camgeo.effects.effect import SPEED, Effect
 from camgeo.effects.registry import find_effect
 from camgeo.effects.rules import Machine, Table
 from camgeo.errors import GeometryError
@@ -15,7 +15,7 @@ from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
-from camgeo.scene.schema import EFFECTS, NAMING, schema_for
+from camgeo.scene.schema import EFFECTS, FINDS_SPEED, NAMING, schema_for
 from camgeo.scene.valid_values import ValidValues, far_end_of, tables_of
 
 ROUNDING: Final = 1e-12
@@ -53,8 +53,11 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
     if lacks("follower") and not effect.of_drive:
         inside.fault(place, "needs [follower]")
         return
+    speed_found = FINDS_SPEED in named and inside.values.get("state", "speed") != "stated"
     for each in _with_inputs(effect, named):
         for keys in each.keys:
+            if keys == SPEED and speed_found:
+                continue
             if all(lacks(*key.split(".")) for key in keys):
                 who = "" if each.name == effect.name else f"needs {each.name}, which "
                 inside.fault(place, f"{who}needs {_spelled(keys)}")

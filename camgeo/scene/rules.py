@@ -20,7 +20,7 @@ from camgeo.scene.part_rules import (
     part_is_possible,
 )
 from camgeo.scene.print_rules import print_suits_the_part
-from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, NAMING, SHAPES, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, FINDS_SPEED, MILLING, NAMING, SHAPES, schema_for
 from camgeo.scene.tolerance_rules import tolerances_are_stated_once
 from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of, unchanged_reads
 
@@ -363,6 +363,12 @@ def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
             yield ("motion", index, "to"), end
 
 
+def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
+    """The speed is found by an effect, which the scene must name."""
+    if values.get("state", "speed") == "found" and values.lacks(EFFECTS, FINDS_SPEED):
+        yield ("state", "speed"), f"needs [effects.{FINDS_SPEED}], which finds the speed"
+
+
 RULES: Final[tuple[Rule, ...]] = (
     spans_add_up,
     motion_returns,
@@ -377,6 +383,7 @@ RULES: Final[tuple[Rule, ...]] = (
     rollers_have_what_is_theirs,
     linkage_drives_the_follower,
     effects_suit_the_machine,
+    a_found_speed_is_sought,
     formats_have_what_they_need,
     milling_is_stated,
     contact_and_part_agree,

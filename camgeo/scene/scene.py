@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from camgeo.part.spec import PartSpec
     from camgeo.printing.spec import PrintSpec
     from camgeo.scene.valid_values import ValidValues
-    from camgeo.state.state import Model, Train
+    from camgeo.state.state import Model, Speed, Train
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -101,6 +101,7 @@ class Scene:
     model: Model | None
     contour: Form | None
     train: Train
+    state_speed: Speed | None
 
     def __init__(self, values: Mapping[str, Any], *, folder: str | Path | None = None) -> None:
         """A scene from its tables, nested as in TOML; a float is the number that Python prints.

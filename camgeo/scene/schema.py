@@ -49,6 +49,9 @@ SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
 EFFECTS: Final = "effects"
 """Key of the table of effects."""
 
+FINDS_SPEED: Final = "speed-fluctuation"
+"""The effect that finds the speed of the cam."""
+
 OUTPUT: Final = "output"
 """Key of the table with those of the formats."""
 

@@ -23,7 +23,7 @@ def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> St
     disc, and where the lift jumps. So it is, too, for a follower that is held both ways, as between
     the discs of a pair (`paired`), behind a linkage, and with a flat face.
     """
-    demanded = Demanded(drive, cam)
+    demanded = Demanded(drive, cam, drive.time_course)
     if cam is None or model == "demanded" or paired or not _on_one_flank(cam):
         return demanded
     flank = cam.contact.main
@@ -37,7 +37,7 @@ def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> St
         return demanded
     from camgeo.state.outline import OfOutline  # few discs are trimmed
 
-    return OfOutline(cam, replay)
+    return OfOutline(cam, replay, drive.time_course)
 
 
 def _on_one_flank(cam: Cam) -> bool:

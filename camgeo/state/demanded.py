@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Drive
+from camgeo.cam.drive import Drive, smooth_angles
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 from camgeo.motion.joints import breaks
 from camgeo.motion.motion import Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes, plan_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
-from camgeo.state.state import Model
+from camgeo.state.state import Model, order_with
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Demanded:
     """The demanded motion; see `camgeo.state.state.State`.
 
@@ -25,10 +26,12 @@ class Demanded:
     ----------
     drive : what moves the follower.
     cam : of which the follower runs on the disc; None without a follower.
+    course : how the cam turns; None if that is not known.
     """
 
     drive: Drive
-    cam: Cam | None = None
+    cam: Cam | None
+    course: TimeCourse | None
 
     @property
     def model(self) -> Model:
@@ -45,20 +48,18 @@ class Demanded:
         """See `State`."""
         return self.drive.plan
 
-    @property
-    def course(self) -> TimeCourse | None:
-        """See `State`."""
-        return self.drive.time_course
-
-    @property
+    @cached_property
     def smooth_angles(self) -> FloatArray:
         """See `State`."""
-        return self.drive.smooth_angles
+        if self.course is self.drive.time_course:
+            return self.drive.smooth_angles  # which others use too
+        return smooth_angles(self.motion, self.course)
 
     @property
     def order(self) -> int:
         """See `State`."""
-        return min(joint.order for joint in breaks(self.drive.plan))
+        own = min(joint.order for joint in breaks(self.drive.plan))
+        return min(own, order_with(self.output, self.course))
 
     @property
     def shocks(self) -> tuple[float, ...]:
@@ -80,3 +81,7 @@ class Demanded:
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
         """See `State`."""
         return plan_extremes(self.drive.plan, course, self.drive.unit)
+
+    def turning(self, course: TimeCourse) -> Demanded:
+        """See `State`."""
+        return replace(self, course=course)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from camgeo.cam.cam import Cam
@@ -14,7 +14,7 @@ from camgeo.motion.time_course import TimeCourse, TimeExtremes, time_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 from camgeo.outline.replay_result import Replay
 from camgeo.state.replayed import ReplayedMotion
-from camgeo.state.state import Model
+from camgeo.state.state import Model, order_with
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,12 @@ class OfOutline:
     ----------
     cam : whose only flank is trimmed.
     replay : of that flank, on which the lift does not jump.
+    course : how the cam turns; None if that is not known.
     """
 
     cam: Cam
     replay: Replay
+    course: TimeCourse | None
 
     @property
     def model(self) -> Model:
@@ -48,11 +50,6 @@ class OfOutline:
         """See `State`."""
         return self.motion
 
-    @property
-    def course(self) -> TimeCourse | None:
-        """See `State`."""
-        return self.cam.drive.time_course
-
     @cached_property
     def smooth_angles(self) -> FloatArray:
         """See `State`."""
@@ -63,7 +60,8 @@ class OfOutline:
         """See `State`: at both ends of a corner the acceleration jumps."""
         free = self.motion.breaks
         kept = [each.order for each in breaks(self.cam.drive.plan) if each.cam_angle in free]
-        return min([0 if self.shocks else 1, *kept])
+        own = min([0 if self.shocks else 1, *kept])
+        return min(own, order_with(self.output, self.course))
 
     @property
     def shocks(self) -> tuple[float, ...]:
@@ -82,3 +80,7 @@ class OfOutline:
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
         """See `State`."""
         return time_extremes(self.motion, course, self.cam.lift_unit)
+
+    def turning(self, course: TimeCourse) -> OfOutline:
+        """See `State`."""
+        return replace(self, course=course)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
+from dataclasses import dataclass
+from typing import Final, Literal, Protocol
+
+import numpy as np
 
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.motion import Motion
+from camgeo.motion.motion import FULL_ORDER, Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 
@@ -18,6 +21,33 @@ Train = Literal["elastic", "rigid"]
 """How the output follows the follower: by the elastic train of the effect `vibration`, where a
 scene names it, or as if that were rigid.
 """
+
+
+AT_REST: Final = 1e-12
+"""Velocities s' [mm or rad] up to this are those of a rest, but for rounding."""
+
+Speed = Literal["stated", "found"]
+"""How the cam turns: as the scene states, or as the effect `speed-fluctuation` finds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Used:
+    """What a result was computed for: whose motion, with which speed of the cam; None if there is
+    none.
+    """
+
+    motion: Model
+    speed: Speed | None
+
+
+def order_with(output: Motion, course: TimeCourse | None) -> int:
+    """The order of the highest derivative of `output` over time that the `course` lets be
+    continuous, up to `FULL_ORDER`: where alpha jumps, so does the acceleration unless s' is 0.
+    """
+    if course is None or not len(course.jumps):
+        return FULL_ORDER
+    moving = np.abs(output.jet(course.jumps, "right", 1)[1]) > AT_REST
+    return 1 if np.any(moving) else FULL_ORDER
 
 
 class State(Protocol):
@@ -34,7 +64,8 @@ class State(Protocol):
     smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
         neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
         keeps its sign.
-    order : of the highest derivative of `output` that is continuous over the turn, -1 to 3.
+    order : of the highest derivative of `output` over time that is continuous over the turn, -1 to
+        3.
     shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
     """
 
@@ -70,3 +101,6 @@ class State(Protocol):
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
         """Extremes in time of `output` with the cam turning as `course` says."""
+
+    def turning(self, course: TimeCourse) -> State:
+        """The same motion over the cam angle with the cam turning as `course` says."""

@@ -7,7 +7,7 @@ acceleration by the error of the curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -139,12 +139,14 @@ class Written:
     replay : of the contour; the lift does not jump.
     deviation : proved, of the contour from the exact curve [mm].
     pieces : of the contour.
+    course : how the cam turns; None if that is not known.
     """
 
     cam: Cam
     replay: Replay
     deviation: float
     pieces: int
+    course: TimeCourse | None
 
     @property
     def model(self) -> Model:
@@ -163,11 +165,6 @@ class Written:
         if drive.linkage is None:
             return self.motion
         return FarMotion(self.motion, drive.linkage, drive.plan)
-
-    @property
-    def course(self) -> TimeCourse | None:
-        """See `State`."""
-        return self.cam.drive.time_course
 
     @cached_property
     def smooth_angles(self) -> FloatArray:
@@ -199,6 +196,10 @@ class Written:
         """See `State`."""
         return time_extremes(self.output, course, self.cam.drive.unit)
 
+    def turning(self, course: TimeCourse) -> Written:
+        """See `State`."""
+        return replace(self, course=course)
+
 
 def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> Written:
     """The motion of the follower of `cam` on the flank of `part`, written as `writing` says.
@@ -225,7 +226,7 @@ def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> 
             key=KEY,
             value=MODEL,
         )
-    return Written(cam, replay, fit.deviation, len(contour))
+    return Written(cam, replay, fit.deviation, len(contour), cam.drive.time_course)
 
 
 def _replayed(cam: Cam, contour: Contour | SplineContour, side: Flank) -> Replay:

@@ -53,13 +53,15 @@ def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForc
     None if the scene names no contact force or no inertia, if it states no speed, or if there is no
     contact force, which is a finding of the effect.
     """
-    named, course = design.scene.effects, design.drive.time_course
-    if course is None or not {CONTACT_FORCE, INERTIA} <= set(named):
+    if not {CONTACT_FORCE, INERTIA} <= set(design.scene.effects):
         return None
     try:
         force = design.effects.result(CONTACT_FORCE)
         mass = design.effects.result(INERTIA).to_follower(phi, "right")
     except EffectError:
+        return None
+    course = design.effects.course(CONTACT_FORCE)
+    if course is None:
         return None
     sense = -flank.sign
     omega, alpha = course.rates(phi)[:2]

@@ -11,14 +11,15 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Column, Effect, Request
-from camgeo.effects.graph import TOLERANCE, Effects
+from camgeo.effects.graph import Effects
+from camgeo.effects.nodes import TOLERANCE
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 from tests.effects.fakes import fake
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 
-SUBJECT: Any = SimpleNamespace(disc=object())
+SUBJECT: Any = SimpleNamespace(disc=object(), output="elastic")
 """None of the effects here asks anything of the design."""
 
 

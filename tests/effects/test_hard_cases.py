@@ -143,6 +143,10 @@ def without_output(text: str) -> str:
     return text[: min(text.find(each) % len(text) for each in ("[[tool]]", "[output]"))]
 
 
+AT_STATED_SPEED: Final = '\n[state]\nspeed = "stated"\n'
+"""That [cam] says how the cam turns, though a motor is given."""
+
+
 def every(text: str, **data: str) -> str:
     """Tables of all effects that suit the follower of `text`."""
     rocks = "oscillating" in text
@@ -243,10 +247,10 @@ def test_resonance_without_damping(ratio: int) -> None:
     """
     text = scene_text("plate_translating")
     effects = every(text, vibration=f"natural_frequency = {ratio}")
-    design = made(text, effects)
+    design = made(text, effects + AT_STATED_SPEED)
     forces = {"contact-force", "lift-off", "drive-torque", "contact-pressure", "speed-fluctuation"}
     assert assert_well_formed(design) == dict.fromkeys({"vibration", *forces}, "resonance")
-    rigid = made(text, f'{effects}\n[state]\noutput = "rigid"\n')
+    rigid = made(text, f'{effects}{AT_STATED_SPEED}output = "rigid"\n')
     assert assert_well_formed(rigid) == {"vibration": "resonance"}
     each = found(design, "vibration", "resonance")
     assert each.severity == "broken"
@@ -271,7 +275,7 @@ def test_no_resonance_with_a_harmonic_that_the_motion_does_not_have(ratio: int) 
 
 def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     text = scene_text("plate_translating")
-    design = made(text, every(text, inertia="mass = 0"))
+    design = made(text, every(text, inertia="mass = 0") + AT_STATED_SPEED)
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
@@ -282,7 +286,8 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     weight = found(design, "gravity", "weight")
     assert weight.value == 0.0
     # Viscous friction in the guide is what is left of the speed: it pulls the roller off at last.
-    free = made(text, re.sub("guide_viscous = .*", "", every(text, inertia="mass = 0")))
+    tables = every(text, inertia="mass = 0") + AT_STATED_SPEED
+    free = made(text, re.sub("guide_viscous = .*", "", tables))
     speed = found(free, "lift-off", "lift-off-speed")
     assert speed.value is None
     assert speed.severity == "ok"
@@ -292,7 +297,8 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
 def test_an_all_but_rigid_train(stiffness: str) -> None:
     """It bends by a / w^2, and that by the smaller the stiffer it is: 1 kg at 1e15 N/mm."""
     text = scene_text("plate_translating")
-    design = made(text, every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02"))
+    tables = every(text, vibration=f"stiffness = {stiffness}\ndamping = 0.02")
+    design = made(text, tables + AT_STATED_SPEED)
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     timed = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
@@ -551,7 +557,7 @@ def test_cusps_and_undercut(name: str) -> None:
     text = scene_text(name)
     slow = assert_well_formed(made(text, every(text)))
     fast = re.sub(r"^speed = \d+", "speed = 2000", text, flags=re.MULTILINE)
-    design = made(fast, every(text) + '\n[state]\noutput = "rigid"\n')
+    design = made(fast, f'{every(text)}{AT_STATED_SPEED}output = "rigid"\n')
     assert "contact-pressure" not in assert_well_formed(design)
     assert found_all(design, "lift-off", "lift-off")
     assert slow["contact-pressure"] == "infinite-contact-pressure"

@@ -69,11 +69,11 @@ def off_the_cam() -> Design:
     return with_all(spring=f"preload = 1\n{wire}", load="constant = -500")
 
 
-def with_all(**changed: str) -> Design:
+def with_all(speed: str = "found", **changed: str) -> Design:
     """A scene with every effect, some of whose tables are `changed`."""
     tables = TABLES | changed
     text = "\n".join(f"[effects.{name}]\n{table}" for name, table in tables.items())
-    return design("plate_translating", text)
+    return design("plate_translating", f'{text}\n[state]\nspeed = "{speed}"\n')
 
 
 def test_each_effect_that_takes_contact_for_granted_says_where_it_is_lost() -> None:
@@ -275,7 +275,7 @@ def test_the_limit_speed_of_a_rigid_follower_is_not_reported_as_that_of_the_elas
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
-    whole = with_all()
+    whole = with_all(speed="stated")
     refined = [each.by for each in find_effect(name).refined_by if not each.followed]
     stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
     assert len(stated) == (1 if refined else 0)
@@ -285,16 +285,25 @@ def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
     assert set(refined) <= set(EFFECTS)
 
 
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_speed_that_is_found_is_not_simpler(name: str) -> None:
+    whole = with_all()
+    refined = [each.by for each in find_effect(name).refined_by]
+    stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
+    assert all("speed-fluctuation" not in each.sentence for each in stated)
+    assert ("found-speed" in names(whole, name)) == ("speed-fluctuation" in refined)
+
+
 def test_alone_no_model_is_better() -> None:
     alone = loaded("pressure_off_the_cam")
     assert "simplified" not in names(alone, "contact-pressure")
 
 
 def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() -> None:
-    """All effects with the time course, except speed-fluctuation itself and balance."""
+    """All effects with the time course, except speed-fluctuation itself."""
     dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
     dependent |= {"contact-pressure", "vibration", "shock-spectrum", "spring-surge"}
-    dependent |= {"reactions", "roller-spin"}
+    dependent |= {"reactions", "roller-spin", "balance"}
     stated = {
         name for name in EFFECTS
         if "speed-fluctuation" in [each.by for each in find_effect(name).refined_by]

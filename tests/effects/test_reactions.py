@@ -174,7 +174,7 @@ def test_ends_of_a_guide_carry_the_side_force_and_the_weight(way: str) -> None:
 def test_friction_of_a_pivot_under_its_whole_load() -> None:
     """Of the lever, whose drive does nothing else over a turn."""
     path = SCENES.parent / "effects" / "lever.toml"
-    rigid = {"effects.reactions": {}, "effects.vibration": None}
+    rigid: dict[str, object] = {"effects.reactions": {}, "effects.vibration": None}
     made = Design(load_scene(path).with_values(rigid))
     (work,) = (
         each for each in made.effect("reactions").findings if each.name == "pivot-friction-work"

@@ -75,8 +75,10 @@ class Wobble:
     share: float
 
     borders = np.empty(0)
+    jumps = np.empty(0)
 
-    def rates(self, phi: FloatArray) -> FloatArray:
+    def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        del side
         sin, cos = np.sin(phi), np.cos(phi)
         c = 1.0 + self.share * cos
         return np.stack(

@@ -57,8 +57,9 @@ def explain(design: Design, goal: str = "check") -> Explanation:
     """Do what a command of `GOALS` does with a new design, and report what that took."""
     made = GOALS[goal](design)
     runs = tuple(design.ledger.runs)
-    ran = {each.name for each in runs}
-    reasons = {name: _reason(design, name) for name in sorted(ran) if name.startswith(EFFECTS)}
+    ran = {_plain(each.name) for each in runs}
+    effects = sorted({each.name for each in runs if each.name.startswith(EFFECTS)})
+    reasons = {name: _reason(design, name) for name in effects}
     alone = tuple(name for name in quantities() if name not in ran)
     found = _found(design, made) if BY_CHECK in ran else {}
     return Explanation(design.scene, goal, runs, reasons, alone, found)
@@ -99,16 +100,21 @@ GOALS: Final[dict[str, Callable[[Design], object]]] = {
 
 def quantities() -> tuple[str, ...]:
     """Names of all quantities that a design computes on demand, including effects."""
-    from camgeo.effects.graph import node_name
+    from camgeo.effects.nodes import node_name
     from camgeo.effects.registry import effect_names
 
     effects = (node_name(name) for name in effect_names())
     return (*(name for owner in OWNERS for name in lazy_names(owner)), *effects)
 
 
+def _plain(quantity: str) -> str:
+    """The name of a quantity without what the ledger adds for the state of an effect."""
+    return quantity.partition(" ")[0] if quantity.startswith(EFFECTS) else quantity
+
+
 def _reason(design: Design, quantity: str) -> str:
     """Why an effect was computed."""
-    name = quantity.removeprefix(EFFECTS)
+    name = _plain(quantity).removeprefix(EFFECTS)
     inputs = design.effects.inputs(name)
     named = "named by the scene" if name in design.scene.effects else "needed"
     return named + (f"; from {', '.join(inputs)}" if inputs else "")

@@ -8,13 +8,12 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.balance.holes import Row
-from camgeo.effects.effect import Bound, Column
+from camgeo.effects.effect import Bound, Column, Quantity
 from camgeo.effects.turning_disc import unbalance_force
 from camgeo.effects.wording import KG
 from camgeo.motion.time_course import TimeCourse
-from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
-from camgeo.numeric.roots import Function
 
 GRAM_MM: Final = 1e6
 """From t mm to g mm."""
@@ -76,13 +75,13 @@ class Spin:
     course: TimeCourse
     smooth_angles: FloatArray
 
-    def force(self, phi: FloatArray) -> ComplexArray:
+    def force(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) [N] inertia force on the shaft, in the axes of the frame."""
-        return unbalance_force(self.unbalance, self.rotation, phi, self.course.rates(phi))
+        return unbalance_force(self.unbalance, self.rotation, phi, self.course.rates(phi, side))
 
     def largest_force(self) -> Extreme:
         """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""
-        return self._largest(lambda phi: np.abs(self.force(phi)))
+        return self._largest(lambda phi, side: np.abs(self.force(phi, side)))
 
     def largest_force_of_unit(self) -> float:
         """The same for an unbalance of 1 t mm."""
@@ -90,15 +89,15 @@ class Spin:
 
     def largest_speed(self) -> float:
         """The largest omega [rad/s]."""
-        return self._largest(lambda phi: self.course.rates(phi)[0]).value
+        return self._largest(lambda phi, side: self.course.rates(phi, side)[0]).value
 
-    def _largest(self, values: Function) -> Extreme:
+    def _largest(self, values: Quantity) -> Extreme:
         edges = merged(np.concatenate((self.smooth_angles, self.course.borders)))
-        return piecewise_highest(lambda phi, _side: values(phi), edges)
+        return piecewise_highest(values, edges)
 
     def columns(self) -> tuple[Column, ...]:
         """The components of the inertia force on the shaft along the axes of the frame."""
         return (
-            Column("unbalance force x", "N", lambda phi, _side: self.force(phi).real),
-            Column("unbalance force y", "N", lambda phi, _side: self.force(phi).imag),
+            Column("unbalance force x", "N", lambda phi, side: self.force(phi, side).real),
+            Column("unbalance force y", "N", lambda phi, side: self.force(phi, side).imag),
         )

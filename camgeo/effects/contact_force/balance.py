@@ -62,9 +62,9 @@ class ForceBalance:
     friction: Friction | None
     bearings: BearingFriction | None
 
-    def rates(self, phi: FloatArray) -> FloatArray:
+    def rates(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
-        return rates_of(self.subject, phi)
+        return rates_of(self.subject, phi, side)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel to rounding."""
@@ -179,7 +179,7 @@ class ForceBalance:
 
     def stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) d|R|/d|N| [1 or mm/rad] at the speed of the scene."""
-        rates = self.rates(phi)
+        rates = self.rates(phi, side)
         _, sense, reserve = self.parts(phi, side, rates)
         if self.bearings is None:
             return reserve
@@ -187,7 +187,7 @@ class ForceBalance:
 
     def bearing_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""
-        bearings, rates = self.bearings, self.rates(phi)
+        bearings, rates = self.bearings, self.rates(phi, side)
         assert bearings is not None
         normal = self.normal(phi, side, rates)
         inner, outer = (bearings.rubbing.per_normal(phi, side, each) for each in (INNER, OUTER))
@@ -199,7 +199,7 @@ class ForceBalance:
     ) -> NoReturn:
         """Raise EffectError that the follower jams, worst at `angle` [rad]."""
         here = np.array([angle])
-        sense = int(self.parts(here, side, self.rates(here))[1][0])
+        sense = int(self.parts(here, side, self.rates(here, side))[1][0])
         curve = carrier(self.subject, sense)[0].state.curve
 
         def transmission(*angles: float) -> float:
@@ -241,7 +241,7 @@ def edges_of(balance: ForceBalance) -> FloatArray:
     grid = grid_of(edges)
 
     def demand(phi: FloatArray) -> FloatArray:
-        return balance.released(phi, "right", balance.rates(phi))
+        return balance.released(phi, "right", balance.rates(phi, "right"))
 
     def leverage(phi: FloatArray, sense: int) -> FloatArray:
         return balance.leverage(phi, "right", sense)
@@ -273,7 +273,7 @@ def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:
     least = VANISHING * abs(balance.subject.cam.follower.reach)
 
     def reserve(phi: FloatArray, side: Side) -> FloatArray:
-        needed, _, left = balance.parts(phi, side, balance.rates(phi))
+        needed, _, left = balance.parts(phi, side, balance.rates(phi, side))
         return np.where(needed != 0.0, left, abs(balance.subject.cam.follower.reach)) - least
 
     lowest = piecewise_lowest(reserve, edges)

@@ -75,10 +75,10 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     edges = load_edges(balance, edges)
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
-        return balance.normal(phi, side, balance.rates(phi))
+        return balance.normal(phi, side, balance.rates(phi, side))
 
     def demand(phi: FloatArray, side: Side) -> FloatArray:
-        return balance.demand(phi, side, balance.rates(phi))
+        return balance.demand(phi, side, balance.rates(phi, side))
 
     limit = request.data.limit
     extremes = piecewise_extremes(normal, edges)

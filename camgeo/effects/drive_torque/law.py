@@ -147,7 +147,7 @@ class TorqueLaw:
             return self._under(contact.demand(phi, side), rows, phi)
         if contact.behind is not None:
             rows[0] -= contact.behind.beyond_rigid(phi, side)
-        return self._at(rates_of(self.subject, phi), rows, phi)
+        return self._at(rates_of(self.subject, phi, side), rows, phi)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at very low speed: without inertia and viscous friction."""

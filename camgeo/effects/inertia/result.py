@@ -124,7 +124,7 @@ class _Report:
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """Inertia force at the speed of the scene [N or N m]."""
-        found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi))
+        found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi, side))
         return found * self.acting.scale
 
     def columns(self) -> tuple[Column, ...]:

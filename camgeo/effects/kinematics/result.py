@@ -63,7 +63,7 @@ class _Moving:
         for power, name in enumerate(NAMES, start=1):
 
             def values(phi: FloatArray, side: Side, power: int = power) -> FloatArray:
-                timed = in_time(self.motion.jet(phi, side), course, phi)
+                timed = in_time(self.motion.jet(phi, side), course, phi, side)
                 found: FloatArray = self.scale * timed[power]
                 return found
 

@@ -95,7 +95,7 @@ class Flank:
         exact. `more` (n,) complex is added to the load of the pivot.
         """
         course = self.subject.state.course
-        omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi)[:2]
+        omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi, side)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))
         for force in self.contact.lasting:
@@ -124,7 +124,7 @@ class Flank:
         bearings = self.contact.bearings
         assert bearings is not None
         per = bearings.rubbing.per_normal(phi, side, self.sense)
-        own = at_rates(bearings.own(phi, side), rates_of(self.subject, phi))
+        own = at_rates(bearings.own(phi, side), rates_of(self.subject, phi, side))
         load = own + self.margin * per + more
         d = unit_vectors(load, np.ones_like(load))[0]
         return np.asarray(bearings.drag(phi, side) * (np.conj(d) * per_unit).real)

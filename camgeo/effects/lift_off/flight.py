@@ -396,7 +396,7 @@ class FreeFollower:
 
         R has the friction of the bearings.
         """
-        jet, rates = wall.motion(phi, side), self.course.rates(phi)
+        jet, rates = wall.motion(phi, side), self.course.rates(phi, side)
         omega, alpha = rates[0], rates[1]
         timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
         mass, free = self._free(phi, timed[0], timed[1])

@@ -71,7 +71,7 @@ class Bodies:
         """(n,) R on a rocker."""
         applied = self.of_cam(phi, side) + self.of_linkage(phi, side)
         loads = self.loads.on_pivot(phi, side)
-        return np.asarray(at_rates(loads, rates_of(self.subject, phi)) - applied)
+        return np.asarray(at_rates(loads, rates_of(self.subject, phi, side)) - applied)
 
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""

@@ -96,7 +96,7 @@ class Pins:
         rod, way = turn * (places[far] - places[near]), turn * per_far[far][0]
         along = rod / np.abs(rod)
 
-        rates = rates_of(self.subject, phi)
+        rates = rates_of(self.subject, phi, side)
         demand = -sum((at_rates(each.far(phi, side), rates) for each in self.forces if each.far),
                       start=none)  # fmt: skip
         left, moment = none + 0j, none

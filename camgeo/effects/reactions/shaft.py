@@ -54,7 +54,10 @@ class Shaft:
         """(n,) [N] on the shaft."""
         found = -self.bodies.of_cam(phi, side)
         if self.disc is not None:
-            sigma, rates = self.bodies.subject.cam.rotation, rates_of(self.bodies.subject, phi)
+            sigma, rates = (
+                self.bodies.subject.cam.rotation,
+                rates_of(self.bodies.subject, phi, side),
+            )
             found += self.disc.area * self.bodies.loads.pull
             found += unbalance_force(self.disc.first, sigma, phi, rates)
         return found
@@ -86,8 +89,9 @@ class Shaft:
         if self.disc is None:
             return {}
 
-        def per_unbalance(phi: FloatArray, _: Side) -> FloatArray:
-            return np.abs(unbalance_force(1.0, 1, phi, rates_of(self.bodies.subject, phi)))
+        def per_unbalance(phi: FloatArray, side: Side) -> FloatArray:
+            rates = rates_of(self.bodies.subject, phi, side)
+            return np.abs(unbalance_force(1.0, 1, phi, rates))
 
         error = self.disc.first_error * piecewise_highest(per_unbalance, edges).value
         error += self.disc.area_error * abs(self.bodies.loads.pull)

@@ -66,7 +66,7 @@ class Rolling:
         gain = np.real(np.conj(first) * second) / pace
         sigma = subject.cam.rotation
         share = self.sense(phi, side) * sigma / subject.cam.follower.roller_radius
-        omega, alpha = self.course.rates(phi)[:2]
+        omega, alpha = self.course.rates(phi, side)[:2]
         rate = sigma - share * pace
         return (
             np.asarray(rate * omega),

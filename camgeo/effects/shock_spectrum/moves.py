@@ -73,7 +73,7 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
     plan = subject.drive.plan
     dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
     borders = plan.borders
-    sides = [in_time(plan.jet(borders, side), course, borders) for side in ("right", "left")]
+    sides = [in_time(plan.jet(borders, side), course, borders, side) for side in ("right", "left")]
     inside = grid_of(np.append(borders, TURN)).ravel()
     size = np.max(np.abs(in_time(plan.jet(inside), course, inside)), axis=1)
     calm = np.ones(len(borders), dtype=np.bool_)

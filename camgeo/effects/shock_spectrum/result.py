@@ -86,7 +86,7 @@ def compute(request: Request[SpectrumRange]) -> ShockSpectrum:
     without a move from rest to rest has no spectrum, which is a warning.
     """
     data, subject = request.data, request.subject
-    course = subject.drive.time_course or ConstantSpeed(1.0)
+    course = subject.state.course or ConstantSpeed(1.0)
     moves = moves_of(subject, course)
     if not moves:
         sentence = (

@@ -6,11 +6,11 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import RIGID, Effect
-from camgeo.effects.results import DRIVE_TORQUE
+from camgeo.effects.results import DRIVE_TORQUE, SPEED_FLUCTUATION
 from camgeo.effects.speed_fluctuation.table import parse
 
 EFFECT: Final = Effect(
-    name="speed-fluctuation",
+    name=SPEED_FLUCTUATION,
     title="speed of the motor-driven cam",
     compute="camgeo.effects.speed_fluctuation.result:compute",
     schema=schema_beside(__file__),

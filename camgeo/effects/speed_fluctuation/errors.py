@@ -47,6 +47,7 @@ class Steady:
     Attributes
     ----------
     turn : the speed over the cam angle.
+    edges : (k,) cam angles [rad] from 0 to 2 pi between which the acceleration is smooth.
     period : duration of the turn [s].
     work : of the motor over a turn [N mm], of which the cam takes `taken`.
     slowest, fastest : speeds at the nodes [rad/s].
@@ -57,6 +58,7 @@ class Steady:
     """
 
     turn: SteadyTurn
+    edges: FloatArray
     period: float
     work: float
     taken: float
@@ -116,12 +118,12 @@ def accurate(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -
         if not len(switches):
             break
         edges = merged(np.concatenate((edges, switches)))
-    found = _measured(shaft, solve(shaft, law, edges, tolerance))
+    found = _measured(shaft, solve(shaft, law, edges, tolerance), edges)
     worst = _worst(found)
     if worst > tolerance:
         speed = max(0.5 * tolerance * found.turn.error / worst, FINEST)
         with suppress(EffectError):
-            found = _measured(shaft, solve(shaft, law, edges, speed))
+            found = _measured(shaft, solve(shaft, law, edges, speed), edges)
     return found
 
 
@@ -154,7 +156,7 @@ def _worst(found: Steady) -> float:
     return max(each.share for each in found.figures().values())
 
 
-def _measured(shaft: Shaft, turn: SteadyTurn) -> Steady:
+def _measured(shaft: Shaft, turn: SteadyTurn, edges: FloatArray) -> Steady:
     """The mean values, and the data from which their errors follow."""
     motor, mesh = shaft.motor, turn.mesh
     omega = np.sqrt(2.0 * (turn.state.base + turn.state.nodes))
@@ -173,6 +175,7 @@ def _measured(shaft: Shaft, turn: SteadyTurn) -> Steady:
     taken = work - shaft.inertia * TURN * turn.mean(turn.rates)
     return Steady(
         turn=turn,
+        edges=edges,
         period=period,
         work=resolved(work, TURN * terms),
         taken=resolved(taken, TURN * terms),

@@ -17,7 +17,8 @@ import numpy as np
 from camgeo.check.finding import Finding, held
 from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
-from camgeo.effects.results import DRIVE_TORQUE, Touching
+from camgeo.effects.results import DRIVE_TORQUE, Turning
+from camgeo.effects.speed_fluctuation.course import course_of
 from camgeo.effects.speed_fluctuation.errors import accurate
 from camgeo.effects.speed_fluctuation.rate import Shaft
 from camgeo.effects.speed_fluctuation.solve import refuse_shocks
@@ -31,7 +32,7 @@ from camgeo.units import RPM
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedFluctuation(Touching):
+class SpeedFluctuation(Turning):
     """The steady state.
 
     Attributes
@@ -66,6 +67,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     shaft = Shaft(data.moment_of_inertia, data.motor)
     steady = accurate(shaft, law, edges, request.tolerance)
     turn, mean, work = steady.turn, steady.mean, steady.work
+    assert turn.rough is not None  # only that one has none
 
     def omega(phi: FloatArray, _: Side) -> FloatArray:
         return turn.omega(phi)
@@ -113,6 +115,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     )
     return SpeedFluctuation(
         turn=turn,
+        course=course_of(turn, alpha, steady.edges),
+        rough_course=course_of(turn.rough, alpha, steady.edges),
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,

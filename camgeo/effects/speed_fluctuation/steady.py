@@ -141,6 +141,7 @@ class SteadyTurn:
     rates : (m, n) alpha at the nodes [rad/s^2].
     slope : of the Poincare map in y; below 1 the state is stable.
     error : estimate of the largest error of the speed, relative to the largest speed.
+    rough : the steady state on cells twice as long, from which the error is estimated; None for it.
     """
 
     mesh: Mesh
@@ -148,6 +149,7 @@ class SteadyTurn:
     rates: FloatArray
     slope: float
     error: float
+    rough: SteadyTurn | None
 
     def omega(self, phi: FloatArray) -> FloatArray:
         """(n,) speed [rad/s] at `phi` (n,) [rad], in any turn."""
@@ -207,8 +209,11 @@ def steady_turn(
         reached = BETWEEN * float(share) + left + rounding
         if reached <= tolerance:
             fine_state, last = _solved(shaft, mesh.fine, fine_state, tolerance)
-            rates = shaft.rate(mesh.fine.laws, fine_state.base + fine_state.nodes)[0]
-            return SteadyTurn(mesh.fine, fine_state, rates, step.slope, reached + last)
+            solved = (mesh.coarse, state), (mesh.fine, fine_state)
+            rates = [shaft.rate(each.laws, own.base + own.nodes)[0] for each, own in solved]
+            error = reached + last
+            rough = SteadyTurn(mesh.coarse, state, rates[0], step.slope, error, None)
+            return SteadyTurn(mesh.fine, fine_state, rates[1], step.slope, error, rough)
         worst = np.max(step.defects.reshape(-1, 2), axis=1)
         split = worst >= 0.1 * np.max(worst)
         cells = len(split) + int(np.count_nonzero(split))

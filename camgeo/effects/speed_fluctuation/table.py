@@ -132,6 +132,11 @@ class MotorDrive:
     motor: Motor
     limit: float | None
 
+    @property
+    def first_speed(self) -> float | None:
+        """A speed [rad/s] near that of the cam: that of the motor alone; None if it never turns."""
+        return self.motor.no_load_speed or None
+
 
 def parse(table: Mapping[str, Any]) -> MotorDrive:
     """The data of the table.

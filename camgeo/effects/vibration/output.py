@@ -43,7 +43,7 @@ class Clock:
     def jet(self, t: FloatArray, side: Side) -> FloatArray:
         """(4, n) motion and its derivatives over time at `t` (n,) [s]."""
         phi = self.angle(t)
-        return in_time(self.motion.jet(phi, side), self.course, phi)
+        return in_time(self.motion.jet(phi, side), self.course, phi, side)
 
     @property
     def base(self) -> Base:
@@ -75,7 +75,7 @@ class Output:
         if self.response is not None:
             return self.response.states(self.clock.time(in_turn(phi, side)), side)
         out = np.zeros((3, len(phi)))
-        out[2] = in_time(self.clock.motion.jet(phi, side), self.clock.course, phi)[2]
+        out[2] = in_time(self.clock.motion.jet(phi, side), self.clock.course, phi, side)[2]
         return out
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:

@@ -1,0 +1,93 @@
+"""Which effects a scene names, how they are declared, and which of them need which."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from camgeo.effects.effect import Effect
+from camgeo.effects.results import SPEED_FLUCTUATION
+from camgeo.errors import CycleError
+from camgeo.state.state import Train
+
+Find = Callable[[str], Effect]
+
+
+class Catalogue:
+    """The effects of a scene, by name.
+
+    Parameters
+    ----------
+    tables : the table of each effect that the scene names, in internal units.
+    find : returns the effect with a given name.
+    output : whether effects take the elastic train of another one into account.
+    """
+
+    def __init__(self, tables: Mapping[str, Mapping[str, Any]], find: Find, output: Train) -> None:
+        self.tables = tables
+        self._find = find
+        self._output = output
+        self._known: dict[str, Effect] = {}
+
+    def with_table(self, name: str, table: Mapping[str, Any]) -> Catalogue:
+        """The same with another table of the effect `name`."""
+        return Catalogue({**self.tables, name: table}, self._find, self._output)
+
+    def effect(self, name: str) -> Effect:
+        """The declaration of the effect `name`; UnknownNameError if there is none."""
+        if name not in self._known:
+            self._known[name] = self._find(name)
+        return self._known[name]
+
+    def inputs(self, name: str) -> tuple[str, ...]:
+        """The effects whose results `name` receives: those it needs, and used ones in the scene.
+
+        Raises
+        ------
+        CycleError
+            If an effect needs itself, with the path of the cycle.
+        """
+        self._walk(name, ())
+        return self.received(name)
+
+    def received(self, name: str) -> tuple[str, ...]:
+        """As `inputs`, for effects of which it is known that none needs itself."""
+        effect = self.effect(name)
+        used = [each for each in effect.uses if each in self.tables]
+        if self._output == "rigid":
+            better = self._better(effect)
+            used = [each for each in used if each not in better]
+        return (*effect.needs, *(each for each in used if each not in effect.needs))
+
+    def followed(self, name: str) -> bool:
+        """Whether the effect `name` takes an elastic train of the scene into account."""
+        return self._output == "elastic" and bool(self._better(self.effect(name)))
+
+    def _better(self, effect: Effect) -> set[str]:
+        """The effects of the scene that `effect` follows unless its state is a simpler one."""
+        return {each.by for each in effect.refined_by if each.followed and each.by in self.tables}
+
+    def _walk(self, name: str, way: tuple[str, ...]) -> None:
+        if name in way:
+            raise CycleError((*way[way.index(name) :], name))
+        for each in self.received(name):
+            self._walk(each, (*way, name))
+
+    def behind(self, name: str) -> set[str]:
+        """The effects that the effect `name` is computed from, directly or not."""
+        inputs = self.inputs(name)
+        return set(inputs).union(*(self.behind(each) for each in inputs))
+
+    def of_given_speed(self, name: str) -> bool:
+        """Whether the effect `name` declares that its figures depend on the speed of the cam."""
+        return SPEED_FLUCTUATION in (each.by for each in self.effect(name).refined_by)
+
+    def moved(self, name: str) -> bool:
+        """Whether the effect `name` depends on the speed of the cam: all do, but the effect that
+        finds it and, of what this is found from, those that declare no such thing.
+        """
+        if name == SPEED_FLUCTUATION:
+            return False
+        if self.of_given_speed(name) or name not in self.behind(SPEED_FLUCTUATION):
+            return True
+        return any(self.moved(each) for each in self.inputs(name))

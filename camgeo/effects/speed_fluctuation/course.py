@@ -1,0 +1,107 @@
+"""How the cam turns in its steady state, as a time course like any other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.effect import Quantity
+from camgeo.effects.speed_fluctuation.mesh import collocation, legendre
+from camgeo.effects.speed_fluctuation.steady import SteadyTurn
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, frozen
+from camgeo.units import TURN
+
+JUMP: Final = 1e-9
+"""A jump of alpha by less than this share of the largest is rounding."""
+
+GAUSS: Final = np.polynomial.legendre.leggauss(16)
+"""Nodes and weights of the integral of 1 / omega over a part of a cell."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyCourse:
+    """The cam turning as in `turn`; see `camgeo.motion.time_course.TimeCourse`.
+
+    y = omega^2 / 2 is a polynomial of the cam angle in each cell, of which alpha is the derivative:
+    the cam that turns so obeys alpha = omega domega/dphi exactly, and its equation of motion at the
+    nodes.
+
+    Attributes
+    ----------
+    turn : the steady turn.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, where the torque law changes.
+    jumps : those at which alpha jumps.
+    """
+
+    turn: SteadyTurn
+    borders: FloatArray
+    jumps: FloatArray
+
+    @cached_property
+    def _series(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(m, .) Legendre coefficients of z, alpha and dalpha/dphi in each cell."""
+        z = self.turn.state.all_nodes @ collocation().fit.T
+        scale = (2.0 / self.turn.mesh.spans)[:, np.newaxis]
+        alpha = scale * np.polynomial.legendre.legder(z, axis=1)
+        return z, alpha, scale * np.polynomial.legendre.legder(alpha, axis=1)
+
+    @cached_property
+    def _starts(self) -> FloatArray:
+        """(m + 1,) time at the ends of the cells [s]."""
+        mesh = self.turn.mesh
+        cells = np.arange(len(mesh.low))
+        return frozen(np.concatenate(([0.0], np.cumsum(self._since(cells, mesh.high)))), np.float64)
+
+    def _placed(self, phi: FloatArray, side: Side) -> tuple[IntArray, FloatArray]:
+        """(n,) cells and the angle in the turn [rad], 0 to 2 pi."""
+        low = self.turn.mesh.low
+        inside = np.mod(phi, TURN)
+        if side == "left":
+            inside = np.where(inside == 0.0, TURN, inside)
+        cell = np.searchsorted(low, inside, side) - 1
+        return np.clip(cell, 0, len(low) - 1), inside
+
+    def _y(self, cell: IntArray, phi: FloatArray, series: FloatArray) -> FloatArray:
+        """(n,) the `series` of the cells at `phi` (n,) [rad] in them."""
+        mesh = self.turn.mesh
+        x = 2.0 * (phi - mesh.low[cell]) / mesh.spans[cell] - 1.0
+        found: FloatArray = np.sum(legendre(x, series.shape[1] - 1) * series[cell], axis=1)
+        return found
+
+    def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """See `TimeCourse`."""
+        cell, inside = self._placed(np.asarray(phi, dtype=np.float64), side)
+        z, alpha, rate = (self._y(cell, inside, each) for each in self._series)
+        omega = np.sqrt(2.0 * (self.turn.state.base + z))
+        return np.stack((omega, alpha, omega * rate))
+
+    def time(self, phi: FloatArray) -> FloatArray:
+        """See `TimeCourse`; 0 at cam angle 0."""
+        phi = np.asarray(phi, dtype=np.float64)
+        turns = np.floor(phi / TURN)
+        cell, inside = self._placed(phi - TURN * turns, "right")
+        whole = turns * self._starts[-1]
+        return np.asarray(whole + self._starts[cell] + self._since(cell, inside))
+
+    def _since(self, cell: IntArray, phi: FloatArray) -> FloatArray:
+        """(n,) time [s] from the starts of the cells to `phi` (n,) [rad] in them."""
+        nodes, weights = GAUSS
+        low = self.turn.mesh.low[cell]
+        half = 0.5 * (phi - low)
+        places = low[:, np.newaxis] + half[:, np.newaxis] * (nodes + 1.0)
+        z = self._y(np.repeat(cell, len(nodes)), places.ravel(), self._series[0])
+        slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
+        found: FloatArray = half * (slowness.reshape(places.shape) @ weights)
+        return found
+
+
+def course_of(turn: SteadyTurn, alpha: Quantity, edges: FloatArray) -> SteadyCourse:
+    """The course of `turn`, with the acceleration `alpha` smooth between `edges` (k,) [rad]."""
+    borders = np.unique(np.mod(edges, TURN))
+    right, left = (alpha(borders, side) for side in ("right", "left"))
+    size = max(float(np.max(np.abs(turn.rates))), float(np.max(np.abs(right))))
+    jumps = borders[np.abs(right - left) > JUMP * size]
+    return SteadyCourse(turn, frozen(borders, np.float64), frozen(jumps, np.float64))
