@@ -9,6 +9,7 @@ near the demanded one, however many they are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -88,6 +89,23 @@ class BenefitRow:
         if self.acceleration is None:
             return None
         return self.acceleration / self.exact_acceleration if self.exact_acceleration else None
+
+    @property
+    def force_share(self) -> float | None:
+        """The deviation of the contact force over its exact maximum; None if there is none."""
+        return (
+            None
+            if self.force is None or not self.exact_highest
+            else self.force / self.exact_highest
+        )
+
+    @property
+    def lift_off_share(self) -> float | None:
+        """How far the speed of lift-off is from the exact one, over that one; None if infinite."""
+        own, exact = self.lift_off, self.exact_lift_off
+        if own is None or exact is None or not math.isfinite(own + exact):
+            return None
+        return abs(exact - own) / exact
 
 
 def benefit_rows(

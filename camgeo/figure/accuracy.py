@@ -1,5 +1,8 @@
 """The cost of accuracy over the tolerance: pieces with limits, bytes, seconds, ripple, effects.
 
+At a speed of the cam the first panel has both: what accuracy costs rises, what is off falls. The
+knee is marked in all panels, with its reason in words above them.
+
 All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
 differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
 """
@@ -7,18 +10,24 @@ differ by marker and dash, fast fits have hollow markers, so that a print in gre
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
 
 from camgeo.accuracy.bill import Stage
+from camgeo.accuracy.knee import advice
 from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow
 from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
 from camgeo.figure.layout import box, heights, log_limits
-from camgeo.figure.marks import Line, Rule, Style, over
+from camgeo.figure.marks import Line, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
+from camgeo.units import RPM
+
+if TYPE_CHECKING:
+    from camgeo.accuracy.benefit import BenefitRow
 
 WIDTH, HEIGHT = 8.0, 3.2
 """Sizes [inch] of the figure and of each panel."""
@@ -51,6 +60,12 @@ STAGE_NAMES: Final[dict[Stage, str]] = {
     "evaluate": "evaluate", "fit": "fit", "prove": "prove", "write": "write", "read": "read back",
 }  # fmt: skip
 
+OFF_STYLES: Final = ((LINE, "o"), ("#8c5aa8", "v"), ("#2f7fc1", "P"))
+"""Of acceleration, contact force and lift-off speed."""
+
+COST_STYLES: Final = (("#c05a00", "s"), ("#6a8f3c", "D"), ("#808080", "^"), ("#404040", "o"))
+"""Of pieces, bytes, milling and building."""
+
 LEAST_SECONDS: Final = 1e-4
 """Shortest time drawn; a stage that takes nothing has no place on a logarithmic axis."""
 
@@ -59,19 +74,62 @@ LEAST_RANGE: Final = 100.0
 
 DOTTED: Final = (1.0, 1.5)
 
+POINTS: Final = 72.0
+"""In an inch."""
+
+REASON_SIZE: Final = 8.0
+"""Of the words on the knee [points]."""
+
+REASON_WIDTH: Final = 118
+"""Letters in a line of them: as wide as the figure."""
+
+REASON_LINE: Final = 1.4 * REASON_SIZE
+"""Height of a line of them [points]."""
+
+BOTH: Final = "off [% of exact]; cost [times the loosest's]"
+"""Scale of the panel with both: of what is off, and of costs."""
+
 ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 
 Value = Callable[[ContourRow], float | None]
 
 
-def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
-    """The measurements, one panel per kind of cost.
+@dataclass(frozen=True, slots=True)
+class Marked:
+    """The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
+
+    tolerance: float
+    name: str
+    reason: str
+
+
+def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
+    """The knee of the benefits if they have one, else that of the costs; None without either."""
+    if benefits:
+        from camgeo.accuracy.enough import enough, words  # a survey without a speed needs none
+
+        found = enough(benefits)
+        if found is not None:
+            name = f"enough at {found.row.speed / RPM:g} rev/min"
+            return Marked(found.row.tolerance, name, words(found))
+    if survey.knee is None:
+        return None
+    return Marked(survey.knee.row.tolerance, "advice", advice(survey.knee))
+
+
+def figure(
+    survey: Survey, *, title: str, computing: bool = True, benefits: Sequence[BenefitRow] = ()
+) -> Figure:
+    """The measurements, one panel per kind of cost, the first with the benefits if there are any.
 
     Parameters
     ----------
     computing : whether computing times are drawn, which differ from run to run.
+    benefits : of arcs at one speed of the cam.
     """
-    drawn = [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
+    both = _both(survey, benefits, computing=computing)
+    drawn = [(BOTH, both)] if both else []
+    drawn += [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
     if computing or any(row.round_seconds is not None for row in survey.contours):
         drawn.append(("seconds", _seconds(survey, computing=computing)))
     if computing and any(row.stages for row in survey.bill):
@@ -81,15 +139,25 @@ def figure(survey: Survey, *, title: str, computing: bool = True) -> Figure:
     count = len(drawn)
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + EFFECTS_GAP) * effects
-    height = TOP + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
-    knee = [] if survey.knee is None else [Rule("x", survey.knee.row.tolerance, ADVICE)]
+    knee = marked(survey, benefits)
+    words = [] if knee is None else _wrapped(knee)
+    reason_height = len(words) * REASON_LINE
+    top = TOP + reason_height / POINTS
+    height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
+    rules = [] if knee is None else [Rule("x", knee.tolerance, ADVICE)]
     tolerances = [row.tolerance for row in survey.contours]
     panels = []
     for number, (label, lines) in enumerate(drawn):
         bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
         x = _tolerances(tolerances, "tolerance [mm]", numbered=number == count - 1)
-        panel = _panel(bottom, height, x, label, lines)
-        panels.append(replace(panel, marks=(*lines, *knee), title="" if number else title))
+        if knee is not None and not number:  # its line is in every panel, its name only here
+            lines.append(Line(over([], []), ADVICE, knee.name))
+        panel = replace(_panel(bottom, height, x, label, lines), marks=(*lines, *rules))
+        if not number:
+            at_top = [_above(words)] if words else []
+            marks, gap = (*panel.marks, *at_top), panel.title_gap + reason_height
+            panel = replace(panel, marks=marks, title=title, title_gap=gap)
+        panels.append(panel)
     if effects:
         x = _tolerances(
             [row.tolerance for row in survey.effects],
@@ -120,6 +188,52 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
 
 
+def _wrapped(knee: Marked) -> list[str]:
+    sentence = f"{knee.name}: {knee.reason}"
+    return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
+
+
+def _above(words: list[str]) -> Text:
+    """Lines above a panel, as wide as the figure."""
+    start = (0.2 - LEFT) * POINTS
+    return Text("\n".join(words), (0.0, 1.0), REASON_SIZE, "panel", (start, 5.0), up="bottom")
+
+
+def _both(survey: Survey, benefits: Sequence[BenefitRow], *, computing: bool) -> list[Line]:
+    """What is off on arcs, in per cent, and what they cost, as multiples; empty without benefits.
+
+    Values of 0 are left out, and costs that are not known.
+    """
+    known = [row for row in benefits if not row.fault]
+    tolerances = [row.tolerance for row in known]
+    lines = []
+    for name, (colour, marker), off in (
+        ("acceleration off", OFF_STYLES[0], [row.ripple for row in known]),
+        ("contact force off", OFF_STYLES[1], [row.force_share for row in known]),
+        ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
+    ):
+        shown = [(x, 100.0 * y) for x, y in zip(tolerances, off, strict=True) if y]
+        if shown:
+            style = Style(colour, 1.4, marker=marker, size=5.0)
+            lines.append(Line(over(*zip(*shown, strict=True)), style, name))
+    if not lines:
+        return []
+    arcs = [row for row in survey.contours if (row.form, row.effort) == ("arcs", EFFORTS[0])]
+    built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
+    for name, (colour, marker), spent in (
+        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in arcs]),
+        ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in arcs]),
+        ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in arcs]),
+        ("seconds of a build", COST_STYLES[3], built),
+    ):
+        costs = sorted(((x, y) for x, y in spent if y), reverse=True)
+        if costs:
+            style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
+            times = [(x, y / costs[0][1]) for x, y in costs]
+            lines.append(Line(over(*zip(*times, strict=True)), style, name))
+    return lines
+
+
 def _pieces(survey: Survey) -> list[Line]:
     """Pieces without those of dwells and turns, and the limits with their slopes."""
 
@@ -139,8 +253,6 @@ def _pieces(survey: Survey) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in own if row.effort == effort]
             lines += _points(rows, free, f"{form}, {effort}", _style(form, effort))
-    if survey.knee is not None:  # its line is in every panel, its name only in this one
-        lines.append(Line(over([], []), ADVICE, "advice"))
     return lines
 
 
@@ -231,6 +343,10 @@ def _style(form: Form, effort: str) -> Style:
         face="white" if hollow else colour,
         edge=colour,
     )
+
+
+def _all_pieces(row: ContourRow) -> float | None:
+    return None if row.count is None else row.count.pieces
 
 
 def _drawing_size(row: ContourRow) -> float | None:

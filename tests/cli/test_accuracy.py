@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -10,13 +11,17 @@ from typing import Any
 
 import pytest
 
+from camgeo.accuracy import benefit
 from camgeo.accuracy import survey as surveys
+from camgeo.accuracy.benefit import BenefitRow
+from camgeo.accuracy.bill import BillRow
 from camgeo.accuracy.knee import knee_of
 from camgeo.accuracy.rows import FORMS, ContourRow, SolidRow, TableRow
 from camgeo.accuracy.survey import Survey
 from camgeo.cli.main import COMMANDS, main, parser
 from camgeo.figure.accuracy import figure
-from camgeo.figure.marks import Line
+from camgeo.figure.marks import Line, Rule, Text
+from camgeo.units import RPM
 from camgeo_export.plots.render import render
 from tests.accuracy.rows import file, missing, row
 
@@ -221,6 +226,73 @@ def test_the_ripple_is_drawn_where_it_was_asked_for() -> None:
     )
     labels = [each.y.label for each in figure(without, title="made up").panels]
     assert not any("ripple" in label for label in labels)
+
+
+def at_speed() -> tuple[BenefitRow, ...]:
+    """Arcs that are off by half, a fifth and a quarter of it less at the tighter tolerance."""
+    return tuple(
+        BenefitRow("arcs", tolerance, 600.0 * RPM, 50.0 * factor, 100.0, 0.0, 16.0 * factor, 1.0,
+                   90.0, 2.0, 80.0, 100.0 - 25.0 * factor, 100.0)
+        for tolerance, factor in zip((*TOLERANCES, 1e-4), (1.0, 0.1, 0.08), strict=True)
+    )  # fmt: skip
+
+
+def test_cost_rises_and_what_is_off_falls_in_one_panel() -> None:
+    """In per cent of the exact motion, and in multiples of the cost at the loosest tolerance."""
+    built = tuple(
+        BillRow(tolerance, seconds, seconds, seconds, seconds, seconds)
+        for tolerance, seconds in zip(TOLERANCES, (0.2, 0.6), strict=True)
+    )
+    survey = replace(made_up(), bill=built)
+    panel = figure(survey, title="made up", benefits=at_speed()).panels[0]
+    drawn = {
+        mark.label: mark.points[:, 1] for mark in panel.marks if isinstance(mark, Line)
+    }  # fmt: skip
+    assert drawn["acceleration off"].tolist() == pytest.approx([50.0, 5.0, 4.0])
+    assert drawn["contact force off"].tolist() == pytest.approx([20.0, 2.0, 1.6])
+    assert drawn["lift-off speed lost"].tolist() == pytest.approx([25.0, 2.5, 2.0])
+    assert drawn["pieces"].tolist() == [1.0, 2.0]
+    assert drawn["seconds of a build"].tolist() == pytest.approx([1.0, 3.0])
+    assert panel.title == "made up"
+
+
+def test_the_knee_is_marked_with_its_reason() -> None:
+    """That of the benefits at a speed, where they are known; else the advice."""
+    missing = (replace(at_speed()[0], fault="no"),)
+    for benefits, tolerance, begin in (
+        (at_speed(), 1e-3, "enough at 600 rev/min: arcs within 0.001 mm, the acceleration is off"),
+        (missing, 1e-3, "advice: arcs (fewest) within 0.001 mm: 2,400 pieces, "),
+        ((), 1e-3, "advice: arcs (fewest) within 0.001 mm: 2,400 pieces, "),
+    ):
+        panels = figure(made_up(), title="made up", benefits=benefits).panels
+        for panel in panels:
+            (rule,) = (mark for mark in panel.marks if isinstance(mark, Rule))
+            assert rule.at == tolerance
+        (reason,) = (mark.text for mark in panels[0].marks if isinstance(mark, Text))
+        assert reason.replace("\n", " ").startswith(begin)
+
+
+def test_what_is_bought_is_in_text_and_json(
+    found: list[dict[str, Any]], capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off=math.inf)
+    rows = (*at_speed()[:2], fault)
+    monkeypatch.setattr(benefit, "benefit_rows", lambda *_, **__: rows)
+    call(SETZHUB, "--speed", "600")
+    lines = capsys.readouterr().out.splitlines()
+    start = next(number for number, line in enumerate(lines) if line.startswith("written  "))
+    assert lines[start + 1].split() == ["arcs", "0.01", "50", "50", "%", "16", "1", "716"]
+    assert lines[start + 3].endswith("cannot be reached")
+    assert lines[-1].startswith("at 600 rev/min: arcs within 0.001 mm")
+    call(SETZHUB, "--speed", "600", "--json")
+    document = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    first, _, last = document["benefits"]
+    assert first["speed_rpm"] == pytest.approx(600.0)
+    assert (first["acceleration"], first["ripple"], first["force_N"]) == (50.0, 0.5, 16.0)
+    assert first["lift_off_rpm"] == pytest.approx(75.0 / RPM)
+    assert (last["acceleration"], last["lift_off_rpm"]) == (None, None)
+    assert last["fault"] == "cannot be reached"
+    assert "0.001 mm" in document["enough"]
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:

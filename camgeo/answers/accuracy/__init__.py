@@ -78,6 +78,39 @@ class Accuracy(Answer):
             for row in self.survey.tables
         )
 
+    @property
+    def written(self) -> tuple[dict[str, Any], ...]:
+        """What arcs do at one speed, with accelerations in that unit."""
+        return tuple(
+            {
+                "contour": row.form,
+                "tolerance_mm": row.tolerance,
+                "speed_rpm": row.speed / RPM,
+                "acceleration": self._shown(row.acceleration),
+                "exact_acceleration": self._shown(row.exact_acceleration),
+                "jump": self._shown(row.jump),
+                "unit": self.unit,
+                "ripple": row.ripple,
+                "force_N": row.force,
+                "lowest_force_N": row.lowest,
+                "highest_force_N": row.highest,
+                "exact_lowest_force_N": row.exact_lowest,
+                "exact_highest_force_N": row.exact_highest,
+                "lift_off_rpm": _finite(row.lift_off),
+                "exact_lift_off_rpm": _finite(row.exact_lift_off),
+                "fault": row.fault,
+            }
+            for row in self.benefits
+        )
+
+    def _shown(self, value: float | None) -> float | None:
+        return None if value is None else self.shown(value)
+
+
+def _finite(speed: float | None) -> float | None:
+    """[rev/min] of a speed [rad/s]; None for none, and for an infinite one."""
+    return None if speed is None or math.isinf(speed) else speed / RPM
+
 
 def accuracy(
     design: Design,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 from camgeo.accuracy.bill import STAGES, BillRow
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
@@ -30,6 +30,13 @@ build: seconds of a whole build of the scene, from the loaded scene to the last 
     certificate; read: reading them back; machining: of all programs together"""
 """The same for the table of builds."""
 
+BENEFIT_COLUMNS: Final = """\
+written: the follower on the contour as written; acceleration, force: largest deviation from the
+    exact motion; ripple: that of the acceleration as a share of its exact peak; least: contact
+    force, negative where the follower would have to be pulled; lifts off: from this speed of the
+    cam on [rev/min]"""
+"""The same for the table of benefits."""
+
 EFFECT_COLUMNS: Final = """\
 effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
     computed: seconds, without the effects that it needs; estimate: what it states of its error;
@@ -51,7 +58,7 @@ NONE: Final = "-"
 
 
 def text(answer: Accuracy) -> str:
-    """A table of contours, of solids, of value tables and of effects, and the advice."""
+    """A table each of contours, solids, builds, benefits, value tables and effects; the advice."""
     found, ripple = answer.survey, answer.ripple
     lines = [f"{answer.scene.name}: what accuracy costs, in mm, bytes and seconds", ""]
     heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
@@ -60,6 +67,8 @@ def text(answer: Accuracy) -> str:
         lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
     if found.bill:
         lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
+    if answer.benefits:
+        lines += ["", *_columns(_benefits(answer), [_benefit_cells(row) for row in answer.written])]
     heads = ["step [deg]", "rows", "bytes", "made", f"error [{answer.unit}]"]
     lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
     if found.effects:
@@ -67,6 +76,7 @@ def text(answer: Accuracy) -> str:
     if found.rounded:
         lines += ["", *map(_rounded, found.rounded)]
     lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
+    lines += [BENEFIT_COLUMNS] if answer.benefits else []
     lines += [EFFECT_COLUMNS] if found.effects else []
     lines.append(f"advice: {answer.advice}")
     return "\n".join(lines if answer.enough is None else [*lines, answer.enough])
@@ -74,7 +84,9 @@ def text(answer: Accuracy) -> str:
 
 def figure(answer: Accuracy) -> Figure:
     """What was measured over the tolerance, a panel for each kind of cost."""
-    return accuracy.figure(answer.survey, title=f"{answer.scene.name}: what accuracy costs")
+    buys = " and buys" if answer.benefits else ""
+    title = f"{answer.scene.name}: what accuracy costs{buys}"
+    return accuracy.figure(answer.survey, title=title, benefits=answer.benefits)
 
 
 def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
@@ -128,6 +140,30 @@ def _bill_cells(row: BillRow) -> tuple[list[str], str]:
     cells = [f"{row.tolerance:g}", *map(_seconds, (*seconds, row.total))]
     cells += [NONE if each is None else f"{each:,}" for each in (row.pieces, row.size)]
     return [*cells, _seconds(row.machining_seconds)], row.fault
+
+
+def _benefits(answer: Accuracy) -> list[str]:
+    """Heads of the table of benefits."""
+    heads = ["written", "tolerance", f"acceleration [{answer.unit}/s^2]", "ripple"]
+    return [*heads, "force [N]", "least [N]", "lifts off"]
+
+
+def _benefit_cells(row: dict[str, Any]) -> tuple[list[str], str]:
+    ripple = row["ripple"]
+    figures = (row["force_N"], row["lowest_force_N"], row["lift_off_rpm"])
+    cells = [
+        row["contour"],
+        f"{row['tolerance_mm']:g}",
+        _three(row["acceleration"]),
+        NONE if ripple is None else f"{100.0 * ripple:.3g} %",
+        *map(_three, figures),
+    ]
+    return cells, row["fault"]
+
+
+def _three(value: float | None) -> str:
+    """Three digits, the units at least."""
+    return NONE if value is None else f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
 def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
