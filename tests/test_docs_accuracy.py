@@ -8,9 +8,13 @@ from typing import Any
 
 import pytest
 
+import camgeo
 from camgeo.accuracy import contours
+from camgeo.accuracy.benefit import benefit_rows
+from camgeo.accuracy.enough import enough, words
 from camgeo.accuracy.rows import FORMS, ORDER
 from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
+from camgeo.units import RPM
 from tests.long_form import some
 from tests.pages import page_maker
 
@@ -84,6 +88,16 @@ def test_figures_measured_again_are_those_of_the_page(
             assert found_again == pytest.approx(reported, abs=most, rel=share)
 
 
+def test_the_answer_at_a_speed_is_what_is_measured() -> None:
+    speed = 600.0 * RPM
+    rows = benefit_rows(
+        camgeo.load(maker().SCENES / "setzhub.toml"), maker().AT_SPEED, (speed,), forms=("arcs",)
+    )
+    listed = ",".join(f"{tolerance:.0e}".replace("e-0", "e-") for tolerance in maker().AT_SPEED)
+    assert f"--tolerances {listed} --speed 600\n" in PAGE
+    assert f"at 600 rev/min: {words(enough(rows))}" in " ".join(PAGE.split())
+
+
 def test_the_constants_are_those_of_the_limits() -> None:
     assert "| straight pieces | 2 | kappa | 1/16 |" in PAGE
     assert CHORD == 1.0 / 16.0
@@ -97,6 +111,7 @@ def test_the_constants_are_those_of_the_limits() -> None:
 
 def test_the_page_has_its_pictures() -> None:
     names = re.findall(r"\(images/(accuracy-\S+)\)", PAGE)
-    assert names == [f"accuracy-{name}.svg" for name in sorted(maker().PICTURED)]
+    drawn = [f"accuracy-{name}.svg" for name in sorted(maker().PICTURED)]
+    assert names == ["accuracy-speed.svg", *drawn]
     for name in names:
         assert (DOCS / "images" / name).read_bytes().startswith(b"<?xml")
