@@ -19,7 +19,8 @@ import numpy as np
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.mechanism.follower_path import Bows, FollowerPath, path_of
+from camgeo.mechanism.lift_jet import lift_jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, dot, joined
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, compared

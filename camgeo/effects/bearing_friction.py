@@ -44,7 +44,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgeo.effects.force import at_rates
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, merged
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
 
@@ -61,6 +61,53 @@ PER_LOAD: Final = 12
 
 MOST_STEPS: Final = 100
 """Largest number of Newton steps; each ends with the first that rounding turns back."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rubbing:
+    """Coulomb friction in the pivot or guide, per unit of its loads.
+
+    Attributes
+    ----------
+    lever : friction on q per unit of load [mm in a pivot, 1 in a guide], above 0.
+    senses : (n,) sense of the motion, +1, -1, or 0 during a dwell.
+    per_normal : (k, n) complex loads of the contact per unit of |N| on the side `sense`: the force
+        of the pivot in the drawing, or the forces of near and far end to the right of the guide;
+        see `camgeo.effects.loads`.
+    """
+
+    lever: float
+    senses: Callable[[FloatArray, Side], FloatArray]
+    per_normal: Callable[[FloatArray, Side, int], ComplexArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BearingFriction:
+    """The friction in the pivot or guide of a scene.
+
+    Attributes
+    ----------
+    rubbing : that of the pivot or guide.
+    own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.effects.loads`.
+    """
+
+    rubbing: Rubbing
+    own: Callable[[FloatArray, Side], ComplexArray]
+
+    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) w [1 or mm]."""
+        drag: FloatArray = self.rubbing.lever * self.rubbing.senses(phi, side)
+        return drag
+
+    def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) w sum |A_i| at `rates` [N or N mm]."""
+        sizes = np.abs(at_rates(self.own(phi, side), rates))
+        return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
+
+    def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
+        sizes = at_rates(np.abs(self.own(phi, side)), np.abs(rates))
+        return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
 
 
 def directions(

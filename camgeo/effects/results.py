@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
-import numpy as np
-
 from camgeo.effects.effect import Key, Result
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from camgeo.effects.bearing_friction import BearingFriction, Rubbing
     from camgeo.effects.effect import Quantity
     from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
@@ -169,24 +168,6 @@ class Bearing:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rubbing:
-    """Coulomb friction in the pivot or guide, per unit of its loads.
-
-    Attributes
-    ----------
-    lever : friction on q per unit of load [mm in a pivot, 1 in a guide], above 0.
-    senses : (n,) sense of the motion, +1, -1, or 0 during a dwell.
-    per_normal : (k, n) complex loads of the contact per unit of |N| on the side `sense`: the force
-        of the pivot in the drawing, or the forces of near and far end to the right of the guide;
-        see `camgeo.effects.loads`.
-    """
-
-    lever: float
-    senses: Quantity
-    per_normal: Callable[[FloatArray, Side, int], ComplexArray]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Friction(Acting):
     """Friction of the follower.
 
@@ -207,40 +188,6 @@ class Friction(Acting):
     bearing: Callable[[FloatArray, Side, int], Bearing]
     guide_length: float | None
     rubbing: Rubbing | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class BearingFriction:
-    """The friction in the pivot or guide of a scene, see `camgeo.effects.bearing_friction`.
-
-    Attributes
-    ----------
-    friction : all friction of the follower.
-    rubbing : that of the pivot or guide.
-    own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.effects.loads`.
-    """
-
-    friction: Friction
-    rubbing: Rubbing
-    own: Callable[[FloatArray, Side], ComplexArray]
-
-    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) w [1 or mm]."""
-        return self.rubbing.lever * self.rubbing.senses(phi, side)
-
-    def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
-        """(n,) w sum |A_i| at `rates` [N or N mm]."""
-        from camgeo.effects.force import at_rates  # declarations import this module
-
-        sizes = np.abs(at_rates(self.own(phi, side), rates))
-        return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
-
-    def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
-        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
-        from camgeo.effects.force import at_rates  # see above
-
-        sizes = at_rates(np.abs(self.own(phi, side)), np.abs(rates))
-        return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
 
 
 @dataclass(frozen=True, slots=True)

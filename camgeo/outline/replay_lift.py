@@ -21,7 +21,8 @@ import numpy as np
 
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
+from camgeo.mechanism.follower_path import Bows, FollowerPath
+from camgeo.mechanism.lift_jet import lift_jet
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import (
     BoolArray,

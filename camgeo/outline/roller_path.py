@@ -16,7 +16,8 @@ from typing import Literal, Protocol
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import Bows, FollowerPath, lift_jet
+from camgeo.mechanism.follower_path import Bows, FollowerPath
+from camgeo.mechanism.lift_jet import lift_jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped, joined
 from camgeo.units import TURN
 

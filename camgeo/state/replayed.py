@@ -23,7 +23,7 @@ class ReplayedMotion:
     """The demanded motion where the flank is whole, and the motion over its corners; see `Motion`.
 
     On a corner the roller turns about a point of the disc, so its lift and three derivatives are
-    known in closed form (`camgeo.mechanism.follower_path.lift_jet`).
+    known in closed form (`camgeo.mechanism.lift_jet.lift_jet`).
 
     Attributes
     ----------

@@ -314,7 +314,7 @@ class Held:
             def event(t: float, y: Any) -> float:
                 return self.gap(side, leaving + self.omega * t, float(y[0]))[0]
 
-            event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+            event.terminal, event.direction = True, -1  # type: ignore[attr-defined]  # as solve_ivp reads it
             return event
 
         soon, sides = 0.05 * about / self.omega, list(self.gaps)
@@ -397,7 +397,7 @@ def test_flights_across_a_clearance_are_those_of_a_free_follower(
             # The follower leaves where the force changes its sign; a step of the wall's second
             # difference is 1e-5, and its rounding 1e-16 / 1e-5 of the lift.
             near = (each.leaving - 1e-4, each.leaving + 1e-4)
-            at = brentq(lambda phi: held.push(each.left, phi), *near)  # noqa: B023
+            at = brentq(lambda phi: held.push(each.left, phi), *near)  # noqa: B023 - called at once
             assert each.leaving == pytest.approx(at, abs=1e-7)
             leaving, state = each.leaving, list(held.on_wall(each.left, each.leaving))
         about = each.landing - each.leaving

@@ -11,7 +11,7 @@ from camgeo.design import Design
 from camgeo.effects.lift_off import flight
 from camgeo.effects.lift_off.cells import cells_from
 from camgeo.effects.lift_off.crossing import Change
-from camgeo.effects.lift_off.flight import Flight
+from camgeo.effects.lift_off.flown import Flight
 from camgeo.effects.ranges import ranges_below, runs
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side

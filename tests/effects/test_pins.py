@@ -172,7 +172,7 @@ class Members:
 
     def push(self, roller: Jets) -> ComplexArray:
         """Normal of the pitch curve away from the disc."""
-        sigma, omega = self.made.cam.rotation, self.made.drive.time_course.rates(self.phi)[0]  # type: ignore[union-attr]
+        sigma, omega = self.made.cam.rotation, self.made.drive.time_course.rates(self.phi)[0]  # type: ignore[union-attr]  # it has one
         tangent = roller[1] / omega - 1j * sigma * roller[0]
         return np.asarray(1j * sigma * tangent / np.abs(tangent))
 
@@ -221,7 +221,7 @@ def cut_free(made: Design, phi: FloatArray, given: dict[str, float]) -> dict[str
     pivot, free = follower.pivot, pull(given["angle"])
     tip, pin, way = at.joints()
     own, demanded = at.jet(made.cam.drive.motion), at.jet(made.drive.plan)
-    far_rocks = linkage.unit == "rad"  # type: ignore[union-attr]
+    far_rocks = linkage.unit == "rad"  # type: ignore[union-attr]  # it has one
     near, far = (tip, pin) if pivot is not None else (pin, tip)
     share = given["coupler_centre"]
     centre = [(1.0 - share) * a + share * b for a, b in zip(tip, pin, strict=True)]
@@ -327,7 +327,7 @@ def assert_reactions(name: str, rng: Random) -> None:
     gain = turned * np.imag(wanted["rod"][1] / wanted["rod"][0]) - along(force, velocity)
     most = size * float(np.max(np.abs(wanted["near"][1])))
     assert np.max(np.abs(sum(powers) + gain)) <= 10.0 * ROUNDING * most
-    omega = made.drive.time_course.rates(phi)[0]  # type: ignore[union-attr]
+    omega = made.drive.time_course.rates(phi)[0]  # type: ignore[union-attr]  # it has one
     given_by_cam = along(bodies.of_cam(phi, "right"), wanted["roller"])
     power = made.effect("drive-torque").torque(phi, "right") * omega
     assert np.max(np.abs(given_by_cam - power)) <= 10.0 * ROUNDING * np.max(np.abs(power))

@@ -27,10 +27,10 @@ from typing import Final, NoReturn
 
 import numpy as np
 
-from camgeo.effects.bearing_friction import directions, with_reversals
+from camgeo.effects.bearing_friction import BearingFriction, directions, with_reversals
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force, at_rates, rates_of, smooth_edges, total
-from camgeo.effects.results import BearingFriction, Friction
+from camgeo.effects.results import Friction
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
+from camgeo.effects.bearing_friction import BearingFriction
 from camgeo.effects.contact_force import FORCES, ForceLimit
 from camgeo.effects.contact_force.balance import (
     VANISHING,
@@ -29,7 +30,6 @@ from camgeo.effects.results import (
     LOAD,
     SPRING,
     VIBRATION,
-    BearingFriction,
     ContactForce,
     Inertia,
 )
@@ -94,7 +94,7 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
         friction=friction,
         edges=edges,
         extremes=extremes,
-        required=balance.required,
+        required=rigid.required,
         normal=normal,
         normal_at=rigid.normal,
         bracket=balance.bracket,
@@ -113,7 +113,7 @@ def bearings_of(request: Request[ForceLimit]) -> BearingFriction | None:
     if friction is None or friction.rubbing is None:
         return None
     loads = Loads(request.subject, results.get(INERTIA), results.get(GRAVITY), results.get(SPRING))
-    return BearingFriction(friction, friction.rubbing, partial(loads.on_bearings, friction))
+    return BearingFriction(friction.rubbing, partial(loads.on_bearings, friction))
 
 
 def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list[Finding]:

@@ -23,13 +23,14 @@ import numpy as np
 
 from camgeo.effects.bearing_friction import (
     LINEAR,
+    BearingFriction,
     RubbingLaw,
     linear_law,
     with_reversals,
 )
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import at_rates, rates_of, smooth_edges
-from camgeo.effects.results import BearingFriction, ContactForce
+from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
 from camgeo.effects.wording import at
 from camgeo.errors import EffectError
@@ -80,7 +81,8 @@ class TorqueLaw:
     def _rubbing(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> RubbingLaw:
         """The law with friction in the bearings."""
         velocity = self.subject.state.motion.jet(phi, side, 1)[1]
-        drag, friction = bearings.drag(phi, side), bearings.friction
+        drag, friction = bearings.drag(phi, side), self.contact.friction
+        assert friction is not None  # that of the bearings is part of it
         found = {}
         for sense in (INNER, OUTER):
             lever = leverage_of(self.subject, phi, side, sense)

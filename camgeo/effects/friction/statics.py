@@ -48,9 +48,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import Rubbing
 from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.loads import guide_ends
-from camgeo.effects.results import Bearing, Rubbing
+from camgeo.effects.results import Bearing
 from camgeo.effects.touching import carrier, sliding
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN

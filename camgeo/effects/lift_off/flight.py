@@ -27,13 +27,13 @@ time, all that follows repeats.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import BearingFriction
 from camgeo.effects.force import Force
 from camgeo.effects.lift_off.cells import (
     MOST_HALVINGS,
@@ -43,9 +43,19 @@ from camgeo.effects.lift_off.cells import (
     Polynomial,
     cells_from,
 )
+from camgeo.effects.lift_off.flown import (
+    Cell,
+    End,
+    Flight,
+    Flights,
+    Leaving,
+    apart,
+    in_turns,
+    next_leaving,
+)
 from camgeo.effects.lift_off.walls import Wall
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import BearingFriction, ContactForce, Inertia
+from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.wording import missed
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -96,113 +106,6 @@ PULLING: Final = 1e-9
 """A played wall would have to pull where its force is below minus this share of the largest: the
 second derivative of a played lift is rounded more than that of the state.
 """
-
-
-@dataclass(frozen=True, slots=True)
-class Flight:
-    """The follower off the cam.
-
-    Attributes
-    ----------
-    leaving, landing : cam angles [rad], the leaving in the turns over which all flights repeat.
-    gap : the largest |d|, how far the follower gets from where it would touch [mm or rad].
-    speed : of the impact, along the normal [mm/s].
-    energy : lost in the impact [N mm].
-    rebound : whether it begins with the impact of the flight before.
-    left, met : the sides that it leaves and meets, see `camgeo.effects.touching`.
-    error : estimate of the relative errors of `gap`, `speed` and `energy`.
-    late : estimate of the error of `landing` [rad].
-    """
-
-    leaving: float
-    landing: float
-    gap: float
-    speed: float
-    energy: float
-    rebound: bool
-    left: int
-    met: int
-    error: float = 0.0
-    late: float = 0.0
-
-    @property
-    def crossed(self) -> bool:
-        """Whether it meets the other side."""
-        return self.left != self.met
-
-
-@dataclass(frozen=True, slots=True)
-class Flights:
-    """The flights in the steady state.
-
-    Attributes
-    ----------
-    flights : by ascending cam angle of leaving, with their rebounds.
-    turns : after which they repeat; 0 if they do not within `MOST_TURNS`.
-    unlanded : cam angle [rad] at which one begins that lasts longer than that; None without any.
-    """
-
-    flights: tuple[Flight, ...]
-    turns: int
-    unlanded: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Leaving:
-    """Where a wall would have to pull.
-
-    Attributes
-    ----------
-    wall : its number.
-    begin, end : cam angles [rad], the begin in [0, 2 pi), the end beyond it, and equal to it where
-        the velocity jumps away from the wall.
-    rate : of d [per s] with which the follower goes on there.
-    """
-
-    wall: int
-    begin: float
-    end: float
-    rate: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class _End:
-    """Where a flight ends [rad], on which wall, the coordinate and its rate relative to that wall
-    [per s], and the largest |d| until then; 0 if it does not open by more than rounding.
-    """
-
-    angle: float
-    wall: int
-    place: float
-    rate: float
-    gap: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Cell:
-    """A cell of cam angle, and at n angles in it what a free follower needs to know.
-
-    Attributes
-    ----------
-    ends : [rad].
-    angles, phi : (n,) [rad], `phi` in [0, 2 pi).
-    omega : (n,) pace of the cam [rad/s].
-    lift, pace, pull : (n,) h, h' and h'' in time.
-    mass, free, needed : (n,) M, F and R on the wall.
-    room : (n,) distance to the other wall in q, away from the wall left; None without one.
-    """
-
-    ends: tuple[float, float]
-    angles: FloatArray
-    phi: FloatArray
-    omega: FloatArray
-    lift: FloatArray
-    pace: FloatArray
-    pull: FloatArray
-    mass: FloatArray
-    free: FloatArray
-    needed: FloatArray
-    room: FloatArray | None = None
 
 
 class _StiffError(ArithmeticError):
@@ -279,12 +182,12 @@ class FreeFollower:
                 continue
             alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
             pairs = tuple(zip(rough.flights, fine.flights, strict=False))
-            error = max((_apart(*both) for both in pairs), default=0.0) if alike else 1.0
+            error = max((apart(*both) for both in pairs), default=0.0) if alike else 1.0
             if error <= max(tolerance, ROUNDING):
                 told = (
                     replace(
                         better,
-                        error=max(_apart(worse, better), ROUNDING),
+                        error=max(apart(worse, better), ROUNDING),
                         late=max(abs(worse.landing - better.landing), ROUNDING * TURN),
                     )
                     for worse, better in pairs
@@ -302,13 +205,13 @@ class FreeFollower:
         flown: list[Flight] = []
         begun: list[tuple[Leaving, float, int]] = []
         while angle <= last and len(flown) < MOST_FLIGHTS:
-            leaving, start = _next(leavings, wall, angle)
+            leaving, start = next_leaving(leavings, wall, angle)
             if leaving is None:
                 return Flights((), 1)  # it stays on a wall that never has to pull
             for each, before, count in begun:
                 turns = round((start - before) / TURN)
                 if each is leaving and turns and abs(start - before - turns * TURN) <= SAME:
-                    return Flights(_in_turns(flown[count:], turns), turns)
+                    return Flights(in_turns(flown[count:], turns), turns)
             begun.append((leaving, start, len(flown)))
             angle, rate = start, leaving.rate
             for number in range(MOST_REBOUNDS + 1 if restitution else 1):
@@ -327,7 +230,7 @@ class FreeFollower:
         return Flights(tuple(flown), 0)
 
     def _landed(
-        self, end: _End, restitution: float, begin: tuple[int, float], rebound: bool
+        self, end: End, restitution: float, begin: tuple[int, float], rebound: bool
     ) -> Flight:
         """The flight that begins on a wall at an angle [rad], `begin`."""
         left, angle = begin
@@ -349,7 +252,7 @@ class FreeFollower:
 
     def _flight(
         self, wall: int, leaving: float, rate: float, nodes: Nodes, halvings: int
-    ) -> _End | None:
+    ) -> End | None:
         """The end of the flight that leaves the `wall` at `leaving` [rad] with the `rate` of d [per
         s]; None if it lasts longer than `MOST_TURNS`.
         """
@@ -363,7 +266,7 @@ class FreeFollower:
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
             opened = np.maximum.accumulate(away > self.least) | flying
             if thrown and not opened[-2]:
-                return _End(leaving, wall, 0.0, 0.0, 0.0)
+                return End(leaving, wall, 0.0, 0.0, 0.0)
             back = _closes(outwards * gap, probes[opened]) if opened[-2] else None
             across = None
             if cell.room is not None:
@@ -380,14 +283,14 @@ class FreeFollower:
             way, rate, flying = float(gap(high)), float(speed(high)), bool(opened[-1])
         return None
 
-    def _ended(self, wall: int, hit: int, angle: float, found: tuple[float, float, float]) -> _End:
+    def _ended(self, wall: int, hit: int, angle: float, found: tuple[float, float, float]) -> End:
         """The end on the wall `hit`, with d, its rate and the largest gap `found`."""
         gap, rate, most = found
         here = np.array([angle % TURN])
         own, met = (self.walls[each].motion(here, "left")[:, 0] for each in (wall, hit))
         omega = float(self.course.rates(here)[0, 0])
         place, pace = float(own[0]), omega * float(met[1] - own[1])
-        return _End(angle, hit, place + gap, rate - pace, most)
+        return End(angle, hit, place + gap, rate - pace, most)
 
     def _on_wall(
         self, wall: Wall, phi: FloatArray, side: Side
@@ -418,7 +321,7 @@ class FreeFollower:
 
     def _sampled(
         self, wall: int, outwards: float, leaving: float, nodes: Nodes, halvings: int
-    ) -> Iterator[_Cell]:
+    ) -> Iterator[Cell]:
         """The cells of a flight; many are evaluated at a time, the more the longer the flight."""
         cells = cells_from(leaving, self.edges, 0.5**halvings, MOST_TURNS)
         own, size = self.walls[wall], 1
@@ -433,11 +336,11 @@ class FreeFollower:
                 found.append(outwards * (other - timed[0]))
             rows = np.reshape(found, (len(found), *angles.shape))
             for number, ends in enumerate(block):
-                yield _Cell(ends, angles[number], *rows[:, number])
+                yield Cell(ends, angles[number], *rows[:, number])
             size = min(2 * size, MOST_AT_ONCE)
 
     def _solved(
-        self, cell: _Cell, nodes: Nodes, way: float, rate: float
+        self, cell: Cell, nodes: Nodes, way: float, rate: float
     ) -> tuple[Polynomial, Polynomial]:
         """d and its rate in a cell; at its start they are `way` and `rate`."""
         count = len(cell.phi)
@@ -467,29 +370,6 @@ def free_of(
     return FreeFollower(others, inertia, course, walls, contact.bearings, cuts, least)
 
 
-def _next(leavings: tuple[Leaving, ...], wall: int, angle: float) -> tuple[Leaving | None, float]:
-    """Where a follower that rests on `wall` at `angle` [rad] leaves it."""
-    soonest: tuple[Leaving | None, float] = (None, math.inf)
-    for each in leavings:
-        if each.wall != wall:
-            continue
-        ahead = (each.begin - angle) % TURN
-        if TURN - ahead < each.end - each.begin:
-            ahead = 0.0
-        if angle + ahead < soonest[1]:
-            soonest = each, angle + ahead
-    return soonest
-
-
-def _in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
-    """All flights of so many `turns`, each begun in them, by ascending cam angle."""
-    found = []
-    for each in flown:
-        shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
-        found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
-    return tuple(sorted(found, key=lambda each: each.leaving))
-
-
 def _closes(gap: Polynomial, probes: FloatArray) -> float | None:
     """The first place from the first to the last of `probes` at which the `gap`, above 0 at first,
     falls to 0; None if there is none.
@@ -510,12 +390,3 @@ def _closes(gap: Polynomial, probes: FloatArray) -> float | None:
         elif values[piece + 1] <= 0.0:
             return float(bracketed_roots(gap, np.array([low]), np.array([high]))[0])
     return None
-
-
-def _apart(rough: Flight, fine: Flight) -> float:
-    """The relative difference of gap, speed and energy; 1 if they end on different walls."""
-    if rough.met != fine.met:
-        return 1.0
-    pairs = (rough.speed, fine.speed), (rough.gap, fine.gap)
-    speed, gap = (abs(a - b) / max(a, b) if a != b else 0.0 for a, b in pairs)
-    return max(2.0 * speed, gap)

@@ -23,7 +23,7 @@ from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.effects.lift_off.elastic_speed import ElasticSpeed
-    from camgeo.effects.lift_off.flight import Flight
+    from camgeo.effects.lift_off.flown import Flight
 
 
 VectorOf = Callable[[FloatArray, Side], ComplexArray]

@@ -14,7 +14,7 @@ from camgeo.effects.wording import degrees
 from camgeo.wording import counted
 
 if TYPE_CHECKING:
-    from camgeo.effects.lift_off.flight import Flight
+    from camgeo.effects.lift_off.flown import Flight
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -33,7 +33,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, read_only
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, read_only
+from camgeo.numeric.oscillator.impedances import Impedances, in_series
 from camgeo.numeric.oscillator.train import EPS, Train
 
 
@@ -84,7 +85,7 @@ class _Chain:
     g: FloatArray
     h: FloatArray
 
-    def at(self, s: ComplexArray) -> _Impedances:
+    def at(self, s: ComplexArray) -> Impedances:
         """The impedances at `s` (q,)."""
         column = s[:, np.newaxis]
         own = (self.m * column + self.h) * column + self.g
@@ -92,11 +93,11 @@ class _Chain:
         to_back, to_front = own.copy(), own.copy()
         count = len(self.m)
         for i in range(count - 2, -1, -1):
-            to_back[:, i] += _in_series(link[:, i + 1], to_back[:, i + 1])
+            to_back[:, i] += in_series(link[:, i + 1], to_back[:, i + 1])
         to_front[:, 0] += link[:, 0]
         for i in range(1, count):
-            to_front[:, i] += _in_series(link[:, i], to_front[:, i - 1])
-        return _Impedances(s, own, link, to_back, to_front)
+            to_front[:, i] += in_series(link[:, i], to_front[:, i - 1])
+        return Impedances(s, own, link, to_back, to_front)
 
     def normed(self, s: ComplexArray, x: ComplexArray, bent: ComplexArray) -> ComplexArray:
         """(q,) x^T Q'(s) x, with `bent` x_i - x_{i-1}."""
@@ -104,7 +105,7 @@ class _Chain:
         own = np.sum((2.0 * self.m * column + self.h) * x**2, axis=1)
         return np.asarray(own + np.sum(self.c * bent**2, axis=1))
 
-    def pushes(self, at: _Impedances, x: ComplexArray, bent: ComplexArray) -> ComplexArray:
+    def pushes(self, at: Impedances, x: ComplexArray, bent: ComplexArray) -> ComplexArray:
         """(q, n) forces in the links, positive if they push the mass behind.
 
         Each is what its spring and damper exert, or what all masses behind it take; these are
@@ -124,74 +125,6 @@ class _Chain:
         own = (self.m * size + self.h) * size + self.g
         links = np.sum((self.k + self.c * size) * np.abs(bent) ** 2, axis=1)
         return np.asarray(np.sum(own * np.abs(x) ** 2, axis=1) + links)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Impedances:
-    """Force by displacement, (q, n) each.
-
-    Attributes
-    ----------
-    s : (q,).
-    own : of the mass with what holds it to the frame.
-    link : of the spring and damper in front of it.
-    to_back : of the mass with all behind it.
-    to_front : of the mass with all in front of it, the base at rest.
-    """
-
-    s: ComplexArray
-    own: ComplexArray
-    link: ComplexArray
-    to_back: ComplexArray
-    to_front: ComplexArray
-
-    @property
-    def whole(self) -> ComplexArray:
-        """(q, n) force at a mass by its displacement, with the whole train around it."""
-        found = self.to_front.copy()
-        found[:, :-1] += _in_series(self.link[:, 1:], self.to_back[:, 1:])
-        return found
-
-    def from_mass(self, mass: IntArray) -> tuple[ComplexArray, ComplexArray]:
-        """(q, n) displacements while that of the `mass` (q,) is 1, and the x_i - x_{i-1}."""
-        rows, count = np.arange(len(self.s)), self.own.shape[1]
-        x = np.zeros_like(self.own)
-        bent = np.zeros_like(self.own)
-        x[rows, mass] = 1.0
-        for i in range(1, count):
-            behind = i > mass
-            stretch = _divided(self.to_back[:, i], self.link[:, i] + self.to_back[:, i])
-            share = _divided(self.link[:, i], self.link[:, i] + self.to_back[:, i])
-            x[:, i] = np.where(behind, share * x[:, i - 1], x[:, i])
-            bent[:, i] = np.where(behind, -stretch * x[:, i - 1], bent[:, i])
-        for i in range(count - 1, 0, -1):
-            ahead = i <= mass
-            before = self.to_front[:, i - 1]
-            stretch = _divided(before, self.link[:, i] + before)
-            share = _divided(self.link[:, i], self.link[:, i] + before)
-            x[:, i - 1] = np.where(ahead, share * x[:, i], x[:, i - 1])
-            bent[:, i] = np.where(ahead, stretch * x[:, i], bent[:, i])
-        bent[:, 0] = x[:, 0]
-        return x, bent
-
-    def from_base(self) -> tuple[ComplexArray, ComplexArray]:
-        """(q, n) displacements while that of the base is 1, and the x_i - x_{i-1}."""
-        total = self.link[:, 0] + self.to_back[:, 0]
-        first = _divided(self.link[:, 0], total)
-        x, bent = self.from_mass(np.zeros(len(self.s), dtype=np.intp))
-        x, bent = first[:, np.newaxis] * x, first[:, np.newaxis] * bent
-        bent[:, 0] = -_divided(self.to_back[:, 0], total)
-        return x, bent
-
-
-def _divided(a: ComplexArray, b: ComplexArray) -> ComplexArray:
-    """a / b, with a tiny b for 0: an impedance that vanishes is one that nearly does."""
-    found: ComplexArray = a / np.where(b == 0.0, EPS * EPS * np.maximum(np.abs(a), 1e-250), b)
-    return found
-
-
-def _in_series(link: ComplexArray, load: ComplexArray) -> ComplexArray:
-    return link * _divided(load, link + load)
 
 
 def chain(stages: Sequence[Stage], output: int = -1) -> Train:
