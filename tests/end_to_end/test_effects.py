@@ -103,8 +103,8 @@ def test_velocity_of_the_table_is_that_of_the_motion(capsys: Capture) -> None:
     main(["table", str(scene), "--step", "5"])
     text = capsys.readouterr().out
     phi = np.radians(column(text, "phi"))
-    subject = load(scene)
-    course = subject.drive.time_course
+    design = load(scene)
+    course = design.effects.course("kinematics")  # the found speed
     assert course is not None
-    velocity = in_time(subject.drive.plan.jet(phi), course, phi)[1]
+    velocity = in_time(design.drive.plan.jet(phi), course, phi)[1]
     assert np.array_equal(column(text, "velocity"), velocity)

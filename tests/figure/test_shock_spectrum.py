@@ -12,7 +12,7 @@ from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.figure.marks import Line, Rule
 from camgeo.figure.plots import SPECTRUM, of_design
-from camgeo.scene.load import load_scene
+from camgeo.scene.load import load_scene, parse_scene
 from tests.answers.documents import FIXTURES
 
 PRESS = FIXTURES / "effects" / "press.toml"
@@ -26,8 +26,14 @@ def marks(design: Design, kind: type[Kind]) -> list[Kind]:
     return [each for each in row.panels[0].marks if isinstance(each, kind)]
 
 
+def steady() -> Design:
+    """The press at the constant speed that it states, where both moves take as long."""
+    text = PRESS.read_text(encoding="utf-8")
+    return Design(parse_scene(f'{text}\n[state]\nspeed = "stated"\n'))
+
+
 def test_curves_are_those_of_the_effect_and_equal_ones_are_drawn_once() -> None:
-    design = camgeo.load(PRESS)
+    design = steady()
     lines = {each.label: each for each in marks(design, Line)}
     found = design.effect(SPECTRUM)
     assert len(found.spectra) == 2  # both by one law
@@ -43,12 +49,24 @@ def test_curves_are_those_of_the_effect_and_equal_ones_are_drawn_once() -> None:
 
 
 def test_the_train_of_the_scene_is_marked_at_the_natural_periods_of_each_move() -> None:
-    design = camgeo.load(PRESS)
+    design = steady()
     (rule,) = (each for each in marks(design, Rule) if each.axis == "x")
     # 110 degrees at 240 rev/min, and the frequency that the scene states
     frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
     assert rule.at == pytest.approx(110.0 / 360.0 / (240.0 / 60.0) * frequency, rel=1e-9)
     assert f"{frequency:.4g} Hz" in rule.label
+
+
+def test_at_the_found_speed_each_move_has_its_own_duration() -> None:
+    design = camgeo.load(PRESS)
+    rules = [each for each in marks(design, Rule) if each.axis == "x"]
+    frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
+    course = design.effects.course(SPECTRUM)
+    assert course is not None
+    times = course.time(np.radians([40.0, 150.0, 200.0, 310.0]))
+    assert [each.at for each in rules] == pytest.approx(
+        [(times[1] - times[0]) * frequency, (times[3] - times[2]) * frequency], rel=1e-9
+    )
 
 
 def test_a_scene_without_the_effect_has_no_such_picture() -> None:
