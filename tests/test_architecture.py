@@ -97,6 +97,7 @@ EFFECT_FRAME = {
     "registry",
     "results",
     "rules",
+    "shaft",
     "touching",
     "turning_disc",
     "wording",

@@ -14,18 +14,16 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.bearing_friction import LINEAR, RubbingLaw, with_reversals
 from camgeo.effects.effect import Bound, Quantity
-from camgeo.effects.speed_fluctuation.mesh import collocation, nodes_of
-from camgeo.effects.speed_fluctuation.rate import Shaft
+from camgeo.effects.shaft.mesh import collocation, nodes_of
+from camgeo.effects.shaft.rate import Shaft
+from camgeo.effects.shaft.switches import switches
 from camgeo.effects.speed_fluctuation.solve import solve
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.effects.wording import N_M
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, merged
-from camgeo.numeric.extremes import dips, grid_of
-from camgeo.numeric.roots import roots_on_grid
 from camgeo.numeric.rounding import SHARE, resolved
 from camgeo.units import RPM, TURN
 
@@ -106,7 +104,7 @@ class Steady:
         }
 
 
-def accurate(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -> Steady:
+def accurate(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: float) -> Steady:
     """The steady state; raises as `solve`.
 
     The speed is found to the tolerance, and so is the torque of the motor unless rounding of the
@@ -114,49 +112,31 @@ def accurate(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -
     the torque shows this.
     """
     for rough in ROUGH:
-        switches = _switches(shaft, law, edges, solve(shaft, law, edges, max(rough, tolerance)))
-        if not len(switches):
+        turn = solve(shaft, law, edges, max(rough, tolerance))
+        found = _switches(shaft, law, edges, turn)
+        if not len(found):
             break
-        edges = merged(np.concatenate((edges, switches)))
-    found = _measured(shaft, solve(shaft, law, edges, tolerance), edges)
-    worst = _worst(found)
+        edges = merged(np.concatenate((edges, found)))
+    steady = _measured(shaft, solve(shaft, law, edges, tolerance), edges)
+    worst = _worst(steady)
     if worst > tolerance:
-        speed = max(0.5 * tolerance * found.turn.error / worst, FINEST)
+        speed = max(0.5 * tolerance * steady.turn.error / worst, FINEST)
         with suppress(EffectError):
-            found = _measured(shaft, solve(shaft, law, edges, speed), edges)
-    return found
+            steady = _measured(shaft, solve(shaft, law, edges, speed), edges)
+    return steady
 
 
-def _switches(shaft: Shaft, law: Quantity, edges: FloatArray, turn: SteadyTurn) -> FloatArray:
-    """(k,) cam angles [rad] at which the side that carries changes, and with it the friction, or a
-    force at an end of a guide.
-
-    The acceleration has a kink there, which cells must not contain: one beside the end of a cell is
-    seen at none of its nodes.
-    """
-    linear = len(turn.mesh.laws) == LINEAR
-    if linear and np.array_equal(*turn.mesh.laws[4:]):
-        return np.empty(0)
-
-    def push(phi: FloatArray) -> FloatArray:
-        return shaft.push(law(phi, "right"), turn.y(phi))
-
-    grid = grid_of(merged(np.concatenate((edges, dips(push, grid_of(edges))))))
-    found = roots_on_grid(push, grid)
-    if linear or not RubbingLaw.of(turn.mesh.laws).collinear:
-        return found
-
-    def loads(phi: FloatArray) -> FloatArray:
-        return shaft.loads(law(phi, "right"), turn.y(phi)).real
-
-    return with_reversals(loads, merged(np.concatenate((edges, found))))
+def _switches(
+    shaft: Shaft[Motor], law: Quantity, edges: FloatArray, turn: SteadyTurn
+) -> FloatArray:
+    return switches(law, edges, turn.mesh.laws, lambda phi: (shaft, turn.y(phi)))
 
 
 def _worst(found: Steady) -> float:
     return max(each.share for each in found.figures().values())
 
 
-def _measured(shaft: Shaft, turn: SteadyTurn, edges: FloatArray) -> Steady:
+def _measured(shaft: Shaft[Motor], turn: SteadyTurn, edges: FloatArray) -> Steady:
     """The mean values, and the data from which their errors follow."""
     motor, mesh = shaft.motor, turn.mesh
     omega = np.sqrt(2.0 * (turn.state.base + turn.state.nodes))

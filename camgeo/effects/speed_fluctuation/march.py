@@ -18,7 +18,7 @@ import numpy as np
 from camgeo.effects.bearing_friction import FIXED, LINEAR, PER_LOAD
 from camgeo.effects.bearing_friction import MOST_STEPS as MOST_TURNS
 from camgeo.effects.effect import Quantity
-from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
+from camgeo.effects.shaft.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.units import TURN
@@ -58,7 +58,7 @@ class Outcome:
     stall: float
 
 
-def outcome(shaft: Shaft, law: Quantity, edges: FloatArray) -> Outcome:
+def outcome(shaft: Shaft[Motor], law: Quantity, edges: FloatArray) -> Outcome:
     """Whether there is a steady state, from single turns at different speeds.
 
     The range from 0 to a speed from which the cam slows down is bisected: an orbit that loses speed
@@ -197,7 +197,7 @@ def _unit(vector: complex, otherwise: complex) -> complex:
     return vector / abs(vector) if vector else otherwise
 
 
-def _march(shaft: Shaft, law: Quantity, edges: FloatArray) -> _March:
+def _march(shaft: Shaft[Motor], law: Quantity, edges: FloatArray) -> _March:
     counts = np.ceil(np.diff(edges) * (STEPS / TURN)).astype(np.intp)
     grids = [
         np.linspace(a, b, count + 1)[:-1]

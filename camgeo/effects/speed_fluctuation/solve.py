@@ -10,10 +10,11 @@ import numpy as np
 from camgeo.effects.bearing_friction import LINEAR, RubbingLaw, linear_law
 from camgeo.effects.effect import Quantity, Subject
 from camgeo.effects.immovable import torque_shocks
+from camgeo.effects.shaft.mesh import Mesh, collocation, double_mesh
+from camgeo.effects.shaft.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.march import outcome
-from camgeo.effects.speed_fluctuation.mesh import Mesh, collocation, double_mesh
-from camgeo.effects.speed_fluctuation.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
+from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.effects.wording import N_M, at, missed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
@@ -44,7 +45,7 @@ def refuse_shocks(subject: Subject, law: Quantity) -> None:
         )
 
 
-def solve(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -> SteadyTurn:
+def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: float) -> SteadyTurn:
     """The steady state, starting from the power balance, or from single turns if that fails.
 
     Raises
@@ -73,7 +74,7 @@ def solve(shaft: Shaft, law: Quantity, edges: FloatArray, tolerance: float) -> S
         raise _missed(error.reached, tolerance) from error
 
 
-def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
+def _balanced(shaft: Shaft[Motor], mesh: Mesh) -> float | None:
     """y [rad^2/s^2] of the largest constant speed with balanced power; None if there is none."""
     weights = mesh.spans[:, np.newaxis] * collocation().weights / TURN
 
@@ -100,7 +101,7 @@ def _balanced(shaft: Shaft, mesh: Mesh) -> float | None:
     return 0.5 * top * top if values[-1] >= 0.0 else None
 
 
-def _stall(shaft: Shaft, phi: float) -> EffectError:
+def _stall(shaft: Shaft[Motor], phi: float) -> EffectError:
     torque = N_M * float(shaft.motor.torque(np.zeros(1))[0][0])
     place = phi % TURN
     return EffectError(
@@ -114,7 +115,7 @@ def _stall(shaft: Shaft, phi: float) -> EffectError:
     )
 
 
-def _jamming(shaft: Shaft, mesh: Mesh) -> EffectError:
+def _jamming(shaft: Shaft[Motor], mesh: Mesh) -> EffectError:
     if len(mesh.laws) == LINEAR:
         moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
         bad = ~np.all(moments > 0.0, axis=0)

@@ -12,15 +12,17 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.speed_fluctuation.mesh import (
+from camgeo.effects.shaft.mesh import (
     NODES,
     DoubleMesh,
     Mesh,
+    State,
     collocation,
     interleaved,
     legendre,
 )
-from camgeo.effects.speed_fluctuation.rate import Shaft
+from camgeo.effects.shaft.rate import Shaft
+from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 
@@ -66,27 +68,6 @@ class NoConvergenceError(ArithmeticError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """The state y = base + z; a small fluctuation z keeps its precision.
-
-    Attributes
-    ----------
-    base : [rad^2/s^2]
-    starts : (m + 1,) z at the ends of the cells.
-    nodes : (m, n) z at their nodes.
-    """
-
-    base: float
-    starts: FloatArray
-    nodes: FloatArray
-
-    @property
-    def all_nodes(self) -> FloatArray:
-        """(m, n + 1) z at the start and at the nodes of each cell."""
-        return np.concatenate((self.starts[:-1, np.newaxis], self.nodes), axis=1)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Step:
     """A Newton step: the changes, the defect of each cell, and the slope of the Poincare map."""
 
@@ -96,7 +77,7 @@ class Step:
     slope: float
 
 
-def newton_step(shaft: Shaft, mesh: Mesh, state: State) -> Step:
+def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
     """The Newton step from `state`, on all cells of the turn together."""
     at = collocation()
     spans = mesh.spans
@@ -172,7 +153,7 @@ class SteadyTurn:
 
 
 def steady_turn(
-    shaft: Shaft, law: Quantity, mesh: DoubleMesh, y: FloatArray | float, tolerance: float
+    shaft: Shaft[Motor], law: Quantity, mesh: DoubleMesh, y: FloatArray | float, tolerance: float
 ) -> SteadyTurn:
     """The periodic solution nearest to `y`.
 
@@ -227,7 +208,7 @@ def steady_turn(
     raise NoConvergenceError(reached)
 
 
-def _solved(shaft: Shaft, mesh: Mesh, state: State, tolerance: float) -> tuple[State, float]:
+def _solved(shaft: Shaft[Motor], mesh: Mesh, state: State, tolerance: float) -> tuple[State, float]:
     """The collocation solution, and its last change relative to the largest speed."""
     target = max(1e-3 * tolerance, 16.0 * EPS)
     best = np.inf

@@ -1,6 +1,6 @@
 """Cells of a turn with the torque law at their nodes, which can be halved.
 
-The law is (6 or more, n) at n cam angles [rad], see `camgeo.effects.speed_fluctuation.rate`.
+The law is (6 or more, n) at n cam angles [rad], see `camgeo.effects.shaft.rate`.
 """
 
 from __future__ import annotations
@@ -131,6 +131,27 @@ class DoubleMesh:
         return DoubleMesh(
             self.coarse.replaced(split, halves), self.fine.replaced(both, halves.halved(law))
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """The state y = base + z; a small fluctuation z keeps its precision.
+
+    Attributes
+    ----------
+    base : [rad^2/s^2]
+    starts : (m + 1,) z at the ends of the cells.
+    nodes : (m, n) z at their nodes.
+    """
+
+    base: float
+    starts: FloatArray
+    nodes: FloatArray
+
+    @property
+    def all_nodes(self) -> FloatArray:
+        """(m, n + 1) z at the start and at the nodes of each cell."""
+        return np.concatenate((self.starts[:-1, np.newaxis], self.nodes), axis=1)
 
 
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:

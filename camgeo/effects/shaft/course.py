@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.speed_fluctuation.mesh import collocation, legendre
-from camgeo.effects.speed_fluctuation.steady import SteadyTurn
+from camgeo.effects.shaft.mesh import Mesh, State, collocation, legendre
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, frozen
 from camgeo.units import TURN
 
@@ -19,6 +18,26 @@ JUMP: Final = 1e-9
 
 GAUSS: Final = np.polynomial.legendre.leggauss(16)
 """Nodes and weights of the integral of 1 / omega over a part of a cell."""
+
+
+class SteadyTurn(Protocol):
+    """A turn of the steady state.
+
+    Attributes
+    ----------
+    mesh : cells of the turn.
+    state : y in them.
+    rates : (m, n) alpha at their nodes [rad/s^2].
+    """
+
+    @property
+    def mesh(self) -> Mesh: ...
+
+    @property
+    def state(self) -> State: ...
+
+    @property
+    def rates(self) -> FloatArray: ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,11 +22,11 @@ follower counts as stuck. The linear law at the root has g and R as above, and t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from camgeo.effects.bearing_friction import LINEAR, RubbingLaw
-from camgeo.effects.speed_fluctuation.table import Motor
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 
@@ -34,8 +34,20 @@ class StuckError(ArithmeticError):
     """No acceleration satisfies the equation of motion: friction jams or locks the follower."""
 
 
+class Drive(Protocol):
+    """What drives the camshaft."""
+
+    def torque(self, omega: FloatArray, /) -> tuple[FloatArray, FloatArray]:
+        """Torque on the camshaft [N mm] and its derivative [N mm s] at the speeds `omega` (...)
+        [rad/s].
+        """
+
+
+Driven = TypeVar("Driven", bound=Drive, covariant=True)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Shaft:
+class Shaft(Generic[Driven]):
     """The camshaft and its motor.
 
     Attributes
@@ -45,7 +57,7 @@ class Shaft:
     """
 
     inertia: float
-    motor: Motor
+    motor: Driven
 
     def push(self, law: FloatArray, y: FloatArray) -> FloatArray:
         """J r + c3 T_m (...), which has the sign of R; parameters as for `rate`."""
@@ -73,7 +85,12 @@ class Shaft:
         return omega, slowing * self.motor.torque(omega)[0], slowing
 
     def rate(self, law: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """alpha [rad/s^2], and its derivative with respect to y [1/rad].
+        """alpha [rad/s^2], and its derivative with respect to y [1/rad]; see `response`."""
+        return self.response(law, y)[:2]
+
+    def response(self, law: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """alpha [rad/s^2], and its derivatives with respect to y [1/rad] and to the torque of the
+        motor [1/(t mm^2)].
 
         Parameters
         ----------
@@ -92,4 +109,4 @@ class Shaft:
             raise StuckError
         alpha = (drive - gain * rest) / moment
         growth = (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
-        return alpha, growth
+        return alpha, growth, 1.0 / moment
