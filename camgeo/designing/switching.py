@@ -49,6 +49,9 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
     "speed-fluctuation": (
         {"moment_of_inertia": Decimal("0.1"), "no_load_speed": None, "stall_torque": 200},
     ),
+    "camshaft-windup": (
+        {"stiffness": 10_000, "moment_of_inertia": Decimal("0.01"), "damping": Decimal("0.04")},
+    ),
     "contact-pressure": ({}, {"width": "0.2"}),
     "vibration": (
         {"natural_frequency": 100, "damping": Decimal("0.04")},

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from camgeo.effects.effect import Effect
-from camgeo.effects.results import SPEED_FLUCTUATION
+from camgeo.effects.effect import Effect, Key
+from camgeo.effects.results import FINDERS, Turning
 from camgeo.errors import CycleError
 from camgeo.state.state import Train
 
@@ -32,6 +32,11 @@ class Catalogue:
     def with_table(self, name: str, table: Mapping[str, Any]) -> Catalogue:
         """The same with another table of the effect `name`."""
         return Catalogue({**self.tables, name: table}, self._find, self._output)
+
+    @property
+    def finder(self) -> Key[Turning] | None:
+        """The effect of the scene that finds how the cam turns; None if it names none."""
+        return next((each for each in FINDERS if each in self.tables), None)
 
     def effect(self, name: str) -> Effect:
         """The declaration of the effect `name`; UnknownNameError if there is none."""
@@ -80,14 +85,15 @@ class Catalogue:
 
     def of_given_speed(self, name: str) -> bool:
         """Whether the effect `name` declares that its figures depend on the speed of the cam."""
-        return SPEED_FLUCTUATION in (each.by for each in self.effect(name).refined_by)
+        return any(each.by in FINDERS for each in self.effect(name).refined_by)
 
     def moved(self, name: str) -> bool:
         """Whether the effect `name` depends on the speed of the cam: all do, but the effect that
         finds it and, of what this is found from, those that declare no such thing.
         """
-        if name == SPEED_FLUCTUATION:
+        if name == self.finder:
             return False
-        if self.of_given_speed(name) or name not in self.behind(SPEED_FLUCTUATION):
+        behind = set() if self.finder is None else self.behind(self.finder)
+        if self.of_given_speed(name) or name not in behind:
             return True
         return any(self.moved(each) for each in self.inputs(name))

@@ -300,6 +300,7 @@ class Refinement:
 RIGID: Final = Refinement("vibration", "a rigid follower")
 ELASTIC: Final = replace(RIGID, followed=True)
 GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
+STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
 
 
 SPEED: Final = ("cam.speed", "cam.speed_curve")

@@ -1,10 +1,11 @@
 """Results at a speed of the cam that is known to an error: the errors of all their figures.
 
-The speed that `speed-fluctuation` finds is off by less than it differs from the one on cells twice
-as long (`camgeo.effects.results.Turning`). So is what follows from it: an effect is computed for
-both, and of all its figures in one unit the largest difference is taken for each of them. That one
-figure hardly differs, by chance or because it depends on the speed where that is accurate, thus
-does not make it look exact. The second computation waits until an error is asked for.
+A speed that `speed-fluctuation` or `camshaft-windup` finds is off by less than it differs from the
+one on cells twice as long (`camgeo.effects.results.Turning`). So is what follows from it: an effect
+is computed for both, and of all its figures in one unit the largest difference is taken for each of
+them. That one figure hardly differs, by chance or because it depends on the speed where that is
+accurate, thus does not make it look exact. The second computation waits until an error is asked
+for.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The effects of one design: each is computed once, on demand, together with what it needs.
 
-Where the scene names `speed-fluctuation`, all effects that depend on the speed of the cam are
-computed for the speed that it finds. What this is found from, the forces on the follower as
-functions of speed and acceleration, holds for any speed, and is computed for the one that the scene
-gives.
+Where the scene names `speed-fluctuation` or `camshaft-windup`, all effects that depend on the speed
+of the cam are computed for the speed that this one finds. What this is found from, the forces on
+the follower as functions of speed and acceleration, holds for any speed, and is computed for the
+one that the scene gives.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from camgeo.effects.premises import qualified, trimming
 from camgeo.effects.registry import find_effect
 from camgeo.effects.results import (
     CONTACT_FORCE,
+    FINDERS,
     LIFT_OFF,
     SPEED_FLUCTUATION,
     LostContact,
@@ -62,7 +63,7 @@ class Effects:
         self.tables = tables
         self.ledger = ledger
         self.catalogue = Catalogue(tables, find, subject.output)
-        self._finds = SPEED_FLUCTUATION in tables and speed != "stated"
+        self._finder = None if speed == "stated" else self.catalogue.finder
         self._stated: Nodes | None = None
         self._found: Nodes | None = None
 
@@ -122,10 +123,10 @@ class Effects:
         """
         if self._stated is None:
             self._stated = Nodes(self._given, self.catalogue, self.ledger)
-        if not self._finds or not self.catalogue.moved(name):
+        if self._finder is None or not self.catalogue.moved(name):
             return self._stated
         if self._found is None:
-            self._found = self._turned(self._stated)
+            self._found = self._turned(self._stated, self._finder)
         return self._found
 
     @property
@@ -133,16 +134,16 @@ class Effects:
         """The design at the speed of the scene; if it gives but a motor, at one near what is to be
         found, for what does not depend on it.
         """
-        if not self._finds or self.subject.state.course is not None:
+        if self._finder is None or self.subject.state.course is not None:
             return self.subject
         data = self.effect(SPEED_FLUCTUATION).parse(self.tables[SPEED_FLUCTUATION])
         first = data.first_speed
         return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
 
-    def _turned(self, stated: Nodes) -> Nodes:
+    def _turned(self, stated: Nodes, finder: str) -> Nodes:
         """The effects at the found speed; if there is none, at that of the scene."""
         try:
-            found = stated.result(SPEED_FLUCTUATION)
+            found = stated.result(finder)
         except EffectError as error:
             if self.subject.state.course is not None:
                 return stated
@@ -191,7 +192,7 @@ class Effects:
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
         taken = self._nodes(name) is not self._stated
-        named = tuple(each for each in self.names if not (taken and each == SPEED_FLUCTUATION))
+        named = tuple(each for each in self.names if not (taken and each in FINDERS))
         effect = self.effect(name)
         flies = lost or (lost is not None and effect.premise == "contact")
         flown = self._flown() if flies and at_speed_of_scene else ()
@@ -214,7 +215,7 @@ class Effects:
         if course is not None and any(each.value is not None for each in findings):
             mean = TURN / period(course) / RPM
             sentence = (
-                f"these figures are for the speed that {SPEED_FLUCTUATION} finds, {mean:.6g}"
+                f"these figures are for the speed that {self._finder} finds, {mean:.6g}"
                 " rev/min in the mean"
             )
             # what the speed was found from: at the found speed there may be no contact force

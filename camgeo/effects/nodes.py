@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.effects.catalogue import Catalogue
 from camgeo.effects.effect import Column, Effect, Request, Result, Results, Subject, machine_of
 from camgeo.effects.found_speed import ErrorsOfSpeed
-from camgeo.effects.results import SPEED_FLUCTUATION
+from camgeo.effects.results import FINDERS
 from camgeo.effects.rules import Table
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -121,7 +121,7 @@ class Nodes:
         if not isinstance(result, Result):
             return result
         state, rough = self.subject.state, self._rough
-        found = self._base is not None or name == SPEED_FLUCTUATION
+        found = self._base is not None or name in FINDERS
         speed: Speed = "found" if found else "stated"
         used = Used(state.model, speed if found or state.course is not None else None)
         if rough is None or state.course is None:

@@ -25,6 +25,7 @@ EFFECTS: Final[tuple[str, ...]] = (
     "lift-off",
     "drive-torque",
     "speed-fluctuation",
+    "camshaft-windup",
     "contact-pressure",
     "vibration",
     "shock-spectrum",

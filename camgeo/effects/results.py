@@ -352,3 +352,6 @@ LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
 SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
+CAMSHAFT_WINDUP: Final = Key[Turning]("camshaft-windup")
+FINDERS: Final = (SPEED_FLUCTUATION, CAMSHAFT_WINDUP)
+"""The effects that find how the cam turns, of which a scene names at most one."""

@@ -15,7 +15,7 @@ from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path
-from camgeo.scene.schema import EFFECTS, FINDS_SPEED, NAMING, schema_for
+from camgeo.scene.schema import EFFECTS, FINDERS, NAMING, schema_for
 from camgeo.scene.valid_values import ValidValues, far_end_of, tables_of
 
 ROUNDING: Final = 1e-12
@@ -53,7 +53,7 @@ def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], insi
     if lacks("follower") and not effect.of_drive:
         inside.fault(place, "needs [follower]")
         return
-    speed_found = FINDS_SPEED in named and inside.values.get("state", "speed") != "stated"
+    speed_found = FINDERS[0] in named and inside.values.get("state", "speed") != "stated"
     for each in _with_inputs(effect, named):
         for keys in each.keys:
             if keys == SPEED and speed_found:

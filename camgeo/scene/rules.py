@@ -20,7 +20,7 @@ from camgeo.scene.part_rules import (
     part_is_possible,
 )
 from camgeo.scene.print_rules import print_suits_the_part
-from camgeo.scene.schema import BY_DATA, EFFECTS, FINDS_SPEED, MILLING, NAMING, SHAPES, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, FINDERS, MILLING, NAMING, SHAPES, schema_for
 from camgeo.scene.tolerance_rules import tolerances_are_stated_once
 from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of, unchanged_reads
 
@@ -364,9 +364,11 @@ def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
 
 
 def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
-    """The speed is found by an effect, which the scene must name."""
-    if values.get("state", "speed") == "found" and values.lacks(EFFECTS, FINDS_SPEED):
-        yield ("state", "speed"), f"needs [effects.{FINDS_SPEED}], which finds the speed"
+    """The speed is found by an effect that the scene names, and by one alone."""
+    named = [each for each in FINDERS if not values.lacks(EFFECTS, each)]
+    if values.get("state", "speed") == "found" and not named:
+        yield ("state", "speed"), f"needs [effects.{'] or [effects.'.join(FINDERS)}]"
+    yield from (((EFFECTS, each), f"contradicts [effects.{named[0]}]") for each in named[1:])
 
 
 RULES: Final[tuple[Rule, ...]] = (

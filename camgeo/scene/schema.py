@@ -49,8 +49,8 @@ SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
 EFFECTS: Final = "effects"
 """Key of the table of effects."""
 
-FINDS_SPEED: Final = "speed-fluctuation"
-"""The effect that finds the speed of the cam."""
+FINDERS: Final = ("speed-fluctuation", "camshaft-windup")
+"""The effects that find how the cam turns: the first one with a motor, instead of a given speed."""
 
 OUTPUT: Final = "output"
 """Key of the table with those of the formats."""

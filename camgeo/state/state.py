@@ -27,7 +27,8 @@ AT_REST: Final = 1e-12
 """Velocities s' [mm or rad] up to this are those of a rest, but for rounding."""
 
 Speed = Literal["stated", "found"]
-"""How the cam turns: as the scene states, or as the effect `speed-fluctuation` finds."""
+"""How the cam turns: as the scene states, or as the effect `speed-fluctuation`
+or `camshaft-windup` finds."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.effect import Column
 from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.effects.results import FINDERS
 from camgeo.effects.rules import FLATS, ONE_CONTACT, ONE_DISC, ONE_ROLLER, ROLLERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
@@ -276,6 +277,8 @@ def tables_of(rng: Random, text: str) -> str:
         named -= {name for name, _ in only_for(ONE_CONTACT)}
     if '-flat"' in text and rng.random() < 0.95:
         named -= {name for name, key in only_for(ROLLERS) if not key}
+    if named >= {*FINDERS}:
+        named.remove(rng.choice(FINDERS))
     lines = []
     for effect in EFFECTS:
         other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)

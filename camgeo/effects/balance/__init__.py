@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.balance.table import parse
-from camgeo.effects.effect import GIVEN_SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.rules import ONE_DISC, Only
 
 EFFECT: Final = Effect(
@@ -19,5 +19,5 @@ EFFECT: Final = Effect(
     keys=(("part.thickness",),),
     numerical=True,
     premise="disc",
-    refined_by=(GIVEN_SPEED,),
+    refined_by=(GIVEN_SPEED, STIFF_SHAFT),
 )

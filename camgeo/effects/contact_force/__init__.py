@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect, data_of
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import (
     CONTACT_FORCE,
     FRICTION,
@@ -39,5 +39,5 @@ EFFECT: Final = Effect(
     rules=(Only(ONE_CONTACT),),
     uses=(*FORCES, FRICTION, VIBRATION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),
-    refined_by=(ELASTIC, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.contact_pressure.table import OF_FACE, OF_ROLLER, parse
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.rules import FLATS, ONE_CONTACT, ROLLERS, Only
 
@@ -19,5 +19,5 @@ EFFECT: Final = Effect(
     rules=(Only(ONE_CONTACT), Only(ROLLERS, *OF_ROLLER), Only(FLATS, *OF_FACE)),
     needs=(CONTACT_FORCE,),
     numerical=True,
-    refined_by=(ELASTIC, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect, data_of
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 
 
@@ -33,5 +33,5 @@ EFFECT: Final = Effect(
     parse=partial(data_of, TorqueLimits),
     needs=(CONTACT_FORCE,),
     numerical=True,
-    refined_by=(ELASTIC, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

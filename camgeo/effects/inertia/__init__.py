@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, RIGID, SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, RIGID, SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.inertia.table import OF_COUPLER, OF_ROCKER, parse
 from camgeo.effects.results import INERTIA
 from camgeo.effects.rules import LINKED, ROCKING, ROLLERS, STRAIGHT, TURNING, Only
@@ -27,5 +27,5 @@ EFFECT: Final = Effect(
     tabled=True,
     premise="motion",
     regardless=("reduced-mass", "reduced-moment-of-inertia"),
-    refined_by=(RIGID, GIVEN_SPEED),
+    refined_by=(RIGID, GIVEN_SPEED, STIFF_SHAFT),
 )

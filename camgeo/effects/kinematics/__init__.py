@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect
 
 EFFECT: Final = Effect(
     name="kinematics",
@@ -16,5 +16,5 @@ EFFECT: Final = Effect(
     of_drive=True,
     premise="motion",
     regardless=("turn-time",),
-    refined_by=(GIVEN_SPEED,),
+    refined_by=(GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect, data_of
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
 
@@ -43,5 +43,6 @@ EFFECT: Final = Effect(
     refined_by=(
         replace(ELASTIC, caution="an elastic one may leave the cam at a lower speed"),
         GIVEN_SPEED,
+        STIFF_SHAFT,
     ),
 )

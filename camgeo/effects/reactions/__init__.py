@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, Effect
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.rules import ONE_CONTACT, ONE_DISC, Only
 from camgeo.errors import GeometryError
@@ -48,5 +48,5 @@ EFFECT: Final = Effect(
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, GRAVITY, SPRING),
     numerical=True,
-    refined_by=(ELASTIC, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, Effect, data_of
+from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.rules import ONE_CONTACT, ONE_ROLLER, ROLLERS, ROUND, Only
 
@@ -37,5 +37,5 @@ EFFECT: Final = Effect(
     keys=(SPEED,),
     tabled=True,
     regardless=("largest-roller-spin", "smallest-roller-spin"),
-    refined_by=(ELASTIC, GIVEN_SPEED),
+    refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, Effect, Refinement, data_of
+from camgeo.effects.effect import GIVEN_SPEED, STIFF_SHAFT, Effect, Refinement, data_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,5 +34,6 @@ EFFECT: Final = Effect(
     refined_by=(
         Refinement("vibration", "a train that is at rest when a move begins"),
         GIVEN_SPEED,
+        STIFF_SHAFT,
     ),
 )

@@ -19,9 +19,9 @@ from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
 from camgeo.effects.results import DRIVE_TORQUE, Turning
 from camgeo.effects.shaft.course import course_of
+from camgeo.effects.shaft.obstacles import refuse_shocks
 from camgeo.effects.shaft.rate import Shaft
 from camgeo.effects.speed_fluctuation.errors import accurate
-from camgeo.effects.speed_fluctuation.solve import refuse_shocks
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.touching import lost_contact

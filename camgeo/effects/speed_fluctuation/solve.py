@@ -7,15 +7,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.effects.bearing_friction import LINEAR, RubbingLaw, linear_law
-from camgeo.effects.effect import Quantity, Subject
-from camgeo.effects.immovable import torque_shocks
+from camgeo.effects.bearing_friction import linear_law
+from camgeo.effects.effect import Quantity
 from camgeo.effects.shaft.mesh import Mesh, collocation, double_mesh
+from camgeo.effects.shaft.obstacles import jamming
 from camgeo.effects.shaft.rate import Shaft, StuckError
 from camgeo.effects.speed_fluctuation.march import outcome
 from camgeo.effects.speed_fluctuation.steady import NoConvergenceError, SteadyTurn, steady_turn
 from camgeo.effects.speed_fluctuation.table import Motor
-from camgeo.effects.wording import N_M, at, missed
+from camgeo.effects.wording import N_M, missed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
@@ -29,20 +29,6 @@ GUESSES: Final = 65
 """Number of constant speeds, up to twice the no-load speed, at which the power balance is
 tested.
 """
-
-
-def refuse_shocks(subject: Subject, law: Quantity) -> None:
-    """Raise EffectError if the velocity of a mass jumps: the resulting speed change is unknown."""
-    edges = subject.state.smooth_angles
-    places = torque_shocks(subject, lambda phi, side: law(phi, side)[3], edges)
-    if len(places):
-        first = float(places[0])
-        raise EffectError(
-            f"the velocity of the follower jumps {at(first)}: the torque is infinite there, and"
-            " the equation of motion does not give the speed after it",
-            finding="shock",
-            cam_angle=first,
-        )
 
 
 def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: float) -> SteadyTurn:
@@ -69,7 +55,7 @@ def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: floa
         near = np.interp(mesh.coarse.nodes, found.angles, found.y)
         return steady_turn(shaft, law, mesh, np.maximum(near, 1e-6 * np.max(near)), tolerance)
     except StuckError as error:
-        raise _jamming(shaft, mesh.fine) from error
+        raise jamming(shaft.inertia, mesh.fine) from error
     except NoConvergenceError as error:
         raise _missed(error.reached, tolerance) from error
 
@@ -111,22 +97,6 @@ def _stall(shaft: Shaft[Motor], phi: float) -> EffectError:
         finding="stall",
         value=torque,
         unit="N m",
-        cam_angle=place,
-    )
-
-
-def _jamming(shaft: Shaft[Motor], mesh: Mesh) -> EffectError:
-    if len(mesh.laws) == LINEAR:
-        moments = shaft.inertia + mesh.laws[3] * mesh.laws[4:]
-        bad = ~np.all(moments > 0.0, axis=0)
-    else:
-        bad = np.any(RubbingLaw.of(mesh.laws).jams, axis=0)
-    place = float(mesh.nodes[bad][0]) if np.any(bad) else None
-    where = "" if place is None else f" {at(place)}"
-    return EffectError(
-        "with friction no acceleration of the cam satisfies its equation of motion: the"
-        f" follower jams{where}",
-        finding="jamming",
         cam_angle=place,
     )
 

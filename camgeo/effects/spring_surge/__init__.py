@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.results import SPRING
 
 EFFECT: Final = Effect(
@@ -17,5 +17,5 @@ EFFECT: Final = Effect(
     keys=(SPEED, ("effects.spring",)),
     numerical=True,
     premise="motion",
-    refined_by=(GIVEN_SPEED,),
+    refined_by=(GIVEN_SPEED, STIFF_SHAFT),
 )

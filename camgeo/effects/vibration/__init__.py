@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import GIVEN_SPEED, SPEED, Effect
+from camgeo.effects.effect import GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.results import INERTIA, VIBRATION
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.table import parse
@@ -25,5 +25,5 @@ EFFECT: Final = Effect(
     tabled=True,
     numerical=True,
     regardless=("natural-frequency", "time-constant", "settling"),
-    refined_by=(GIVEN_SPEED,),
+    refined_by=(GIVEN_SPEED, STIFF_SHAFT),
 )

@@ -1,0 +1,380 @@
+"""The periodic motion of a cam at the end of an elastic shaft, by collocation over the whole turn.
+
+Its drive turns at constant speed Omega. The windup w is the angle by which the cam lags behind the
+drive, the speed of the cam is omega. The shaft carries k w + c (Omega - omega), so that over the
+cam angle, with y = omega^2 / 2,
+
+    dy/dphi = alpha = (k w + c (Omega - omega) - T) / J,        dw/dphi = Omega / omega - 1,
+
+with the torque T of the cam solved for alpha as in `camgeo.effects.shaft.rate`. The unknowns are v,
+with y = Omega^2 (1/2 + v), and w: of a stiff shaft both are small, and keep their precision, as
+
+    Omega / omega - 1 = -2 v / (r (1 + r)),        r = omega / Omega = sqrt(1 + 2 v).
+
+The cell is that of `camgeo.effects.shaft.mesh`, and the error estimate is the change by one more
+Newton step on the mesh of all halves of the cells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from camgeo.effects.camshaft_windup.table import ElasticShaft
+from camgeo.effects.effect import Quantity
+from camgeo.effects.shaft.mesh import (
+    NODES,
+    DoubleMesh,
+    Mesh,
+    State,
+    collocation,
+    interleaved,
+    legendre,
+)
+from camgeo.effects.shaft.rate import Shaft
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import TURN
+
+MOST_STEPS: Final = 40
+"""Largest number of Newton steps."""
+
+FULL_STEPS: Final = 15
+"""Number of full Newton steps; later ones are halved, as a kink may make them alternate."""
+
+MOST_PASSES: Final = 60
+"""Largest number of mesh refinements."""
+
+MOST_CELLS: Final = 20_000
+
+KEEP: Final = 0.2
+"""Smallest share of y that a Newton step leaves."""
+
+BETWEEN: Final = 4.0
+"""Factor from the change at the nodes to the error between them."""
+
+ROUNDINGS: Final = 8.0
+"""Number of roundings that the estimate assumes for a rate at a node."""
+
+EPS: Final = float(np.finfo(np.float64).eps)
+
+
+class NoConvergenceError(ArithmeticError):
+    """Newton's method finds no periodic solution, or does not reach the tolerance.
+
+    Attributes
+    ----------
+    reached : the error that was reached, as a share; None without a solution.
+    """
+
+    def __init__(self, reached: float | None) -> None:
+        super().__init__("no periodic solution was found")
+        self.reached = reached
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Twist:
+    """The torque of the shaft on the cam over its speed, at given windups.
+
+    Attributes
+    ----------
+    stiffness, viscosity : k [N mm/rad] and c [N mm s].
+    speed : Omega [rad/s].
+    windup : (...) w [rad].
+    """
+
+    stiffness: float
+    viscosity: float
+    speed: float
+    windup: FloatArray
+
+    def torque(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torque [N mm] and its derivative [N mm s] at the speeds `omega` (...) [rad/s]."""
+        carried = self.stiffness * self.windup + self.viscosity * (self.speed - omega)
+        return carried, np.full(carried.shape, -self.viscosity)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wound:
+    """The cam at the end of the shaft.
+
+    Attributes
+    ----------
+    shaft : the elastic shaft.
+    speed : Omega [rad/s] of its drive.
+    """
+
+    shaft: ElasticShaft
+    speed: float
+
+    def driven(self, windup: FloatArray) -> Shaft[Twist]:
+        """The cam with the shaft wound up by `windup` (...) [rad]."""
+        own = self.shaft
+        twist = Twist(own.stiffness, own.viscosity, self.speed, windup)
+        return Shaft(own.moment_of_inertia, twist)
+
+    def stiffened(self, factor: float) -> Wound:
+        """The same with a shaft stiffer by the `factor`."""
+        stiffness = factor * self.shaft.stiffness
+        return Wound(replace(self.shaft, stiffness=stiffness), self.speed)
+
+    def y(self, v: FloatArray) -> FloatArray:
+        """(...) omega^2 / 2 [rad^2/s^2]."""
+        return np.asarray(self.speed**2 * (0.5 + v))
+
+    def rates(self, laws: FloatArray, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(..., 2) derivatives of v and w by the cam angle, and theirs (..., 2, 2) by v and w.
+
+        Parameters
+        ----------
+        laws : (6 or more, ...) the torque law.
+        state : (..., 2) v and w.
+        """
+        v, w = state[..., 0], state[..., 1]
+        alpha, growth, per_torque = self.driven(w).response(laws, self.y(v))
+        r = np.sqrt(1.0 + 2.0 * v)
+        found = np.stack((alpha / self.speed**2, -2.0 * v / (r * (1.0 + r))), axis=-1)
+        slopes = np.zeros((*v.shape, 2, 2))
+        slopes[..., 0, 0] = growth
+        slopes[..., 0, 1] = self.shaft.stiffness / self.speed**2 * per_torque
+        slopes[..., 1, 0] = -1.0 / r**3
+        return found, slopes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """v and w in the cells of a mesh.
+
+    Attributes
+    ----------
+    starts : (m + 1, 2) at the ends of the cells.
+    nodes : (m, n, 2) at their nodes.
+    """
+
+    starts: FloatArray
+    nodes: FloatArray
+
+    @property
+    def all_nodes(self) -> FloatArray:
+        """(m, n + 1, 2) at the start and at the nodes of each cell."""
+        return np.concatenate((self.starts[:-1, np.newaxis], self.nodes), axis=1)
+
+    @property
+    def largest_windup(self) -> float:
+        """[rad] at the nodes; 1 if there is none."""
+        return float(np.max(np.abs(self.nodes[..., 1]))) or 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """A Newton step: the changes, the defect (m, 2) of each cell, and the monodromy matrix."""
+
+    starts: FloatArray
+    nodes: FloatArray
+    defects: FloatArray
+    monodromy: FloatArray
+
+
+def newton_step(wound: Wound, mesh: Mesh, pair: Pair) -> Step:
+    """The Newton step from `pair`, on all cells of the turn together."""
+    at, count = collocation(), len(mesh.low)
+    rates, slopes = wound.rates(mesh.laws, pair.nodes)
+    inner = mesh.spans[:, np.newaxis, np.newaxis] * at.integral
+    residual = pair.starts[:-1, np.newaxis] + inner @ rates - pair.nodes
+    # (m, n, 2, n, 2): the change of a rate at one node by the state at another.
+    coupled = inner[:, :, np.newaxis, :, np.newaxis] * slopes.swapaxes(1, 2)[:, np.newaxis]
+    size = 2 * NODES
+    matrix = np.eye(size) - coupled.reshape(count, size, size)
+    sides = np.zeros((count, NODES, 2, 3))
+    sides[:, :, 0, 0] = sides[:, :, 1, 1] = 1.0
+    sides[..., 2] = residual
+    solved = np.linalg.solve(matrix, sides.reshape(count, size, 3)).reshape(sides.shape)
+    # Radau's last node is the end of the cell.
+    factors, own = solved[:, -1, :, :2], solved[:, -1, :, 2]
+    offsets = own + pair.nodes[:, -1] - pair.starts[1:]
+    product, shift = np.eye(2), np.zeros(2)
+    products, shifts = np.empty((count + 1, 2, 2)), np.empty((count + 1, 2))
+    products[0], shifts[0] = product, shift
+    for k in range(count):
+        product, shift = factors[k] @ product, factors[k] @ shift + offsets[k]
+        products[k + 1], shifts[k + 1] = product, shift
+    # Periodicity: the state at the end of the turn is that at its start.
+    try:
+        first = np.linalg.solve(np.eye(2) - product, shift + pair.starts[-1] - pair.starts[0])
+    except np.linalg.LinAlgError as error:
+        raise NoConvergenceError(None) from error
+    starts = products @ first + shifts
+    nodes = np.einsum("mnij,mj->mni", solved[..., :2], starts[:-1]) + solved[..., 2]
+    return Step(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), product)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WoundTurn:
+    """The steady state.
+
+    Attributes
+    ----------
+    wound : the cam on its shaft.
+    mesh : the cells.
+    pair : v and w in them.
+    rates : (m, n) alpha at the nodes [rad/s^2].
+    multiplier : the share of a disturbance that is left after a turn, at most.
+    speed_error : estimate of the largest error of the speed [rad/s].
+    windup_error : that of the windup [rad].
+    rough : the steady state on cells twice as long, from which the errors are estimated; None for
+        it.
+    """
+
+    wound: Wound
+    mesh: Mesh
+    pair: Pair
+    rates: FloatArray
+    multiplier: float
+    speed_error: float
+    windup_error: float
+    rough: WoundTurn | None
+
+    @property
+    def state(self) -> State:
+        """y in the cells."""
+        square = self.wound.speed**2
+        v = (self.pair.starts[:, 0], self.pair.nodes[..., 0])
+        return State(0.5 * square, *(square * each for each in v))
+
+    def at(self, phi: FloatArray) -> FloatArray:
+        """(n, 2) v and w at `phi` (n,) [rad], in any turn."""
+        mesh = self.mesh
+        # The end of a turn is not mapped to its start: they are equal only to rounding.
+        inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
+        cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
+        x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
+        series = np.einsum("ij,mjk->mik", collocation().fit, self.pair.all_nodes)
+        found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), series[cell])
+        return found
+
+    def windup(self, phi: FloatArray) -> FloatArray:
+        """(n,) w [rad]."""
+        return self.at(phi)[:, 1]
+
+    def omega(self, phi: FloatArray) -> FloatArray:
+        """(n,) speed [rad/s]."""
+        return np.sqrt(2.0 * self.wound.y(self.at(phi)[:, 0]))
+
+    def driven(self, phi: FloatArray) -> tuple[Shaft[Twist], FloatArray]:
+        """The cam with its shaft wound up as at `phi` (n,) [rad], and y (n,) there."""
+        v, w = self.at(phi).T
+        return self.wound.driven(w), self.wound.y(v)
+
+
+def periodic(
+    wound: Wound, law: Quantity, mesh: DoubleMesh, pair: Pair, tolerance: float
+) -> WoundTurn:
+    """The periodic solution near `pair`.
+
+    Parameters
+    ----------
+    wound : the cam on its shaft.
+    law : the torque law of the cam.
+    mesh : initial mesh; no cell contains an edge of the law.
+    pair : initial guess on the coarse mesh.
+    tolerance : largest error of speed and windup, relative to the largest of each.
+
+    Raises
+    ------
+    NoConvergenceError
+        If no solution is found.
+    StuckError
+        If friction leaves no acceleration.
+    """
+    reached = math.inf
+    for _ in range(MOST_PASSES):
+        pair, left = newton(wound, mesh.coarse, pair, tolerance)
+        fine = _on_halves(pair)
+        step = newton_step(wound, mesh.fine, fine)
+        scales = np.array([1.0, pair.largest_windup])
+        errors = np.max(_relative(step.nodes, fine), axis=(0, 1)) * scales
+        errors = BETWEEN * errors + left * scales + _rounding(wound, step.monodromy, fine)
+        reached = float(np.max(errors / scales))
+        if reached <= tolerance:
+            exact, last = newton(wound, mesh.fine, fine, tolerance)
+            errors = errors + last * scales
+            multiplier = float(np.max(np.abs(np.linalg.eigvals(step.monodromy))))
+            own = (multiplier, wound.speed * float(errors[0]), float(errors[1]))
+            rough = WoundTurn(
+                wound, mesh.coarse, pair, _alpha(wound, mesh.coarse, pair), *own, None
+            )
+            return WoundTurn(wound, mesh.fine, exact, _alpha(wound, mesh.fine, exact), *own, rough)
+        worst = np.max((step.defects / scales).reshape(-1, 4), axis=1)
+        split = worst >= 0.1 * np.max(worst)
+        cells = len(split) + int(np.count_nonzero(split))
+        if not np.max(worst) > EPS * EPS or cells > MOST_CELLS:
+            break
+        mesh = mesh.refined(law, split)
+        both = np.repeat(split, 2)
+        nodes = interleaved(split, pair.nodes, fine.nodes[both])
+        starts = interleaved(split, pair.starts[:-1], fine.starts[:-1][both])
+        pair = Pair(np.concatenate((starts, pair.starts[-1:])), nodes)
+    raise NoConvergenceError(reached)
+
+
+def newton(wound: Wound, mesh: Mesh, pair: Pair, tolerance: float) -> tuple[Pair, float]:
+    """The collocation solution, and its last change as a share; raises as `periodic`."""
+    target = max(1e-3 * tolerance, 16.0 * EPS)
+    best = math.inf
+    for count in range(MOST_STEPS):
+        step = newton_step(wound, mesh, pair)
+        down = float(np.max(-step.nodes[..., 0] / (0.5 + pair.nodes[..., 0])))
+        ends = float(np.max(-step.starts[:, 0] / (0.5 + pair.starts[:, 0])))
+        share = min(1.0, (1.0 - KEEP) / max(down, ends, 1e-300))
+        if count >= FULL_STEPS:
+            share *= 0.5
+        change = float(np.max(_relative(step.nodes, pair)))
+        pair = Pair(pair.starts + share * step.starts, pair.nodes + share * step.nodes)
+        if not math.isfinite(change):
+            raise NoConvergenceError(None)
+        stalled = change >= 0.25 * best and best <= max(0.1 * tolerance, 1e4 * EPS)
+        if share == 1.0 and (change <= target or stalled):
+            return pair, change if stalled and change > target else change * change
+        best = min(best, change)
+    raise NoConvergenceError(None)
+
+
+def _relative(changes: FloatArray, pair: Pair) -> FloatArray:
+    """(m, n, 2) `changes` of speed and windup, relative to the drive's speed and the largest
+    windup.
+    """
+    r = np.sqrt(1.0 + 2.0 * np.maximum(pair.nodes[..., 0], -0.5 + 0.5 * KEEP))
+    sizes = np.stack((1.0 / r, np.full(r.shape, 1.0 / pair.largest_windup)), axis=-1)
+    return np.asarray(np.abs(changes) * sizes)
+
+
+def _rounding(wound: Wound, monodromy: FloatArray, pair: Pair) -> FloatArray:
+    """(2,) what rounding of the torque does to v and w.
+
+    A torque off by e winds the shaft up by e / k, and sways the speed by that times the natural
+    frequency; of a disturbance, 1 / (1 - multiplier) is what it adds up to over all turns.
+    """
+    shaft = wound.shaft
+    windup = pair.largest_windup + shaft.viscosity * wound.speed / shaft.stiffness
+    off = max(float(np.min(np.abs(1.0 - np.linalg.eigvals(monodromy)))), EPS)
+    ratio = shaft.natural_frequency / wound.speed
+    found: FloatArray = ROUNDINGS * EPS * windup * (1.0 + 1.0 / off) * np.array([ratio, 1.0])
+    return found
+
+
+def _alpha(wound: Wound, mesh: Mesh, pair: Pair) -> FloatArray:
+    """(m, n) alpha at the nodes [rad/s^2]."""
+    return np.asarray(wound.speed**2 * wound.rates(mesh.laws, pair.nodes)[0][..., 0])
+
+
+def _on_halves(pair: Pair) -> Pair:
+    """The polynomials through the nodes of all cells, at the nodes of their halves; v is kept where
+    there is a speed.
+    """
+    halves = np.einsum("hij,mjk->mhik", collocation().halves, pair.all_nodes)
+    halves[..., 0] = np.maximum(halves[..., 0], -0.5 + 0.5 * KEEP)
+    middles = halves[:, 0, -1]
+    starts = np.stack((pair.starts[:-1], middles), axis=1).reshape(-1, 2)
+    return Pair(np.concatenate((starts, pair.starts[-1:])), halves.reshape(-1, NODES, 2))

@@ -1,0 +1,203 @@
+"""Windup of a camshaft: the angle by which the cam lags behind its drive, over a turn.
+
+J omega domega/dphi = M - T(phi, omega, alpha), where the shaft carries M = k w + c (Omega - omega)
+with the windup w = integral of (Omega - omega) dt: the equation of motion of a rigid cam at the end
+of a massless shaft, whose other end turns at the constant speed Omega, with the torque T of the cam
+that includes the inertia of the follower (Koster, Vibrations of Cam Mechanisms, and Norton, Cam
+Design and Manufacturing Handbook, chapter on models of cam-follower systems, treat such shafts).
+The solution is the motion that repeats after each turn of the drive. With k towards infinity w
+becomes T / k.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding, Severity, held
+from camgeo.effects.camshaft_windup.periodic import Wound, WoundTurn
+from camgeo.effects.camshaft_windup.solve import GROWING, solve
+from camgeo.effects.camshaft_windup.table import ElasticShaft
+from camgeo.effects.effect import Bound, Column, Quantity, Request
+from camgeo.effects.force import smooth_edges
+from camgeo.effects.ranges import ranges_below
+from camgeo.effects.results import DRIVE_TORQUE, Turning
+from camgeo.effects.shaft.course import course_of
+from camgeo.effects.shaft.obstacles import refuse_shocks
+from camgeo.effects.touching import lost_contact
+from camgeo.effects.wording import N_M, extreme_findings, over, placed
+from camgeo.errors import EffectError
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.units import RPM, TURN
+
+BETWEEN_NODES: Final = 16.0 * 2.0**-52
+"""Relative error of a value between the nodes: of the sum of nine polynomials."""
+
+REVERSED: Final = 1e-3
+"""A torque against that of the drive by less than this share of the largest does not count: a shaft
+swings on a little after each move."""
+
+FINEST: Final = 256.0 * 2.0**-52
+"""Smallest tolerance that is tried for the sake of the torque."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CamshaftWindup(Turning):
+    """The steady state.
+
+    Attributes
+    ----------
+    turn : speed and windup over the cam angle.
+    """
+
+    turn: WoundTurn
+
+
+def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
+    """The steady state, with speed and windup to the tolerance.
+
+    Raises
+    ------
+    EffectError
+        "shock", if the follower's velocity jumps; and as `solve`.
+    """
+    subject, data = request.subject, request.data
+    drive = request.results[DRIVE_TORQUE]
+    law, contact = drive.law, drive.contact
+    edges = smooth_edges(subject.state.smooth_angles, contact.lasting)
+    refuse_shocks(subject, law)
+    speed = float(request.course.rates(np.zeros(1))[0, 0])
+    wound = Wound(data, speed)
+    turn, edges = _accurate(wound, law, edges, request.tolerance)
+    assert turn.rough is not None  # only that one has none
+
+    def omega(phi: FloatArray, _: Side) -> FloatArray:
+        return turn.omega(phi)
+
+    def windup(phi: FloatArray, _: Side) -> FloatArray:
+        return turn.windup(phi) * math.degrees(1.0)
+
+    def torque(phi: FloatArray, _: Side) -> FloatArray:
+        shaft, y = turn.driven(phi)
+        return N_M * shaft.motor.torque(np.sqrt(2.0 * y))[0]
+
+    def alpha(phi: FloatArray, side: Side) -> FloatArray:
+        shaft, y = turn.driven(phi)
+        return shaft.rate(law(phi, side), y)[0]
+
+    def normal(phi: FloatArray, side: Side) -> FloatArray:
+        rates = np.stack((turn.omega(phi), alpha(phi, side)))
+        return contact.normal_at(phi, side, rates)
+
+    windups, torques, speeds = (piecewise_extremes(each, edges) for each in (windup, torque, omega))
+    speeds = Extremes(*(Extreme(each.value / RPM, each.place) for each in _ends(speeds)))
+    largest = max(_ends(windups), key=lambda each: abs(each.value))
+    span = windups.highest.value - windups.lowest.value
+    limit = None if data.limit is None else math.degrees(data.limit)
+    found = (
+        held(
+            "windup",
+            f"the cam is off the angle of its drive by up to {abs(largest.value):.6g} deg",
+            abs(largest.value), limit, "deg", largest.place,
+        ),
+        *extreme_findings("windup", "windup", windups, "deg"),
+        Finding(
+            "windup-range",
+            "ok",
+            f"over a turn the windup varies by {span:.6g} deg",
+            span,
+            unit="deg",
+        ),
+        *extreme_findings("shaft-torque", "torque in the camshaft", torques, "N m"),
+        *_reversal(torque, edges, torques),
+        *extreme_findings("speed", "speed of the cam", speeds, "rev/min"),
+        _swinging(turn),
+    )  # fmt: skip
+    return CamshaftWindup(
+        turn=turn,
+        course=course_of(turn, alpha, edges),
+        rough_course=course_of(turn.rough, alpha, edges),
+        findings=found,
+        lost_contact=lost_contact(subject, normal, piecewise_extremes(normal, edges), edges, None),
+        columns=(
+            Column("windup", "deg", windup, limit),
+            Column("shaft torque", "N m", torque),
+            Column("cam speed", "rev/min", lambda phi, side: omega(phi, side) / RPM),
+        ),
+        errors=errors_of(turn),
+    )
+
+
+def _accurate(
+    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float
+) -> tuple[WoundTurn, FloatArray]:
+    """As `solve`, with all figures to the tolerance unless rounding of the speed is larger."""
+    found = solve(wound, law, edges, tolerance)
+    worst = max(each.share for each in errors_of(found[0]).values())
+    if worst > tolerance:
+        with suppress(EffectError):
+            return solve(wound, law, edges, max(0.5 * tolerance * tolerance / worst, FINEST))
+    return found
+
+
+def _ends(ends: Extremes) -> tuple[Extreme, Extreme]:
+    return ends.lowest, ends.highest
+
+
+def _reversal(torque: Quantity, edges: FloatArray, ends: Extremes) -> Iterator[Finding]:
+    """Where the `torque` in the shaft reverses."""
+    least = -REVERSED * ends.magnitude
+    if ends.lowest.value >= least or ends.highest.value <= 0.0:
+        return
+    ranges = ranges_below(torque, edges, least, ends.lowest)
+    yield placed(
+        "torque-reversal",
+        f"the cam drives its camshaft {over([(each.start, each.end) for each in ranges])}: where"
+        " the torque in it reverses, play between drive and cam is crossed, with impacts that are"
+        " not included in any value",
+        ends.lowest,
+        "N m",
+        0.0,
+        "warning",
+    )
+
+
+def _swinging(turn: WoundTurn) -> Finding:
+    wound = turn.wound
+    natural = wound.shaft.natural_frequency
+    sentence = (
+        f"the cam without its follower swings on the camshaft at {natural / TURN:.6g} Hz,"
+        f" {natural / wound.speed:.5g} times the speed of its drive; a disturbance decays to"
+        f" {100.0 * turn.multiplier:.4g} % of its size per turn"
+    )
+    lasting = turn.multiplier >= 2.0 - GROWING
+    if lasting:
+        sentence += ": without damping, the cam need not come to this steady state"
+    severity: Severity = "warning" if lasting else "ok"
+    return Finding("natural-frequency", severity, sentence, natural / TURN, unit="Hz")
+
+
+def errors_of(turn: WoundTurn) -> dict[str, Bound]:
+    """The errors by the names of findings and columns."""
+    wound, largest = turn.wound, turn.pair.largest_windup
+    shaft = wound.shaft
+    speed = Bound(turn.speed_error + BETWEEN_NODES * wound.speed, wound.speed)
+    windup = Bound(turn.windup_error + BETWEEN_NODES * largest, largest)
+    torque = Bound(
+        shaft.stiffness * windup.error + shaft.viscosity * speed.error, shaft.stiffness * largest
+    )
+    torques = ("shaft torque", "largest-shaft-torque", "smallest-shaft-torque", "torque-reversal")
+    windups = ("windup", "largest-windup", "smallest-windup")
+    speeds = ("cam speed", "largest-speed", "smallest-speed")
+    return {
+        **dict.fromkeys(windups, windup.times(math.degrees(1.0))),
+        "windup-range": Bound(2.0 * windup.error, windup.scale).times(math.degrees(1.0)),
+        **dict.fromkeys(torques, torque.times(N_M)),
+        **dict.fromkeys(speeds, speed.times(1.0 / RPM)),
+    }

@@ -1,0 +1,365 @@
+"""Windup of the camshaft: compared with own integrations of Newton's law in time, with the limit of
+a stiff shaft, and with runs that are a hundred times as accurate.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from camgeo.accuracy.effects import TIGHTER, compared
+from camgeo.design import Design
+from camgeo.effects.registry import find_effect
+from camgeo.effects.results import CAMSHAFT_WINDUP, DRIVE_TORQUE
+from camgeo.errors import EffectError, SceneError
+from camgeo.motion.time_course import period
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.load import parse_scene
+from camgeo.state.state import Used
+from camgeo.units import RPM, TURN
+from tests.effects.scenes import SCENES
+from tests.long_form import examples, some
+
+MASS, PRELOAD, SPRING, SPEED = 1.5, 250.0, 8.0, 500.0
+STIFFNESS, MOMENT, DAMPING = 1200.0, 0.002, 0.1
+
+SCENE = f"""
+camgeo = 1
+name = "shaft"
+[cam]
+rotation = "ccw"
+speed = {SPEED}
+[follower]
+kind = "translating-roller"
+base_radius = 40
+roller_radius = 10
+[[motion]]
+law = "polynomial-345"
+span = 90
+to = 20
+[[motion]]
+law = "polynomial-345"
+span = 90
+to = 0
+[[motion]]
+dwell = 180
+[part]
+thickness = 12
+[effects.inertia]
+mass = {MASS}
+[effects.spring]
+stiffness = {SPRING}
+preload = {PRELOAD}
+[effects.contact-force]
+[effects.drive-torque]
+[effects.kinematics]
+[effects.camshaft-windup]
+stiffness = {STIFFNESS}
+moment_of_inertia = {MOMENT}
+damping = {DAMPING}
+tolerance = 1e-9
+"""
+
+FRICTION = """
+[effects.friction]
+rolling = 0.5
+guide = 0.1
+guide_length = 60
+guide_overhang = 30
+"""
+
+PHI = np.linspace(0.003, TURN - 0.003, 400)
+
+
+def scene(*changes: tuple[str, str], text: str = SCENE) -> Design:
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return Design(parse_scene(text))
+
+
+def shaft(stiffness: float, moment: float, damping: float, tolerance: str = "1e-9") -> Design:
+    return scene(
+        (f"stiffness = {STIFFNESS}\n", f"stiffness = {stiffness!r}\n"),
+        (f"moment_of_inertia = {MOMENT}", f"moment_of_inertia = {moment!r}"),
+        (f"damping = {DAMPING}", f"damping = {damping!r}"),
+        ("tolerance = 1e-9", f"tolerance = {tolerance}"),
+    )
+
+
+def figures(of: Design, name: str) -> dict[str, Any]:
+    return {each.name: each for each in of.effects.findings(name)}
+
+
+def lift(phi: float) -> tuple[float, float, float]:
+    """s [mm] and its derivatives of the polynomial 10 x^3 - 15 x^4 + 6 x^5 up and down."""
+    span = 0.5 * math.pi
+    if phi >= 2.0 * span:
+        return 0.0, 0.0, 0.0
+    sign, x = (1.0, phi / span) if phi < span else (-1.0, 2.0 - phi / span)
+    s = 20.0 * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    s1 = 600.0 * x**2 * (1.0 - x) ** 2 / span * sign
+    return s, s1, 1200.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / span**2
+
+
+def settled(stiffness: float, moment: float, damping: float) -> tuple[FloatArray, FloatArray]:
+    """Windup and speed at `PHI` once a disturbance has died out, from Newton's law in time.
+
+    (J + m s'^2) phi'' = k w + c (Omega - phi') - s' (m s'' phi'^2 + P + K s) and w' = Omega - phi',
+    from rest of the shaft, in N, mm, s and t; each piece of the motion ends where it does.
+    """
+    drive, k, j, m = SPEED * RPM, 1e3 * stiffness, 1e3 * moment, 1e-3 * MASS
+    c = 2.0 * damping * math.sqrt(k * j)
+
+    def rates(_: float, state: Any) -> list[float]:
+        phi, omega, w = state
+        s, s1, s2 = lift(phi)
+        moved = k * w + c * (drive - omega) - s1 * (m * s2 * omega**2 + PRELOAD + SPRING * s)
+        return [omega, moved / (j + m * s1**2), drive - omega]
+
+    state = [0.0, drive, 0.0]
+    ends = [0.0, 0.5 * math.pi, math.pi, TURN]
+    for _ in range(80):
+        before, pieces = np.array(state), []
+        state[0] = 0.0
+        for low, high in itertools.pairwise(ends):
+
+            def end(_: float, state: Any, high: float = high) -> float:
+                return float(state[0]) - high
+
+            end.terminal = True  # type: ignore[attr-defined]  # an event of scipy's
+            # inside the piece: its polynomials, not those beyond its end
+            found = solve_ivp(
+                lambda t, y, low=low, high=high: rates(t, [min(max(y[0], low), high), *y[1:]]),
+                (0.0, 2.0 * (high - low) / drive), state, "DOP853",
+                events=end, dense_output=True, rtol=1e-12, atol=1e-13,
+            )  # fmt: skip
+            pieces.append((low, high, found.t[-1], found.sol))
+            state = [high, *found.y_events[0][0][1:]]
+        if np.max(np.abs(before[1:] - state[1:]) / [drive, 1.0]) < 1e-11:
+            break
+    values = []
+    for phi in PHI:
+        low, _, last, sol = next(each for each in pieces if each[1] >= phi)
+        time = brentq(lambda t, sol=sol, phi=phi: sol(t)[0] - phi, 0.0, last, xtol=1e-16)
+        values.append(sol(time)[1:])
+    return np.array(values)[:, 1], np.array(values)[:, 0]
+
+
+CASES = ((1200.0, 0.002, 0.1), (30.0, 0.003, 0.3), (400.0, 2e-4, 0.15))
+"""A usual shaft, a soft one, and one with a light cam, whose follower is heavier than it."""
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_motion_is_that_of_newtons_law(case: tuple[float, float, float]) -> None:
+    turn = shaft(*case).effect(CAMSHAFT_WINDUP)
+    windup, omega = settled(*case)
+    errors, columns = turn.errors, {each.name: each for each in turn.columns}
+    own = np.radians(columns["windup"].values(PHI, "right"))
+    size = np.max(np.abs(windup))
+    assert np.max(np.abs(own - windup)) <= math.radians(errors["windup"].error) + 1e-8 * size
+    speed = RPM * columns["cam speed"].values(PHI, "right")
+    assert np.max(np.abs(speed - omega)) <= RPM * errors["cam speed"].error + 1e-9 * SPEED
+    assert size > 0.001
+    assert np.ptp(omega) > 0.01 * SPEED * RPM
+
+
+@pytest.mark.parametrize("tolerance", ["1e-2", "1e-4", "1e-6"])
+def test_errors_hold_against_newtons_law(tolerance: str) -> None:
+    case = CASES[0]
+    turn = shaft(*case, tolerance).effect(CAMSHAFT_WINDUP)
+    windup, omega = settled(*case)
+    own = turn.turn.windup(PHI)
+    size = np.max(np.abs(windup))
+    assert np.max(np.abs(own - windup)) <= turn.turn.windup_error + 1e-10 * size
+    assert np.max(np.abs(turn.turn.omega(PHI) - omega)) <= turn.turn.speed_error + 1e-9
+
+
+def test_with_friction_it_satisfies_the_equation_of_motion() -> None:
+    """Over one turn in time, from its own state, with the torque of `drive-torque`."""
+    made = scene(("[effects.contact-force]", FRICTION + "[effects.contact-force]"))
+    turn, drive = made.effect(CAMSHAFT_WINDUP), made.effect(DRIVE_TORQUE)
+    k, j, speed = 1e3 * STIFFNESS, 1e3 * MOMENT, SPEED * RPM
+    c = 2.0 * DAMPING * math.sqrt(k * j)
+    edges = turn.course.borders
+    places = np.append(edges, TURN)
+
+    def rates(phi: float, state: Any, low: float, high: float) -> list[float]:
+        omega, w = map(float, state)
+        inside = np.array([min(max(phi, low + 1e-12), high - 1e-12)])
+
+        def missing(alpha: float) -> float:
+            torque = float(drive.at(inside, "right", omega, alpha)[0])
+            return j * alpha + torque - k * w - c * (speed - omega)
+
+        # between kinks the torque is linear in alpha, or nearly so with friction in the guide
+        one, two = 0.0, 1e3
+        for _ in range(20):
+            a, b = missing(one), missing(two)
+            one, two = two, two - b * (two - one) / (b - a)
+            if abs(two - one) <= 1e-10 * abs(two) + 1e-9:
+                break
+        return [two / omega, speed / omega - 1.0]
+
+    state = np.array(
+        [float(turn.turn.omega(np.zeros(1))[0]), float(turn.turn.windup(np.zeros(1))[0])]
+    )
+    start = state
+    for low, high in itertools.pairwise(places):
+        found = solve_ivp(rates, (low, high), state, "DOP853", rtol=1e-8, atol=1e-10,
+                          args=(low, high))  # fmt: skip
+        state = found.y[:, -1]
+        here = np.array([high - 1e-9])
+        assert state[1] == pytest.approx(float(turn.turn.windup(here)[0]), abs=1e-6 * 0.02)
+        assert state[0] == pytest.approx(float(turn.turn.omega(here)[0]), rel=1e-7)
+    assert state == pytest.approx(start, rel=1e-6)
+
+
+def test_a_stiff_shaft_turns_at_the_speed_of_its_drive() -> None:
+    """With e = speed / natural frequency, k w = T - 2 D e dT/dphi up to terms of the order e^2."""
+    stiffness, moment, damping = 5e6, 1e-3, 0.1
+    stiff = shaft(stiffness, moment, damping)
+    plain = scene((SCENE[SCENE.index("[effects.camshaft") :], ""))
+    drive = plain.effect(DRIVE_TORQUE)
+    step = 1e-5
+    before, torque, after = (drive.torque(PHI + k * step, "right") for k in (-1, 0, 1))
+    small = SPEED * RPM * math.sqrt(moment / stiffness)
+    later = 2.0 * damping * small * (after - before) / (2.0 * step)
+    turn = stiff.effect(CAMSHAFT_WINDUP).turn
+    carried = 1e3 * stiffness * turn.windup(PHI)
+    size = np.max(np.abs(torque))
+    assert np.max(np.abs(later)) > 1e-4 * size
+    assert np.max(np.abs(carried - torque + later)) <= 100.0 * small**2 * size
+    assert np.ptp(turn.omega(PHI)) <= 1e-3 * SPEED * RPM
+    found = stiff.effect("contact-force").normal(PHI, "right")
+    formerly = plain.effect("contact-force").normal(PHI, "right")
+    assert found == pytest.approx(formerly, rel=1e-2)
+
+
+def test_the_windup_is_what_the_cam_lags_behind_in_time() -> None:
+    turn = scene().effect(CAMSHAFT_WINDUP)
+    lag = SPEED * RPM * turn.course.time(PHI) - PHI
+    windup = turn.turn.windup(PHI)
+    assert lag - lag[0] == pytest.approx(windup - windup[0], abs=1e-12)
+    assert period(turn.course) == pytest.approx(60.0 / SPEED, rel=1e-12)
+
+
+def test_the_shaft_does_the_work_that_the_cam_takes() -> None:
+    made = scene(("[effects.contact-force]", FRICTION + "[effects.contact-force]"))
+    turn, drive = made.effect(CAMSHAFT_WINDUP), figures(made, DRIVE_TORQUE)
+    torque = {each.name: each for each in turn.columns}["shaft torque"]
+    ends = np.append(turn.turn.mesh.low, TURN)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * np.diff(ends)
+    phi = (ends[:-1] + half)[:, np.newaxis] + half[:, np.newaxis] * nodes
+    work = float(np.sum(half * (torque.values(phi.ravel(), "right").reshape(phi.shape) @ weights)))
+    assert work == pytest.approx(drive["work-per-turn"].value, rel=1e-7)
+    assert work > 0.1
+
+
+# What depends on it ------------------------------------------------------------------------------
+
+
+def test_all_other_effects_are_for_the_cam_as_it_turns() -> None:
+    made = scene()
+    for name in made.scene.effects:
+        found = name not in {"spring"}
+        assert made.effect(name).state == Used("demanded", "found" if found else "stated"), name
+    speeds = made.effect("kinematics")
+    course = made.effect(CAMSHAFT_WINDUP).course
+    velocity = {each.name: each for each in speeds.columns}["velocity"].values(PHI, "right")
+    own = [lift(each)[1] for each in PHI] * course.rates(PHI)[0]
+    assert velocity == pytest.approx(own, abs=1e-9 * np.max(np.abs(own)))
+    assert "camshaft-windup" in figures(made, "kinematics")["found-speed"].sentence
+    stated = scene(("[part]", '[state]\nspeed = "stated"\n[part]'))
+    assert stated.effect("kinematics").state == Used("demanded", "stated")
+    assert "camshaft-windup" in figures(stated, "kinematics")["simplified"].sentence
+
+
+def test_no_scene_has_a_motor_and_a_drive_of_constant_speed() -> None:
+    motor = (
+        "[effects.speed-fluctuation]\nmoment_of_inertia = 1\nno_load_speed = 600\nstall_torque = 90"
+    )
+    with pytest.raises(SceneError) as error:
+        scene(text=SCENE + motor)
+    assert [each.key for each in error.value.faults] == ["effects.camshaft-windup"]
+    with pytest.raises(SceneError) as error:
+        scene((f"speed = {SPEED}\n", ""))
+    assert "effects.camshaft-windup" in [each.key for each in error.value.faults]
+    for key, value in (("stiffness", STIFFNESS), ("moment_of_inertia", MOMENT)):
+        with pytest.raises(SceneError) as error:
+            scene((f"\n{key} = {value}\n", f"\n{key} = 0\n"))
+        assert [each.key for each in error.value.faults] == [f"effects.camshaft-windup.{key}"]
+
+
+def test_no_answer_where_there_is_none() -> None:
+    names = {}
+    for case in ((2.0, 1e-5, 0.02), (1e9, 1e-6, 0.1)):
+        with pytest.raises(EffectError) as error:
+            shaft(*case).effect(CAMSHAFT_WINDUP)
+        names[case[0]] = error.value.finding
+    assert names == {2.0: "soft-shaft", 1e9: "stiff-shaft"}
+
+
+def test_findings_say_what_the_shaft_does() -> None:
+    made = scene((f"damping = {DAMPING}", f"damping = {DAMPING}\nlimit = 0.1"))
+    found = figures(made, CAMSHAFT_WINDUP)
+    assert found["windup"].severity == "broken"
+    assert found["windup"].value == pytest.approx(
+        max(abs(found[f"{each}-windup"].value) for each in ("largest", "smallest"))
+    )
+    assert found["torque-reversal"].severity == "warning"
+    assert found["natural-frequency"].value == pytest.approx(math.sqrt(STIFFNESS / MOMENT) / TURN)
+    undamped = figures(shaft(5000.0, 0.002, 0.0), CAMSHAFT_WINDUP)
+    assert undamped["natural-frequency"].severity == "warning"
+
+
+# Errors ------------------------------------------------------------------------------------------
+
+
+def assert_true(rough: Design, fine: Design) -> None:
+    for effect in rough.scene.effects:
+        if CAMSHAFT_WINDUP not in (effect, *[each.by for each in find_effect(effect).refined_by]):
+            continue
+        for each in compared(rough.effect(effect), fine.effect(effect)):
+            assert each.holds, (effect, each)
+
+
+def fixture(tolerance: float) -> Design:
+    path = SCENES.parent / "effects" / "camshaft_windup.toml"
+    text = path.read_text("utf-8")
+    table = "[effects.camshaft-windup]\n"
+    assert text.count(table) == 1
+    return Design(parse_scene(text.replace(table, f"{table}tolerance = {tolerance:g}\n")))
+
+
+@pytest.mark.parametrize("tolerance", some((1e-2, 1e-4, 1e-6, 1e-8), of=2))
+def test_errors_are_true(tolerance: float) -> None:
+    assert_true(fixture(tolerance), fixture(tolerance / TIGHTER))
+
+
+@settings(max_examples=examples(8, long=300), deadline=None)
+@given(
+    st.floats(1.0, 6.0).map(lambda power: 10.0**power), st.floats(1e-4, 0.1),
+    st.sampled_from([0.0, 0.005, 0.05, 0.4]), st.sampled_from([1e-3, 1e-5, 1e-7]),
+)  # fmt: skip
+def test_errors_are_true_for_any_shaft(
+    stiffness: float, moment: float, damping: float, tolerance: float
+) -> None:
+    rough, fine = (
+        shaft(stiffness, moment, damping, f"{each:g}") for each in (tolerance, tolerance / TIGHTER)
+    )
+    try:
+        rough.effect(CAMSHAFT_WINDUP)
+        fine.effect(CAMSHAFT_WINDUP)
+    except EffectError:
+        return
+    assert_true(rough, fine)
