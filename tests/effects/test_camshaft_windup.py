@@ -319,7 +319,34 @@ def test_findings_say_what_the_shaft_does() -> None:
     assert found["torque-reversal"].severity == "warning"
     assert found["natural-frequency"].value == pytest.approx(math.sqrt(STIFFNESS / MOMENT) / TURN)
     undamped = figures(shaft(5000.0, 0.002, 0.0), CAMSHAFT_WINDUP)
-    assert undamped["natural-frequency"].severity == "warning"
+    assert undamped["settling"].value == pytest.approx(100.0, rel=1e-8)
+    assert undamped["settling"].severity == "warning"
+
+
+@pytest.mark.parametrize("case", [CASES[0], (3000.0, 1e-4, 0.0)])
+def test_a_disturbance_decays_as_stated(case: tuple[float, float, float]) -> None:
+    """By the matrix of the Poincare map, from motions beside the steady one."""
+    stiffness, moment, damping = case
+    turn = shaft(*case).effect(CAMSHAFT_WINDUP).turn
+    drive, k, j, m = SPEED * RPM, 1e3 * stiffness, 1e3 * moment, 1e-3 * MASS
+    c = 2.0 * damping * math.sqrt(k * j)
+
+    def rates(phi: float, state: Any) -> list[float]:
+        omega, w = state
+        s, s1, s2 = lift(phi)
+        moved = k * w + c * (drive - omega) - s1 * (m * s2 * omega**2 + PRELOAD + SPRING * s)
+        return [moved / (j + m * s1**2) / omega, drive / omega - 1.0]
+
+    def after(state: Any) -> Any:
+        for low, high in itertools.pairwise([0.0, 0.5 * math.pi, math.pi, TURN]):
+            state = solve_ivp(rates, (low, high), state, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        return state
+
+    start = np.array([turn.omega(np.zeros(1))[0], turn.windup(np.zeros(1))[0]])
+    steps = np.diag([1e-4 * drive, 1e-6])
+    matrix = [(after(start + each) - after(start - each)) / (2.0 * np.max(each)) for each in steps]
+    left = np.max(np.abs(np.linalg.eigvals(np.transpose(matrix))))
+    assert turn.multiplier == pytest.approx(left, rel=1e-3)
 
 
 # Errors ------------------------------------------------------------------------------------------

@@ -220,7 +220,9 @@ class WoundTurn:
     mesh : the cells.
     pair : v and w in them.
     rates : (m, n) alpha at the nodes [rad/s^2].
-    multiplier : the share of a disturbance that is left after a turn, at most.
+    multiplier : the share of a disturbance that is left after a turn, at most: the size of the
+        larger eigenvalue of the monodromy matrix.
+    multiplier_error : estimate of its error.
     speed_error : estimate of the largest error of the speed [rad/s].
     windup_error : that of the windup [rad].
     rough : the steady state on cells twice as long, from which the errors are estimated; None for
@@ -232,6 +234,7 @@ class WoundTurn:
     pair: Pair
     rates: FloatArray
     multiplier: float
+    multiplier_error: float
     speed_error: float
     windup_error: float
     rough: WoundTurn | None
@@ -300,8 +303,11 @@ def periodic(
         if reached <= tolerance:
             exact, last = newton(wound, mesh.fine, fine, tolerance)
             errors = errors + last * scales
-            multiplier = float(np.max(np.abs(np.linalg.eigvals(step.monodromy))))
-            own = (multiplier, wound.speed * float(errors[0]), float(errors[1]))
+            own = (
+                *_multiplier(wound, mesh, pair, exact),
+                wound.speed * float(errors[0]),
+                float(errors[1]),
+            )
             rough = WoundTurn(
                 wound, mesh.coarse, pair, _alpha(wound, mesh.coarse, pair), *own, None
             )
@@ -348,6 +354,19 @@ def _relative(changes: FloatArray, pair: Pair) -> FloatArray:
     r = np.sqrt(1.0 + 2.0 * np.maximum(pair.nodes[..., 0], -0.5 + 0.5 * KEEP))
     sizes = np.stack((1.0 / r, np.full(r.shape, 1.0 / pair.largest_windup)), axis=-1)
     return np.asarray(np.abs(changes) * sizes)
+
+
+def _multiplier(wound: Wound, mesh: DoubleMesh, rough: Pair, pair: Pair) -> tuple[float, float]:
+    """The size of the larger eigenvalue of the monodromy matrix, and an estimate of its error: the
+    change from the coarse mesh, and rounding, which is more where the two are nearly equal.
+    """
+    steps = (newton_step(wound, *each) for each in ((mesh.coarse, rough), (mesh.fine, pair)))
+    ends = [np.linalg.eigvals(each.monodromy) for each in steps]
+    coarse, fine = (float(np.max(np.abs(each))) for each in ends)
+    rounding = ROUNDINGS * EPS * len(mesh.fine.low)
+    apart = float(np.abs(ends[1][0] - ends[1][1])) / max(fine, 1e-300)
+    rounding *= 1.0 + 1.0 / max(apart, math.sqrt(rounding))
+    return fine, BETWEEN * abs(fine - coarse) + rounding * max(fine, EPS)
 
 
 def _rounding(wound: Wound, monodromy: FloatArray, pair: Pair) -> FloatArray:

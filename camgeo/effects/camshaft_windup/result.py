@@ -21,7 +21,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
 from camgeo.effects.camshaft_windup.periodic import Wound, WoundTurn
-from camgeo.effects.camshaft_windup.solve import GROWING, solve
+from camgeo.effects.camshaft_windup.solve import solve
 from camgeo.effects.camshaft_windup.table import ElasticShaft
 from camgeo.effects.effect import Bound, Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
@@ -42,6 +42,9 @@ BETWEEN_NODES: Final = 16.0 * 2.0**-52
 REVERSED: Final = 1e-3
 """A torque against that of the drive by less than this share of the largest does not count: a shaft
 swings on a little after each move."""
+
+LASTING: Final = 1e-6
+"""Without damping the share of a disturbance that is left after a turn is 1, to this accuracy."""
 
 FINEST: Final = 256.0 * 2.0**-52
 """Smallest tolerance that is tried for the sake of the torque."""
@@ -117,7 +120,7 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
         *extreme_findings("shaft-torque", "torque in the camshaft", torques, "N m"),
         *_reversal(torque, edges, torques),
         *extreme_findings("speed", "speed of the cam", speeds, "rev/min"),
-        _swinging(turn),
+        *_swinging(turn),
     )  # fmt: skip
     return CamshaftWindup(
         turn=turn,
@@ -168,19 +171,26 @@ def _reversal(torque: Quantity, edges: FloatArray, ends: Extremes) -> Iterator[F
     )
 
 
-def _swinging(turn: WoundTurn) -> Finding:
-    wound = turn.wound
-    natural = wound.shaft.natural_frequency
-    sentence = (
+def _swinging(turn: WoundTurn) -> Iterator[Finding]:
+    """How the cam swings on its shaft, and whether it comes to the steady state by itself."""
+    natural, left = turn.wound.shaft.natural_frequency, 100.0 * turn.multiplier
+    yield Finding(
+        "natural-frequency",
+        "ok",
         f"the cam without its follower swings on the camshaft at {natural / TURN:.6g} Hz,"
-        f" {natural / wound.speed:.5g} times the speed of its drive; a disturbance decays to"
-        f" {100.0 * turn.multiplier:.4g} % of its size per turn"
+        f" {natural / turn.wound.speed:.5g} times the speed of its drive",
+        natural / TURN,
+        unit="Hz",
     )
-    lasting = turn.multiplier >= 2.0 - GROWING
-    if lasting:
-        sentence += ": without damping, the cam need not come to this steady state"
-    severity: Severity = "warning" if lasting else "ok"
-    return Finding("natural-frequency", severity, sentence, natural / TURN, unit="Hz")
+    sentence = f"{left:.4g} % of a disturbance is left after a turn"
+    severity: Severity = "ok"
+    if abs(turn.multiplier - 1.0) <= LASTING:
+        severity = "warning"
+        sentence += ": without damping, the cam does not come to this steady state by itself"
+    elif turn.multiplier > 1.0:
+        severity = "broken"
+        sentence += ": the steady state is unstable, and the cam does not stay in it"
+    yield Finding("settling", severity, sentence, left, unit="%")
 
 
 def errors_of(turn: WoundTurn) -> dict[str, Bound]:
@@ -195,7 +205,9 @@ def errors_of(turn: WoundTurn) -> dict[str, Bound]:
     torques = ("shaft torque", "largest-shaft-torque", "smallest-shaft-torque", "torque-reversal")
     windups = ("windup", "largest-windup", "smallest-windup")
     speeds = ("cam speed", "largest-speed", "smallest-speed")
+    left = Bound(turn.multiplier_error, max(turn.multiplier, 1.0))
     return {
+        "settling": left.times(100.0),
         **dict.fromkeys(windups, windup.times(math.degrees(1.0))),
         "windup-range": Bound(2.0 * windup.error, windup.scale).times(math.degrees(1.0)),
         **dict.fromkeys(torques, torque.times(N_M)),
