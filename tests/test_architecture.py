@@ -83,6 +83,7 @@ EFFECT_FRAME = {
     "catalogue",
     "effect",
     "elastic",
+    "feedback",
     "force",
     "found_speed",
     "graph",

@@ -38,6 +38,10 @@ class Catalogue:
         """The effect of the scene that finds how the cam turns; None if it names none."""
         return next((each for each in FINDERS if each in self.tables), None)
 
+    def rigid(self) -> Catalogue:
+        """The same, with effects that take the train as rigid."""
+        return Catalogue(self.tables, self._find, "rigid")
+
     def effect(self, name: str) -> Effect:
         """The declaration of the effect `name`; UnknownNameError if there is none."""
         if name not in self._known:

@@ -8,6 +8,7 @@ one that the scene gives.
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Iterator, Mapping
 from typing import Any, Final, overload
 
@@ -36,6 +37,12 @@ from camgeo.units import RPM, TURN
 AT_FOUND: Final = " at the found speed"
 AT_ROUGH: Final = " at the found speed, roughly"
 """What the ledger adds to the names of effects that are computed for this speed."""
+
+OF_RIGID: Final = " of a rigid train"
+"""What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+
+FED_BACK: Final = "camgeo.effects.feedback:FedBack"
+"""Imported only where an elastic train acts back on the speed."""
 
 
 class Effects:
@@ -66,6 +73,7 @@ class Effects:
         self._finder = None if speed == "stated" else self.catalogue.finder
         self._stated: Nodes | None = None
         self._found: Nodes | None = None
+        self._rigid: Nodes | None = None
 
     def __repr__(self) -> str:
         return clipped(f"Effects({', '.join(map(repr, self.names))})")
@@ -122,12 +130,24 @@ class Effects:
             If its speed is neither found nor given.
         """
         if self._stated is None:
-            self._stated = Nodes(self._given, self.catalogue, self.ledger)
+            feeds = self._finder == SPEED_FLUCTUATION and self.catalogue.followed(self._finder)
+            kind = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
+            self._stated = kind(self._given, self.catalogue, self.ledger)
+        if self._finder is None and name == SPEED_FLUCTUATION and self.catalogue.followed(name):
+            return self._of_rigid
         if self._finder is None or not self.catalogue.moved(name):
             return self._stated
         if self._found is None:
             self._found = self._turned(self._stated, self._finder)
         return self._found
+
+    @property
+    def _of_rigid(self) -> Nodes:
+        """Where `speed-fluctuation` is computed if no other effect follows its speed."""
+        if self._rigid is None:
+            ledger = self.ledger.named(OF_RIGID)
+            self._rigid = Nodes(self._given, self.catalogue.rigid(), ledger)
+        return self._rigid
 
     @property
     def _given(self) -> Subject:
@@ -146,7 +166,7 @@ class Effects:
             found = stated.result(finder)
         except EffectError as error:
             if self.subject.state.course is not None:
-                return stated
+                return Nodes(self.subject, self.catalogue, self.ledger)
             raise EffectError(
                 f"the speed of the cam is neither given nor found: {error.message}",
                 finding="no-speed",
@@ -191,25 +211,36 @@ class Effects:
         touching = isinstance(result, Touching)
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
-        taken = self._nodes(name) is not self._stated
+        taken = self._nodes(name).at_found
         named = tuple(each for each in self.names if not (taken and each in FINDERS))
         effect = self.effect(name)
         flies = lost or (lost is not None and effect.premise == "contact")
         flown = self._flown() if flies and at_speed_of_scene else ()
-        found = qualified(effect, result.findings, self.subject, lost, named, flown,
-                          elastic=self._is_elastic(effect))  # fmt: skip
+        found = qualified(
+            effect, result.findings, self.subject, lost, named, flown,
+            follows=self._follows(effect), elastic=self._is_elastic(effect),
+        )  # fmt: skip
         return (*self._at_speed(name, result.findings), *found)
+
+    def _follows(self, effect: Effect) -> bool:
+        """Whether `effect` takes an elastic train of the scene into account."""
+        finder = effect.name == SPEED_FLUCTUATION
+        return self.catalogue.followed(effect.name) and (
+            self._finder == SPEED_FLUCTUATION or not finder
+        )
 
     def _is_elastic(self, effect: Effect) -> bool:
         """Whether the figures of `effect` are for an elastic train that has mass."""
-        if not self.catalogue.followed(effect.name):
+        if not self._follows(effect):
             return False
+        if effect.name == SPEED_FLUCTUATION:
+            return self.result(SPEED_FLUCTUATION).feedback is not None
         return self.result(CONTACT_FORCE).behind is not None
 
     def _at_speed(self, name: str, findings: tuple[Finding, ...]) -> Iterator[Finding]:
         """For which speed the figures of the effect `name` are, if that is the found one."""
         nodes = self._nodes(name)
-        if nodes is self._stated or not self.catalogue.of_given_speed(name):
+        if not nodes.at_found or not self.catalogue.of_given_speed(name):
             return
         course = nodes.subject.course
         if course is not None and any(each.value is not None for each in findings):
@@ -219,7 +250,8 @@ class Effects:
                 " rev/min in the mean"
             )
             # what the speed was found from: at the found speed there may be no contact force
-            if self._stated is not None and self._stated.result(CONTACT_FORCE).behind is not None:
+            stated = None if self._finder == SPEED_FLUCTUATION else self._stated
+            if stated is not None and stated.result(CONTACT_FORCE).behind is not None:
                 rigid = ", where the train is taken as rigid"
                 yield Finding("found-speed", "warning", sentence + rigid)
             else:
@@ -265,4 +297,4 @@ class Effects:
             table = {**self.tables.get(name, {}), "tolerance": tolerance}
             catalogue = catalogue.with_table(name, table)
         self.inputs(name)
-        return Nodes(nodes.subject, catalogue, Ledger(), nodes.inputs(name))
+        return type(nodes)(nodes.subject, catalogue, Ledger(), nodes.inputs(name))

@@ -64,6 +64,11 @@ class Nodes:
         self._results: dict[str, Any] = dict(known or {})
         self._failures: dict[str, EffectError] = {}
 
+    @property
+    def at_found(self) -> bool:
+        """Whether they are for the speed that is found."""
+        return self._base is not None
+
     def result(self, name: str) -> Any:
         """The result of the effect `name`; raises as `camgeo.effects.graph.Effects.result`."""
         with self.ledger.lock:  # another thread may be computing it

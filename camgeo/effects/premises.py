@@ -57,6 +57,7 @@ def qualified(
     named: Sequence[str],
     flown: Sequence[Range] = (),
     *,
+    follows: bool = False,
     elastic: bool = False,
 ) -> tuple[Finding, ...]:
     """The `findings` of `effect`, after those that say what they do not hold for.
@@ -66,7 +67,8 @@ def qualified(
     lost : where the follower leaves the cam; None if that is not known.
     named : the effects that the scene names.
     flown : where it then flies, or crosses its clearance; empty if that is not known.
-    elastic : whether they are for an elastic train.
+    follows : whether `effect` takes elastic trains into account.
+    elastic : whether its figures are for one.
     """
     if all(each.value is None for each in findings):
         return findings  # without figures there is nothing to qualify
@@ -79,8 +81,9 @@ def qualified(
     trimmed = tuple(trimming(effect, subject))
     if broken or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    told = (*_as_written(effect, subject), *((OF_TRAIN,) if elastic else ()))
-    return (*broken, *crossed, *trimmed, *told, *_simplified(effect, subject, named), *findings)
+    told = [*_as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
+    told += _simplified(effect, named, follows=follows)
+    return (*broken, *crossed, *trimmed, *told, *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:
@@ -246,11 +249,10 @@ def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
         return None
 
 
-def _simplified(effect: Effect, subject: Subject, named: Sequence[str]) -> Iterator[Finding]:
+def _simplified(effect: Effect, named: Sequence[str], *, follows: bool) -> Iterator[Finding]:
     """A warning if other effects that the scene names have a better model that is not followed."""
-    elastic = subject.output == "elastic"
     found = [
-        each for each in effect.refined_by if each.by in named and not (each.followed and elastic)
+        each for each in effect.refined_by if each.by in named and not (each.followed and follows)
     ]
     if not found:
         return

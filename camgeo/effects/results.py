@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from camgeo.effects.bearing_friction import BearingFriction, Rubbing
-    from camgeo.effects.effect import Quantity
+    from camgeo.effects.effect import Bound, Quantity
     from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
     from camgeo.effects.helical import HelicalSpring
@@ -240,6 +240,24 @@ class Touching(Result):
     lost_contact: LostContact
 
 
+@dataclass(frozen=True, slots=True)
+class Feedback:
+    """The last of the rounds in which speed and elastic train are computed for each other.
+
+    Attributes
+    ----------
+    rounds : their number.
+    residual : the largest change of the speed in the last one [rad/s].
+    ratio : what is left of a change after a round, estimated from the last two.
+    error : that is left of the speed [rad/s], beside its own in one round.
+    """
+
+    rounds: int
+    residual: float
+    ratio: float
+    error: float
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Turning(Touching):
     """A result that includes how the cam turns.
@@ -252,6 +270,26 @@ class Turning(Touching):
 
     course: TimeCourse
     rough_course: TimeCourse
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class MotorTurning(Turning):
+    """How a motor turns the cam.
+
+    Attributes
+    ----------
+    places : (k,) cam angles [rad], those for which the speed is solved.
+    speed : its error [rad/s].
+    feedback : how an elastic train acts back on it; None if none does.
+    """
+
+    places: FloatArray
+    speed: Bound
+    feedback: Feedback | None = None
+
+    def fed_back(self, feedback: Feedback, rough_course: TimeCourse) -> MotorTurning:
+        """The same with the error that is left by rounds of `feedback`."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -296,6 +334,7 @@ class ContactForce(Touching):
     struck : (n,) inertia [t or t mm^2] reduced to the follower that a jump of its velocity strikes:
         all that is not behind an elastic train; None without masses.
     behind : the elastic train that `forces` include; None if it is rigid.
+    beside : the same with another force on a rigid train, known at all speeds.
     """
 
     forces: tuple[Force, ...]
@@ -309,6 +348,7 @@ class ContactForce(Touching):
     demand: Quantity
     bearings: BearingFriction | None
     released: Callable[[FloatArray, Side, FloatArray], FloatArray]
+    beside: Callable[[Force], ContactForce]
     struck: Quantity | None = None
     behind: ElasticTrain | None = None
 
@@ -351,7 +391,7 @@ VIBRATION: Final = Key[Elastic]("vibration")
 LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
-SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
+SPEED_FLUCTUATION: Final = Key[MotorTurning]("speed-fluctuation")
 CAMSHAFT_WINDUP: Final = Key[Turning]("camshaft-windup")
 FINDERS: Final = (SPEED_FLUCTUATION, CAMSHAFT_WINDUP)
 """The effects that find how the cam turns, of which a scene names at most one."""

@@ -149,12 +149,89 @@ def test_the_contact_force_is_that_of_newtons_law() -> None:
 @pytest.mark.parametrize("name", ["press", "tappet", "linked_press"])
 def test_the_motor_does_the_work_that_the_cam_takes(name: str) -> None:
     """J omega domega is that of a periodic speed, 0 over a turn."""
-    made = loaded(name, "1e-8", "rigid")
+    made = loaded(name, "1e-8")
     motor, drive = (made.effect(each) for each in (SPEED_FLUCTUATION, "drive-torque"))
     work = {each.name: each.value for each in (*motor.findings, *drive.findings)}
     error = motor.errors["motor-work"].error + drive.errors["work-per-turn"].error
     assert work["motor-work"] == pytest.approx(work["work-per-turn"], abs=error)
     assert error < 1e-5 * work["motor-work"]
+
+
+def coupled(frequency: float, damping: float, moment: float) -> tuple[Design, Any]:
+    """A motor, the cam and all its mass behind a spring, and the same over a turn by `solve_ivp`.
+
+    J omega' = T_m - s' (F + P + K s), m v' = F = k (s - x) + c (s' omega - v), x' = v, over time,
+    once all disturbances have died out.
+    """
+    made = scene(
+        (RIGID, 'output = "elastic"'),
+        ("natural_frequency = 200", f"natural_frequency = {frequency}"),
+        ("damping = 0.05", f"damping = {damping}"),
+        (f"moment_of_inertia = {MOMENT}", f"moment_of_inertia = {moment}"),
+        ("tolerance = 1e-11", "tolerance = 1e-9"),
+    )
+    w, mass = TURN * frequency, 1e-3 * MASS
+
+    def rate(phi: float, y: FloatArray) -> list[float]:
+        omega, x, v, _ = y.tolist()
+        s, s1, _ = lift(min(phi, TURN))
+        force = mass * (w * w * (s - x) + 2.0 * damping * w * (s1 * omega - v))
+        motor = 1e3 * STALL * (1.0 - omega / (NO_LOAD * RPM))
+        torque = s1 * (force + PRELOAD + STIFFNESS * s)
+        alpha = (motor - torque) / (1e3 * moment)
+        return [alpha / omega, v / omega, force / mass / omega, motor]
+
+    state, ends = np.array([NO_LOAD * RPM, 0.0, 0.0, 0.0]), [0.0, 0.5 * math.pi, math.pi, TURN]
+    for _ in range(12):
+        before, pieces = state[:3].copy(), []
+        state[3] = 0.0
+        for span in itertools.pairwise(ends):
+            found = solve_ivp(rate, span, state, "DOP853", dense_output=True, rtol=1e-12, atol=1e-9)
+            pieces.append(found)
+            state = found.y[:, -1]
+        if abs(state[0] - before[0]) < 1e-11 * state[0]:
+            break
+    return made, pieces
+
+
+INTEGRATED = 1e-8
+"""Relative error of `solve_ivp`: of its interpolant, and 1e-9 of what is absolute, over a turn."""
+
+
+@pytest.mark.parametrize(("frequency", "damping", "moment"), [(200, 0.05, 0.01), (60, 0.2, 0.004)])
+def test_the_speed_before_an_elastic_train_is_that_of_the_coupled_equations(
+    frequency: float, damping: float, moment: float
+) -> None:
+    made, pieces = coupled(frequency, damping, moment)
+    motor = made.effect(SPEED_FLUCTUATION)
+    own = np.array([next(p for p in pieces if p.t[-1] >= each).sol(each)[0] for each in PHI])
+    error = motor.speed.error + INTEGRATED * np.max(own)
+    assert motor.course.rates(PHI)[0] == pytest.approx(own, abs=error)
+    values = {each.name: each.value for each in motor.findings}
+    work = 1e-3 * float(pieces[-1].y[3, -1])
+    slope = STALL / (NO_LOAD * RPM)
+    assert values["motor-work"] == pytest.approx(work, abs=TURN * slope * error)
+    feedback = motor.feedback
+    assert feedback is not None
+    assert 1 < feedback.rounds <= 20
+    assert feedback.residual / RPM == values["feedback"]
+    # A rigid train gives another speed.
+    rigid = scene((f"moment_of_inertia = {MOMENT}", f"moment_of_inertia = {moment}"))
+    course = rigid.effect(SPEED_FLUCTUATION).course
+    assert np.max(np.abs(course.rates(PHI)[0] - own)) > 1e4 * error
+
+
+def test_a_loop_that_does_not_contract_is_refused_with_the_keys_that_break_it() -> None:
+    loose = scene(
+        (RIGID, 'output = "elastic"'),
+        ("natural_frequency = 200", "natural_frequency = 20"),
+        ("damping = 0.05", "damping = 0.1"),
+        (f"moment_of_inertia = {MOMENT}", "moment_of_inertia = 0.004"),
+        ("tolerance = 1e-11", "tolerance = 1e-6"),
+    )
+    with pytest.raises(EffectError, match='output = "rigid"') as error:
+        loose.effect(SPEED_FLUCTUATION)
+    assert error.value.finding == "feedback"
 
 
 def test_velocity_and_duration_are_those_of_the_integrated_speed() -> None:

@@ -20,7 +20,7 @@ from camgeo.effects.contact_force.balance import (
     refuse_jamming,
 )
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Subject
-from camgeo.effects.force import all_borders
+from camgeo.effects.force import Force, all_borders
 from camgeo.effects.immovable import shocks
 from camgeo.effects.loads import Loads
 from camgeo.effects.results import (
@@ -85,7 +85,7 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     found = force_findings(extremes, subject, limit)
     columns = _columns(subject, normal, limit, all_borders(forces))
     struck = struck_by_jumps(inertia, behind)
-    return ContactForce(
+    made = ContactForce(
         findings=(*found, *unexcited(request, behind), *shock_findings(subject, struck)),
         columns=columns,
         lost_contact=lost_contact(subject, normal, extremes, edges, struck),
@@ -101,8 +101,22 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
         demand=demand,
         bearings=rigid.bearings,
         released=rigid.released,
+        beside=lambda force: beside(made, rigid, force),
         struck=struck,
         behind=behind,
+    )
+    return made
+
+
+def beside(found: ContactForce, rigid: ForceBalance, force: Force) -> ContactForce:
+    """See `ContactForce.beside`; `rigid` is the balance with a rigid train."""
+    balance = replace(rigid, forces=(*rigid.forces, force))
+    return replace(
+        found,
+        forces=balance.forces,
+        required=balance.required,
+        normal_at=balance.normal,
+        released=balance.released,
     )
 
 

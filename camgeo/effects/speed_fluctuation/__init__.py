@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from camgeo.declared import schema_beside
-from camgeo.effects.effect import RIGID, Effect
+from camgeo.effects.effect import ELASTIC, Effect
 from camgeo.effects.results import DRIVE_TORQUE, SPEED_FLUCTUATION
 from camgeo.effects.speed_fluctuation.table import parse
 
@@ -18,5 +18,5 @@ EFFECT: Final = Effect(
     needs=(DRIVE_TORQUE,),
     tabled=True,
     numerical=True,
-    refined_by=(RIGID,),
+    refined_by=(ELASTIC,),
 )

@@ -53,6 +53,7 @@ class Steady:
     largest : torque of motor or cam, the larger one [N mm]; the terms of the motor's own if both
         are rounding.
     period_error, work_error : changes on cells half as long [s], [N mm].
+    beside : error of the speed that is not that of the solution for this torque law [rad/s].
     """
 
     turn: SteadyTurn
@@ -66,6 +67,7 @@ class Steady:
     largest: float
     period_error: float
     work_error: float
+    beside: float = 0.0
 
     @property
     def mean(self) -> float:
@@ -75,7 +77,8 @@ class Steady:
     @property
     def speed(self) -> Bound:
         """Error of the speed [rad/s]."""
-        return Bound((self.turn.error + ROUNDING) * self.fastest, self.fastest)
+        own = (self.turn.error + ROUNDING) * self.fastest
+        return Bound(own + self.beside, self.fastest)
 
     @property
     def torque(self) -> Bound:

@@ -10,18 +10,19 @@ that repeats after each turn.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.check.finding import Finding, held
 from camgeo.effects.effect import Column, Quantity, Request
-from camgeo.effects.force import smooth_edges
-from camgeo.effects.results import DRIVE_TORQUE, Turning
+from camgeo.effects.force import all_borders, smooth_edges
+from camgeo.effects.results import DRIVE_TORQUE, Feedback, MotorTurning
 from camgeo.effects.shaft.course import course_of
 from camgeo.effects.shaft.obstacles import refuse_shocks
 from camgeo.effects.shaft.rate import Shaft
-from camgeo.effects.speed_fluctuation.errors import accurate
+from camgeo.effects.speed_fluctuation.errors import Steady, accurate
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.touching import lost_contact
@@ -30,23 +31,46 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import RPM
 
+if TYPE_CHECKING:
+    from camgeo.motion.time_course import TimeCourse
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedFluctuation(Turning):
+class SpeedFluctuation(MotorTurning):
     """The steady state.
 
     Attributes
     ----------
-    turn : the speed over the cam angle.
+    steady : the speed over the cam angle, and its error.
     alpha : (n,) angular acceleration of the cam [rad/s^2] at n cam angles.
     mean_speed : over time [rad/s].
     fluctuation : difference of largest and smallest speed, divided by the mean.
     """
 
-    turn: SteadyTurn
+    steady: Steady
     alpha: Quantity
     mean_speed: float
     fluctuation: float
+
+    @property
+    def turn(self) -> SteadyTurn:
+        """The speed over the cam angle."""
+        return self.steady.turn
+
+    def fed_back(self, feedback: Feedback, rough_course: TimeCourse) -> SpeedFluctuation:
+        """See `MotorTurning`."""
+        steady = replace(self.steady, beside=feedback.error)
+        errors = steady.figures()
+        told = _of_feedback(feedback, steady)
+        return replace(
+            self,
+            steady=steady,
+            speed=steady.speed,
+            rough_course=rough_course,
+            feedback=feedback,
+            findings=(*self.findings, told),
+            errors={**errors, told.name: errors["cam speed"]},
+        )
 
 
 def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
@@ -66,6 +90,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     refuse_shocks(subject, law)
     shaft = Shaft(data.moment_of_inertia, data.motor)
     steady = accurate(shaft, law, edges, request.tolerance)
+    switches = np.setdiff1d(steady.edges, edges)
+    kinks = np.concatenate((subject.state.smooth_angles, all_borders(contact.lasting), switches))
     turn, mean, work = steady.turn, steady.mean, steady.work
     assert turn.rough is not None  # only that one has none
 
@@ -114,9 +140,11 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         ),
     )
     return SpeedFluctuation(
-        turn=turn,
-        course=course_of(turn, alpha, steady.edges),
-        rough_course=course_of(turn.rough, alpha, steady.edges),
+        steady=steady,
+        course=course_of(turn, alpha, kinks),
+        rough_course=course_of(turn.rough, alpha, kinks),
+        places=turn.mesh.nodes.ravel(),
+        speed=steady.speed,
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,
@@ -128,6 +156,17 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         ),
         errors=steady.figures(),
     )
+
+
+def _of_feedback(feedback: Feedback, steady: Steady) -> Finding:
+    """How far the rounds with an elastic train have come."""
+    change, off = feedback.residual / RPM, steady.speed.error / RPM
+    sentence = (
+        f"the elastic train acts back on the speed: the last of {feedback.rounds} rounds from speed"
+        f" to vibration to torque to speed changes it by up to {change:.2g} rev/min, each leaves"
+        f" {100.0 * feedback.ratio:.2g} % of a change, and the speed is known to {off:.2g} rev/min"
+    )
+    return Finding("feedback", "ok", sentence, change, unit="rev/min")
 
 
 def _extremes(name: str, words: str, ends: Extremes, factor: float, unit: str) -> Iterator[Finding]:
