@@ -92,7 +92,9 @@ class FedBack(Nodes):
                 if train is None:
                     return turns[0]
                 fed: dict[str, Any] = {DRIVE_TORQUE: _loaded(drive, train)}
-                turns.append(Nodes(self.subject, catalogue, ledger, fed).result(SPEED_FLUCTUATION))
+                nodes = Nodes(self.subject, catalogue, ledger, fed)
+                with np.errstate(divide="ignore", invalid="ignore"):  # in rounds that diverge
+                    turns.append(nodes.result(SPEED_FLUCTUATION))
             except EffectError as error:
                 raise _refused(f"round {count} has no answer, {error.message}", error) from error
             changes.append(_largest_change(turns[-2], turns[-1]))
