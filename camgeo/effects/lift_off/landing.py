@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Final
 
 import numpy as np
 
@@ -22,6 +24,9 @@ from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.extremes import Extreme, piecewise_lowest
 from camgeo.units import TURN
 from camgeo.wording import counted, listed
+
+ANGLE_SHOWN: Final = math.radians(5e-5)
+"""Half of the last digit with which sentences give cam angles [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,6 +252,13 @@ def _told(
             unit="J",
         )
     )
+    late = max(each.late for each in flights)
+    if late > ANGLE_SHOWN:
+        degree = math.degrees(late)
+        sentence = f"the cam angles of the landings have an error of up to {degree:.2g} deg, more"
+        sentence += " than their digits show"
+        limit = math.degrees(ANGLE_SHOWN)
+        found.append(Finding("landing-angle", "warning", sentence, degree, limit, "deg"))
     if turns > 1:
         sentence = f"the {told.who} does not fly alike in every turn: its flights repeat after"
         sentence += f" {counted(turns, 'turn')}"
