@@ -360,7 +360,7 @@ def assert_true(own: Result, best: Result, what: str) -> None:
         assert each.holds, (what, each)
 
 
-@pytest.mark.parametrize("tolerance", some(("1e-2", "1e-4", "1e-6", "1e-8", "1e-10"), of=2))
+@pytest.mark.parametrize("tolerance", some(("1e-2", "1e-4", "1e-6", "1e-8", "1e-10"), of=3))
 @pytest.mark.parametrize("name", DRIVEN)
 def test_errors_are_true(name: str, tolerance: str) -> None:
     """Of each figure of each effect that depends on the speed."""

@@ -243,12 +243,13 @@ def test_a_rest_of_no_length_changes_nothing() -> None:
 @pytest.mark.parametrize("ratio", [1, 3, 17])
 def test_resonance_without_damping(ratio: int) -> None:
     """A motion of many harmonics resonates with each: that effect says so, and all that are for the
-    train. Others answer.
+    train. Others answer, and `speed-fluctuation` too: where the speed of the scene holds, it takes
+    the train as rigid.
     """
     text = scene_text("plate_translating")
     effects = every(text, vibration=f"natural_frequency = {ratio}")
     design = made(text, effects + AT_STATED_SPEED)
-    forces = {"contact-force", "lift-off", "drive-torque", "contact-pressure", "speed-fluctuation"}
+    forces = {"contact-force", "lift-off", "drive-torque", "contact-pressure"}
     assert assert_well_formed(design) == dict.fromkeys({"vibration", *forces}, "resonance")
     rigid = made(text, f'{effects}{AT_STATED_SPEED}output = "rigid"\n')
     assert assert_well_formed(rigid) == {"vibration": "resonance"}
@@ -391,18 +392,22 @@ def test_a_groove_force_that_barely_crosses_zero_changes_the_flank(short: float)
     assert 0.1 * math.sqrt(short) < second - first < 10.0 * math.sqrt(short)
 
 
-def jam(coefficient: float, overhang: float = 60.0) -> Design:
+def in_guide(coefficient: float, overhang: float = 60.0) -> str:
+    return f"guide = {coefficient!r}\nguide_length = 40\nguide_overhang = {overhang!r}"
+
+
+def jam(coefficient: float) -> Design:
     text = scene_text("plate_translating")
-    guide = f"guide = {coefficient!r}\nguide_length = 40\nguide_overhang = {overhang!r}"
-    return made(text, every(text, friction=guide))
+    return made(text, every(text, friction=in_guide(coefficient)))
 
 
 def test_friction_near_the_limit_of_jamming() -> None:
     """Up to the coefficient at which the margin is 0 all effects answer; beyond it all say so."""
-    low, high = 0.05, 3.0
+    text, low, high = scene_text("plate_translating"), 0.05, 3.0
     for _ in range(40):
         middle = 0.5 * (low + high)
-        margin = found(jam(middle), "friction", "jamming-margin").value
+        alone = made(text, f"[effects.friction]\n{in_guide(middle)}\n")
+        margin = found(alone, "friction", "jamming-margin").value
         assert margin is not None
         low, high = (middle, high) if margin > 0.0 else (low, middle)
     below, above = jam(low * (1.0 - 1e-6)), jam(high * (1.0 + 1e-6))

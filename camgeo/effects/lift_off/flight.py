@@ -57,6 +57,7 @@ from camgeo.effects.lift_off.walls import Wall
 from camgeo.effects.ranges import ranges_below
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.wording import missed
+from camgeo.errors import EffectError
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import piecewise_extremes
@@ -109,7 +110,7 @@ second derivative of a played lift is rounded more than that of the state.
 
 
 class _StiffError(ArithmeticError):
-    """Picard's iteration does not converge in a cell."""
+    """Picard's iteration does not converge in a cell; words say where shorter ones do not help."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,15 +172,17 @@ class FreeFollower:
         EffectError
             If they cannot be computed to the `tolerance`.
         """
-        error = 1.0
+        error, why = 1.0, ""
         for halvings in range(MOST_HALVINGS + 1):
             try:
                 rough, fine = (
                     self._chain(leavings, restitution, Nodes.of(count), halvings)
                     for count in ORDERS
                 )
-            except _StiffError:
+            except _StiffError as stiff:
+                why = str(stiff)
                 continue
+            why = ""
             alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
             pairs = tuple(zip(rough.flights, fine.flights, strict=False))
             error = max((apart(*both) for both in pairs), default=0.0) if alike else 1.0
@@ -193,6 +196,8 @@ class FreeFollower:
                     for worse, better in pairs
                 )
                 return replace(fine, flights=tuple(told))
+        if why:
+            raise EffectError(why)
         raise missed("the impact speed of a flight", error, "itself", tolerance)
 
     def _chain(
@@ -350,6 +355,8 @@ class FreeFollower:
         d, v = np.full(count, way), np.full(count, rate)
         for _ in range(MOST_ITERATIONS):
             mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
+            if not np.all(mass > 0.0):
+                raise _StiffError("the follower flies beyond the end of its linkage's motion")
             push = (free - cell.free - cell.needed + (cell.mass - mass) * cell.pull) / mass
             speed = nodes.integral(push / cell.omega, rate, cell.ends)
             gap = nodes.integral(speed(cell.angles) / cell.omega, way, cell.ends)
