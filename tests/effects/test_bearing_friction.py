@@ -177,3 +177,11 @@ def test_at_lift_off_with_a_loaded_pivot_the_force_is_0(mu: float) -> None:
     for change in changes:
         extremes = lever(**less, **change).effect("contact-force").extremes
         assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
+
+
+def test_behind_a_linkage_the_load_of_the_coupler_is_told_to_be_left_out() -> None:
+    linked = load_scene(SCENES.parent / "effects" / "linked_press.toml")
+    free = linked.with_values({"effects.friction.pivot": None})
+    for of, told in ((Design(linked), True), (Design(free), False), (lever(), False)):
+        found = {each.name for each in of.effects.findings("contact-force")}
+        assert ("coupler-load" in found) == told

@@ -86,7 +86,12 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     columns = _columns(subject, normal, limit, all_borders(forces))
     struck = struck_by_jumps(inertia, behind)
     made = ContactForce(
-        findings=(*found, *unexcited(request, behind), *shock_findings(subject, struck)),
+        findings=(
+            *found,
+            *unexcited(request, behind),
+            *without_coupler(subject, rigid.bearings),
+            *shock_findings(subject, struck),
+        ),
         columns=columns,
         lost_contact=lost_contact(subject, normal, extremes, edges, struck),
         errors=errors_of((*found, *columns), extremes, balance, behind),
@@ -142,6 +147,23 @@ def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list
             sentence=(
                 "the load varies, which would excite the elastic train; here it is passed on as by"
                 " a rigid one"
+            ),
+        )
+    ]
+
+
+def without_coupler(subject: Subject, bearings: BearingFriction | None) -> list[Finding]:
+    """A warning if pivot or guide has friction, and a coupler, whose load on it is not counted."""
+    if bearings is None or subject.drive.linkage is None:
+        return []
+    place = "guide" if subject.cam.follower.pivot is None else "pivot"
+    return [
+        Finding(
+            name="coupler-load",
+            severity="warning",
+            sentence=(
+                f"the friction in the {place} of the follower is that of the force of the cam"
+                f" alone; the coupler loads the {place} too, which adds to it or takes from it"
             ),
         )
     ]
