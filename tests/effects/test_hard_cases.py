@@ -406,8 +406,9 @@ def test_friction_near_the_limit_of_jamming() -> None:
     text, low, high = scene_text("plate_translating"), 0.05, 3.0
     for _ in range(40):
         middle = 0.5 * (low + high)
-        alone = made(text, f"[effects.friction]\n{in_guide(middle)}\n")
-        margin = found(alone, "friction", "jamming-margin").value
+        table = re.search(r"\[effects.friction\][^[]*", every(text, friction=in_guide(middle)))
+        assert table is not None
+        margin = found(made(text, table[0]), "friction", "jamming-margin").value
         assert margin is not None
         low, high = (middle, high) if margin > 0.0 else (low, middle)
     below, above = jam(low * (1.0 - 1e-6)), jam(high * (1.0 + 1e-6))
