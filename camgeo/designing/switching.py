@@ -108,8 +108,8 @@ def _with(given: Given, tree: Tree, name: str) -> Tree:
     """The tree with that effect; SceneError if the machine cannot have it."""
     made = suiting(given, tree, name)
     if made is None:
-        bare = {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: {}}}
-        raise SceneError([each for each in given.faults(bare) if _is_of(each.key, name)])
+        tried = _with_table(tree, name, EXAMPLES.get(name, ({},))[0])
+        raise SceneError([each for each in given.faults(tried) if _is_of(each.key, name)])
     return made
 
 

@@ -24,6 +24,7 @@ EFFECTS: Final[tuple[str, ...]] = (
     "roller-spin",
     "lift-off",
     "drive-torque",
+    "power-balance",
     "speed-fluctuation",
     "camshaft-windup",
     "contact-pressure",

@@ -24,7 +24,7 @@ def test_examples_are_of_effects() -> None:
     assert EXAMPLES.keys() <= set(EFFECTS)
 
 
-REFUSALS = ("supports a ", "is for roller")
+REFUSALS = ("supports a ", "is for roller", "contradicts [")
 
 
 @pytest.mark.parametrize("file", some(FILES, of=3, first=2), ids=name_of)

@@ -42,6 +42,7 @@ TABLES = {
     "roller-spin": "moment_of_inertia = 1e-5\ntraction = 0.05",
     "lift-off": "",
     "drive-torque": "fluctuation = 0.05",
+    "power-balance": "",
     "speed-fluctuation": "moment_of_inertia = 0.02\nno_load_speed = 66\nstall_torque = 40",
     "camshaft-windup": "stiffness = 2e4\nmoment_of_inertia = 0.01\ndamping = 0.05",
     "contact-pressure": "rating = 8000",

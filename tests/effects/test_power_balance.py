@@ -8,6 +8,7 @@ Manufacturing Handbook, chapters on dynamics) the camshaft provides the sum.
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Any, Final
@@ -89,12 +90,29 @@ def powers(made: Design, table: dict[str, Any], phi: FloatArray) -> tuple[Any, d
     return result.torque(phi, "right") * rates[0], {**taken, **rubbing(made, table, phi)}
 
 
+def assert_told(made: Design, given: Any, taken: dict[str, Any], phi: FloatArray) -> None:
+    """The columns of the effect are these powers."""
+    told = {
+        each.name: 1e3 * each.values(phi, "right") for each in made.effect("power-balance").columns
+    }
+    contact = sum(taken[name] for name in ("roller_pin", "rolling", "face"))
+    own = {"drive power": given, **{f"power into {name}": each for name, each in taken.items()}}
+    own |= {f"power lost {place}": contact for place in ("at the roller", "at the face")}
+    own |= {f"power lost in the {name}": taken[name] for name in ("pivot", "guide")}
+    largest = max(float(np.max(np.abs(each))) for each in (given, *taken.values()))
+    for name, values in told.items():
+        assert np.max(np.abs(values - own[name])) <= REST * largest, name
+    whole = sum(each for name, each in told.items() if name != "drive power")
+    assert np.max(np.abs(told["drive power"] - whole)) <= REST * largest
+
+
 def assert_balanced(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, Any]:
     """The parts of the power, of which the losses are never negative."""
     given, taken = powers(made, table, phi)
     assert all(np.all(taken[name] >= 0.0) for name in STATED)
     largest = max(float(np.max(np.abs(each))) for each in (given, *taken.values()))
     assert np.max(np.abs(given - sum(taken.values()))) <= REST * largest
+    assert_told(made, given, taken, phi)
     return taken
 
 
@@ -106,10 +124,55 @@ def scene_with(text: str, *effects: str) -> str:
 
 @pytest.mark.parametrize("path", FIXTURES, ids=lambda each: each.stem)
 def test_the_power_of_the_camshaft_is_that_of_all_forces_and_losses(path: Path) -> None:
-    text = scene_with(path.read_text("utf-8"), "contact-force", "drive-torque", "reactions")
+    text = scene_with(
+        path.read_text("utf-8"), "contact-force", "drive-torque", "reactions", "power-balance"
+    )
     phi = np.random.default_rng(7).uniform(0.0, TURN, 500)
     made = Design(parse_scene(text, str(path)))
     table = tomllib.loads(text)["effects"].get("friction", {})
     taken = assert_balanced(made, table, phi)
     for name in STATED:
         assert np.any(taken[name] > 0.0) == bool(table.get(name, 0.0)), name
+
+
+LEVER: Final = (Path(__file__).parents[2] / "fixtures/effects/lever.toml").read_text("utf-8")
+
+
+def found_of(text: str) -> dict[str, float]:
+    """Values of the findings of `power-balance` by their names."""
+    made = Design(parse_scene(scene_with(text, "power-balance"), "lever.toml"))
+    found = made.effects.findings("power-balance")
+    return {each.name: each.value for each in found if each.value is not None}
+
+
+def test_works_of_a_turn_add_up() -> None:
+    """In a turn springs and masses give back what they take at constant speed; the work of the
+    drive is that of friction.
+    """
+    found = found_of(LEVER)
+    made = Design(parse_scene(scene_with(LEVER, "power-balance"), "lever.toml"))
+    drive = made.effect("drive-torque")
+    (work,) = (each.value for each in drive.findings if each.name == "work-per-turn")
+    assert work is not None
+    told = made.effect("power-balance").errors["work-inertia"].error
+    works = [value for name, value in found.items() if name.startswith("work-")]
+    assert abs(sum(works) - work) <= (len(works) + 1) * told
+    assert found["work-spring"] == 0.0
+    assert found["work-pivot-friction"] > 0.0
+    assert "efficiency" not in found
+
+
+def test_the_efficiency_is_the_share_of_the_load() -> None:
+    """A constant torque Q against a rise by h takes Q h whatever the law: without friction all that
+    the drive provides.
+    """
+    load = "\n[effects.load]\nsegments = [0, 40, 0, 0]\n"
+    none = LEVER.replace("[effects.friction]\npivot = 0.1\npivot_diameter = 20\n", "")
+    assert none != LEVER
+    smooth, rough = found_of(none + load), found_of(LEVER + load)
+    for found in (smooth, rough):
+        assert found["work-load"] == pytest.approx(40.0 * math.radians(16.0), rel=1e-6)
+    assert smooth["efficiency"] == pytest.approx(1.0, rel=2e-6)
+    lost = sum(rough[name] for name in rough if name.endswith("-friction"))
+    share = rough["work-load"] / (rough["work-load"] + lost)
+    assert rough["efficiency"] == pytest.approx(share, rel=4e-6)

@@ -305,7 +305,7 @@ def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() ->
     """All effects with the time course, except those that find it."""
     dependent = {"kinematics", "inertia", "contact-force", "lift-off", "drive-torque"}
     dependent |= {"contact-pressure", "vibration", "shock-spectrum", "spring-surge"}
-    dependent |= {"reactions", "roller-spin", "balance"}
+    dependent |= {"reactions", "roller-spin", "balance", "power-balance"}
     for finder in FINDERS:
         stated = {
             name for name in EFFECTS
