@@ -173,8 +173,8 @@ class Written:
 
     @property
     def order(self) -> int:
-        """See `State`: from piece to piece the acceleration jumps; cubics of one spline alone pass
-        it on.
+        """See `State`: from piece to piece the acceleration jumps. The cubics within a spline pass
+        it on, but not across its ends, even if the contour is one spline that closes on itself.
         """
         return 0 if self.shocks else 1
 

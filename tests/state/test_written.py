@@ -192,6 +192,20 @@ def test_the_velocity_jumps_where_the_roller_touches_two_chords() -> None:
         assert abs(after - before) > 1e-6
 
 
+@pytest.mark.parametrize(
+    ("scene", "form"), [("setzhub", "arcs"), ("setzhub", "polyline"), ("measured", "spline")]
+)
+def test_the_order_is_of_the_highest_derivative_that_jumps_nowhere(scene: str, form: Form) -> None:
+    """The contour of `measured` is one spline, curved differently at its two ends."""
+    state = state_of(asked(scene, form, 1e-2))
+    before, after = (state.motion.jet(state.motion.borders, side) for side in SIDES)
+    most = np.max(np.abs(after), axis=1)
+    jumps = np.max(np.abs(after - before), axis=1) / most
+    # Both sides are the same to rounding, some 1e-14; what jumps is far above it.
+    assert np.all(jumps[: state.order + 1] < 1e-9)
+    assert jumps[state.order + 1] > 1e-6
+
+
 def test_dwells_stay_dwells_in_arcs_and_none_is_left_in_chords() -> None:
     for form, count in (("arcs", 2), ("polyline", 0)):
         state = state_of(asked("setzhub", form, 1e-3))
