@@ -80,6 +80,7 @@ distributed a cluster."""
 EFFECT_FRAME = {
     "",
     "bearing_friction",
+    "coupler",
     "catalogue",
     "effect",
     "elastic",

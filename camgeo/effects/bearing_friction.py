@@ -37,8 +37,8 @@ the derivatives of the solution.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final, Self, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,9 @@ from camgeo.effects.force import at_rates
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import grid_of
 from camgeo.numeric.roots import roots_on_grid
+
+if TYPE_CHECKING:
+    from camgeo.effects.force import Force
 
 Scalar = TypeVar("Scalar", np.float64, np.complex128, np.bool_)
 
@@ -89,10 +92,25 @@ class BearingFriction:
     ----------
     rubbing : that of the pivot or guide.
     own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.effects.loads`.
+    per_far : (k, n) A_i for one unit more of force on the far member of a linkage, along its
+        motion; 0 without one.
     """
 
     rubbing: Rubbing
     own: Callable[[FloatArray, Side], ComplexArray]
+    per_far: Callable[[FloatArray, Side], ComplexArray]
+
+    def beside(self, force: Force) -> BearingFriction:
+        """The same with a `force` besides."""
+        if force.far is None:
+            return self
+        far = force.far
+
+        def own(phi: FloatArray, side: Side) -> ComplexArray:
+            passed = self.per_far(phi, side) * far(phi, side)[:, np.newaxis]
+            return np.asarray(self.own(phi, side) + passed)
+
+        return replace(self, own=own)
 
     def drag(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w [1 or mm]."""
@@ -289,6 +307,22 @@ def with_reversals(loads: Callable[[FloatArray], FloatArray], edges: FloatArray)
 
         found.append(roots_on_grid(load, grid))
     return merged(np.concatenate(found))
+
+
+def with_force(
+    rows: FloatArray,
+    bearings: BearingFriction | None,
+    force: Force,
+    phi: FloatArray,
+    side: Side,
+) -> FloatArray:
+    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force`, all c0, besides."""
+    rows[0] -= force.coefficients(phi, side)[0]
+    if bearings is None or force.far is None:
+        return rows
+    law = RubbingLaw.of(rows)
+    law.own[0] += bearings.per_far(phi, side) * force.far(phi, side)[0]
+    return law.rows
 
 
 def linear_law(

@@ -21,6 +21,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import with_force
 from camgeo.effects.catalogue import Catalogue
 from camgeo.effects.effect import Subject
 from camgeo.effects.elastic import ElasticTrain
@@ -133,9 +134,7 @@ def _loaded(drive: DriveTorque, train: Force) -> DriveTorque:
     """`drive`, of a rigid train, with the force `train` besides."""
 
     def law(phi: FloatArray, side: Side) -> FloatArray:
-        rows = drive.law(phi, side)
-        rows[0] -= train.coefficients(phi, side)[0]
-        return rows
+        return with_force(drive.law(phi, side), drive.contact.bearings, train, phi, side)
 
     return replace(drive, contact=drive.contact.beside(train), law=law)
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
@@ -79,19 +79,18 @@ def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
     return coefficients
 
 
-Derivatives = TypeVar("Derivatives", FloatArray, ComplexArray)
-
-
 def rates_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
     course = subject.state.course
     return np.zeros((2, len(phi))) if course is None else course.rates(phi, side)
 
 
-def acceleration(jet: Derivatives, rates: FloatArray) -> Derivatives:
-    """(n,) d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2), from x' and x'' (2, n)."""
-    found: Derivatives = jet[1] * rates[0] ** 2 + jet[0] * rates[1]
-    return found
+def acceleration(jet: NDArray[Scalar]) -> NDArray[Scalar]:
+    """(4, n) coefficients of d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2), from x' and
+    x'' (2, n).
+    """
+    still = np.zeros_like(jet[0])
+    return np.stack((still, still, jet[1], jet[0]))
 
 
 def at_rates(coefficients: NDArray[Scalar], rates: FloatArray) -> NDArray[Scalar]:

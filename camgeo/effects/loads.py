@@ -1,21 +1,23 @@
 """Loads on the pivot or the guide of a follower: one definition for friction and for reactions.
 
 The cam presses on the follower with F_c = |N| (s n + f_t t), in the notation of `friction`. With
-the forces F of spring and weights, and the masses m at their centres with the accelerations a, the
-balance of forces on a rocker gives the force of its pivot,
+the forces F of spring, weights and the coupler of a linkage (`camgeo.effects.coupler`), and the
+masses m at their centres with the accelerations a, the balance of forces on a rocker gives the
+force of its pivot,
 
     R = sum m a - sum F - F_c.
 
 Loads and torsion springs are torques, and need none; a rocker of which only the moment of inertia
 is stated counts as balanced about its pivot. The masses of the follower itself move as it does,
-whatever elastic train is behind it. A guided follower accelerates along its guide, across
-which the two ends must carry the side force S of F_c and of the weights, to the right looking
-outwards, and the tilting moment M:
+whatever elastic train is behind it; through a coupler the train loads the pivot. A guided follower
+accelerates along its guide, across which the two ends must carry the side force S of F_c, of the
+coupler and of the weights, to the right looking outwards, and the tilting moment M:
 
     R_2 = (a S + M) / b,    R_1 = -((a + b) S + M) / b,
 
 with the near end at the distance a outwards of the roller's centre and the far end b beyond. The
-weights act on the line of the guide. Without b the guide carries R_1 = -S.
+weights act on the line of the guide, and the coupler on a carriage at the roller's centre. Without
+b the guide carries R_1 = -S.
 
 Newton's second law for each body (Norton, Design of Machinery, chapter on dynamic force analysis).
 """
@@ -28,10 +30,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgeo.effects.force import acceleration
 from camgeo.effects.results import BEYOND
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
+    from camgeo.effects.coupler import Coupler
     from camgeo.effects.effect import Subject
     from camgeo.effects.results import Friction, Gravity, Inertia, Mass, Spring
 
@@ -39,7 +43,7 @@ if TYPE_CHECKING:
 def guide_ends(
     force: FloatArray, moment: FloatArray | float, overhang: FloatArray, length: float | None
 ) -> FloatArray:
-    """(2, n) R_1 and R_2 for the side force S and the moment M; -S and 0 without a length b."""
+    """(2, ..., n) R_1 and R_2 for the side force S and the moment M; -S and 0 without a length."""
     if length is None:
         return np.stack((-force, np.zeros_like(force)))
     far = (overhang * force + moment) / length
@@ -58,6 +62,7 @@ class Loads:
     inertia: Inertia | None
     gravity: Gravity | None
     spring: Spring | None
+    coupler: Coupler | None
 
     @property
     def pull(self) -> complex:
@@ -81,18 +86,30 @@ class Loads:
         size = spring.preload - spring.stiffness * spring.way(phi, side)[0]
         return np.asarray(size * spring.line(phi, side))
 
+    def of_coupler(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(4, n) coefficients c0 to c3 of its force on the follower, see `camgeo.effects.force`; 0
+        without one.
+        """
+        if self.coupler is None:
+            return np.zeros((4, len(phi)), dtype=np.complex128)
+        return self.coupler.joints(phi, side).near
+
     def on_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(4, n) coefficients c0 to c3 of R + F_c, see `camgeo.effects.force`."""
-        found = np.zeros((4, len(phi)), dtype=np.complex128)
-        found[0] = -(self.of_spring(phi, side) + self.weight(phi))
+        """(4, n) coefficients of R + F_c."""
+        found = -self.of_coupler(phi, side)
+        found[0] -= self.of_spring(phi, side) + self.weight(phi)
         for each in self.own():
-            first, second = each.rates(phi, side)
-            found[2] += each.mass * second
-            found[3] += each.mass * first
+            found += each.mass * acceleration(each.rates(phi, side))
         return found
 
+    def on_guide(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(4, n) coefficients of S without that of F_c."""
+        force = self.of_coupler(phi, side)
+        force[0] += self.weight(phi)
+        return self.across(force)
+
     def across(self, force: ComplexArray) -> FloatArray:
-        """(n,) of a `force`, across the guide to the right looking outwards."""
+        """(..., n) of a `force`, across the guide to the right looking outwards."""
         follower = self.subject.cam.follower
         right = -1j * math.copysign(1.0, follower.reach) * follower.way
         return np.asarray(np.real(np.conj(right) * force))
@@ -100,19 +117,25 @@ class Loads:
     def on_bearings(self, friction: Friction, phi: FloatArray, side: Side) -> ComplexArray:
         """(4, k, n) coefficients of the loads that rub in pivot or guide, without those of the
         contact.
-
-        They are 0 behind a linkage, whose coupler loads the follower too: there the contact alone
-        counts.
         """
-        subject = self.subject
-        if subject.drive.linkage is not None:
-            count = 1 if friction.guide_length is None else 2
-            return np.zeros((4, count, len(phi)), dtype=np.complex128)
-        if subject.cam.follower.pivot is not None:
+        if self.subject.cam.follower.pivot is not None:
             return self.on_pivot(phi, side)[:, np.newaxis]
+        return self._on_ends(friction, self.on_guide(phi, side), phi, side).swapaxes(0, 1)
+
+    def per_far(self, friction: Friction, phi: FloatArray, side: Side) -> ComplexArray:
+        """(k, n) the loads of `on_bearings` by one unit more of force on the far member of the
+        linkage, along its motion; 0 without one.
+        """
+        zero = np.zeros(len(phi), dtype=np.complex128)
+        force = zero if self.coupler is None else self.coupler.per_far(phi, side)
+        if self.subject.cam.follower.pivot is not None:
+            return -force[np.newaxis]
+        return self._on_ends(friction, self.across(force), phi, side)
+
+    def _on_ends(
+        self, friction: Friction, force: FloatArray, phi: FloatArray, side: Side
+    ) -> ComplexArray:
+        """(k, ..., n) the forces of near and far end for the side `force`, or of the guide."""
         overhang = friction.bearing(phi, side, 1).overhang
-        weight = self.across(self.weight(phi))
-        ends = guide_ends(weight, 0.0, overhang, friction.guide_length)
-        found = np.zeros((4, *ends.shape), dtype=np.complex128)
-        found[0] = ends
-        return found if friction.guide_length is not None else found[:, :1]
+        ends = guide_ends(force, 0.0, overhang, friction.guide_length).astype(np.complex128)
+        return ends if friction.guide_length is not None else ends[:1]

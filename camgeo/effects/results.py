@@ -118,6 +118,7 @@ class Spring(Acting):
     helical : the helical spring that has this stiffness; None if the scene states it itself.
     line : (n,) unit vectors in the drawing along which a force above 0 acts on the follower; None
         if it is a torsion spring, or acts on a slider.
+    per_stroke : dx/ds by the stroke s of the slider on which it acts; 0 if it acts on the follower.
     """
 
     way: Callable[[FloatArray, Side], tuple[FloatArray, FloatArray]]
@@ -127,6 +128,7 @@ class Spring(Acting):
     unit_of_stiffness: str
     helical: HelicalSpring | None = None
     line: Callable[[FloatArray, Side], ComplexArray] | None = None
+    per_stroke: float = 0.0
 
     def per_preload(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) dx/dq: generalised force per unit of preload."""
@@ -327,7 +329,7 @@ class ContactForce(Touching):
         a rigid train.
     bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`, of a |N| so
         large that all else that loads the bearings is nothing to it.
-    bearings : friction under the loads of pivot or guide; None without any.
+    bearings : friction under the loads of pivot or guide, with a rigid train; None without any.
     released : (n,) [N or N mm] what is demanded of a contact that carries nothing, at rates (2, n):
         R, with a rigid train, and the friction of what else loads the bearings. It has the sign of
         dn/dq N.
@@ -356,6 +358,15 @@ class ContactForce(Touching):
     def lasting(self) -> tuple[Force, ...]:
         """The forces that are known at all speeds, with a rigid train."""
         return tuple(force for force in self.forces if not force.present)
+
+    @property
+    def loaded(self) -> BearingFriction | None:
+        """`bearings` with the train of its state."""
+        found = self.bearings
+        for force in self.forces:
+            if force.present and found is not None:
+                found = found.beside(force)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -179,9 +179,45 @@ def test_at_lift_off_with_a_loaded_pivot_the_force_is_0(mu: float) -> None:
         assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
 
 
-def test_behind_a_linkage_the_load_of_the_coupler_is_told_to_be_left_out() -> None:
-    linked = load_scene(SCENES.parent / "effects" / "linked_press.toml")
-    free = linked.with_values({"effects.friction.pivot": None})
-    for of, told in ((Design(linked), True), (Design(free), False), (lever(), False)):
-        found = {each.name for each in of.effects.findings("contact-force")}
-        assert ("coupler-load" in found) == told
+def linked_press(**values: Any) -> Design:
+    """Rigid, at the stated speed, with a pivot that takes much."""
+    less = dict.fromkeys(("speed-fluctuation", "contact-pressure", "vibration", "balance"))
+    changes = {f"effects.{name}": None for name in less} | {"effects.friction.pivot": 0.4}
+    scene = load_scene(SCENES.parent / "effects" / "linked_press.toml")
+    return Design(scene.with_values({**changes, **values}))
+
+
+def test_at_lift_off_behind_a_linkage_the_force_is_0() -> None:
+    """The spring presses on the slider, and loads the pivot through the coupler."""
+    told = {each.name: each.value for each in linked_press().effects.findings("lift-off")}
+    fast = {"cam.speed": 500.0}
+    over = {each.name: each.value for each in linked_press(**fast).effects.findings("lift-off")}
+    assert (over["least-preload"] or 0.0) > 480.0
+    pressed = {**fast, "effects.spring.preload": over["least-preload"]}
+    for change in ({"cam.speed": told["lift-off-speed"]}, pressed):
+        extremes = linked_press(**change).effect("contact-force").extremes
+        assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
+
+
+ELASTIC: Final[dict[str, dict[str, Any]]] = {
+    "lever": {"effects.friction.pivot": 0.4},
+    "linked_press": {
+        "effects.speed-fluctuation": None,
+        "effects.friction.pivot": 0.4,
+    },
+}
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_an_elastic_train_lifts_off_where_its_force_loads_the_pivot(name: str) -> None:
+    """At the speed that is told the force of the steady state falls to 0, and not before."""
+    scene = load_scene(SCENES.parent / "effects" / f"{name}.toml")
+    scene = scene.with_values({**ELASTIC[name], "effects.contact-pressure": None})
+    found = Design(scene).effects.findings("lift-off")
+    (speed,) = (each.value for each in found if each.name == "lift-off-speed")
+    assert speed is not None
+    for factor, sign in ((1.0, 0), (0.999, 1), (1.001, -1)):
+        made = Design(scene.with_values({"cam.speed": factor * speed}))
+        extremes = made.effect("contact-force").extremes
+        low = extremes.lowest.value / extremes.magnitude
+        assert abs(low) <= 1e-7 if sign == 0 else sign * low > 1e-7

@@ -250,23 +250,24 @@ class Bodies:
 
 
 def on_bearings(made: Design, phi: FloatArray, speed: float) -> Any:
-    """What loads pivot or guide besides the contact: weights, and on a rocker d'Alembert's forces.
-
-    Nothing behind a linkage, whose forces on the follower do not count.
+    """What loads pivot or guide besides the contact: weights, on a rocker d'Alembert's forces, and
+    that of a coupler, which `test_pins` cuts free.
     """
-    if made.cam.drive.linkage is not None:
-        return 0.0
     follower: Any = made.cam.follower
     if isinstance(follower, TranslatingRoller):
         return 1.3e-3 * pull(-60.0)
-    found = np.zeros(len(phi), dtype=np.complex128)
-    for mass, start in ((0.15e-3, follower.start_arm), (0.9e-3, 70.0 + 30.0j - follower.pivot)):
+    masses = [(0.15e-3, follower.start_arm), (0.9e-3, 70.0 + 30.0j - follower.pivot)]
+    angle, found = -75.0, np.zeros(len(phi), dtype=np.complex128)
+    if made.cam.drive.linkage is not None:
+        masses, angle = [(0.06e-3, follower.start_arm)], -110.0
+        found += made.effect("reactions").bodies.pins.at(phi, "right").near
+    for mass, start in masses:
 
         def place(x: FloatArray, start: complex = start) -> Any:
             return start * np.exp(1j * follower.swing_sense * lift(made, x))
 
         acceleration = slope(lambda x: slope(place, x), phi) * speed**2
-        found += mass * (pull(-75.0) - acceleration)
+        found += mass * (pull(angle) - acceleration)
     return found
 
 
@@ -347,7 +348,9 @@ def load_of(scene: str) -> float:
 def test_power_of_the_drive_goes_into_energies_the_load_and_losses(scene: str, rev: float) -> None:
     """T omega = dE/dt + dV/dt + load + losses at every angle, all frictions at work."""
     forces, table = CASES[scene]
-    made = design(scene, forces + friction(table) + TELLING, speed_of(scene, rev))
+    made = design(
+        scene, forces + friction(table) + TELLING + "[effects.reactions]", speed_of(scene, rev)
+    )
     phi, speed = inside(made), omega(made)
     normal = made.effect("contact-force").normal(phi, "right")
     torque = made.effect("drive-torque").torque(phi, "right")

@@ -66,11 +66,8 @@ def rubbing(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, F
             found["face"][here] = table["face"] * force * np.abs(slip)
     speed = np.abs(subject.state.motion.jet(phi, "right", 1)[1]) * omega
     if follower.pivot is not None:
-        # before a linkage the pivot rubs under the contact force alone, see `Loads.on_bearings`
-        before_linkage = subject.drive.linkage is not None
-        load = bodies.of_cam if before_linkage else bodies.of_pivot
         lever = 0.5 * table.get("pivot", 0.0) * table.get("pivot_diameter", 0.0)
-        found["pivot"] = lever * np.abs(load(phi, "right")) * speed
+        found["pivot"] = lever * np.abs(bodies.of_pivot(phi, "right")) * speed
     else:
         ends = np.abs(bodies.of_guide(phi, "right"))
         found["guide"] = table.get("guide", 0.0) * np.sum(ends, axis=0) * speed

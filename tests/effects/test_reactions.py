@@ -75,7 +75,7 @@ def test_momenta_of_a_rocker_change_by_all_that_acts_on_it(rev: float) -> None:
     contact, motion = bodies.contact, made.cam.drive.motion
     follower: Any = made.cam.follower
     pivot, swing = follower.pivot, follower.swing_sense
-    rocker, roller = bodies.inertia.masses
+    rocker, roller = bodies.loads.inertia.masses
     assert (rocker.name, roller.name) == ("rocker", "roller")
 
     def places(phi: FloatArray, side: Any) -> tuple[ComplexArray, ComplexArray, ComplexArray]:

@@ -21,7 +21,7 @@ its sign is meant.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, NoReturn
 
@@ -61,6 +61,11 @@ class ForceBalance:
     forces: tuple[Force, ...]
     friction: Friction | None
     bearings: BearingFriction | None
+
+    def beside(self, force: Force) -> ForceBalance:
+        """The same with a `force` besides."""
+        bearings = None if self.bearings is None else self.bearings.beside(force)
+        return replace(self, forces=(*self.forces, force), bearings=bearings)
 
     def rates(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""

@@ -63,13 +63,14 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     if friction is not None:
         forces.append(friction.force)
     require_convex(subject, "contact force")
-    rigid = ForceBalance(subject, tuple(forces), friction, bearings_of(request))
+    bearings = bearings_of(request, tuple(forces))
+    rigid = ForceBalance(subject, tuple(forces), friction, bearings)
     inertia, vibration = request.results.get(INERTIA), request.results.get(VIBRATION)
     behind = None if vibration is None else vibration.behind
     balance = rigid
     if behind is not None:
         train = behind.force(subject.state.smooth_angles)
-        balance = replace(rigid, forces=(*rigid.forces, train))
+        balance = rigid.beside(train)
     edges = edges_of(balance)
     refuse_jamming(balance, edges)
     edges = load_edges(balance, edges)
@@ -89,7 +90,6 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
         findings=(
             *found,
             *unexcited(request, behind),
-            *without_coupler(subject, rigid.bearings),
             *shock_findings(subject, struck),
         ),
         columns=columns,
@@ -115,24 +115,41 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
 
 def beside(found: ContactForce, rigid: ForceBalance, force: Force) -> ContactForce:
     """See `ContactForce.beside`; `rigid` is the balance with a rigid train."""
-    balance = replace(rigid, forces=(*rigid.forces, force))
+    balance = rigid.beside(force)
     return replace(
         found,
         forces=balance.forces,
+        bearings=balance.bearings,
         required=balance.required,
         normal_at=balance.normal,
         released=balance.released,
     )
 
 
-def bearings_of(request: Request[ForceLimit]) -> BearingFriction | None:
-    """Friction under the loads of pivot or guide; None if the scene has none."""
-    results = request.results
+def bearings_of(request: Request[ForceLimit], forces: tuple[Force, ...]) -> BearingFriction | None:
+    """Friction under the loads of pivot or guide with these `forces`; None if the scene has none.
+
+    Raises
+    ------
+    EffectError
+        If the follower cannot move the far end of its linkage, on which something acts.
+    """
+    results, subject = request.results, request.subject
     friction = results.get(FRICTION)
     if friction is None or friction.rubbing is None:
         return None
-    loads = Loads(request.subject, results.get(INERTIA), results.get(GRAVITY), results.get(SPRING))
-    return BearingFriction(friction.rubbing, partial(loads.on_bearings, friction))
+    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
+    coupler = None
+    if subject.drive.linkage is not None:
+        # few followers have a linkage
+        from camgeo.effects.coupler import acts_beyond, coupler_of
+
+        if acts_beyond(forces, inertia):
+            coupler = coupler_of(subject, subject.drive.linkage, forces, inertia, gravity)
+    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    return BearingFriction(
+        friction.rubbing, partial(loads.on_bearings, friction), partial(loads.per_far, friction)
+    )
 
 
 def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list[Finding]:
@@ -147,23 +164,6 @@ def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list
             sentence=(
                 "the load varies, which would excite the elastic train; here it is passed on as by"
                 " a rigid one"
-            ),
-        )
-    ]
-
-
-def without_coupler(subject: Subject, bearings: BearingFriction | None) -> list[Finding]:
-    """A warning if pivot or guide has friction, and a coupler, whose load on it is not counted."""
-    if bearings is None or subject.drive.linkage is None:
-        return []
-    place = "guide" if subject.cam.follower.pivot is None else "pivot"
-    return [
-        Finding(
-            name="coupler-load",
-            severity="warning",
-            sentence=(
-                f"the friction in the {place} of the follower is that of the force of the cam"
-                f" alone; the coupler loads the {place} too, which adds to it or takes from it"
             ),
         )
     ]
@@ -194,9 +194,12 @@ def errors_of(
 
     def per_force(phi: FloatArray, side: Side) -> FloatArray:
         """(n,) N [N] per unit of m x''."""
-        reserve = balance.stiffness(phi, side)
+        reserve, bearings = balance.stiffness(phi, side), balance.bearings
         least = VANISHING * abs(balance.subject.cam.follower.reach)
-        return np.asarray(np.abs(behind.per_lift(phi, side)) / np.maximum(reserve, least))
+        needed = np.abs(behind.per_lift(phi, side))
+        if bearings is not None:
+            needed += bearings.rubbing.lever * np.sum(np.abs(bearings.per_far(phi, side)), axis=0)
+        return np.asarray(needed / np.maximum(reserve, least))
 
     off = behind.error * piecewise_highest(per_force, balance.subject.state.smooth_angles).value
     return dict.fromkeys([each.name for each in found], Bound(off, extremes.magnitude))

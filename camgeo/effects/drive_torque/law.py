@@ -26,6 +26,7 @@ from camgeo.effects.bearing_friction import (
     BearingFriction,
     RubbingLaw,
     linear_law,
+    with_force,
     with_reversals,
 )
 from camgeo.effects.effect import Subject
@@ -147,8 +148,9 @@ class TorqueLaw:
         rows, contact = self.coefficients(phi, side), self.contact
         if contact.bearings is None:
             return self._under(contact.demand(phi, side), rows, phi)
-        if contact.behind is not None:
-            rows[0] -= contact.behind.beyond_rigid(phi, side)
+        for force in contact.forces:
+            if force.present:
+                rows = with_force(rows, contact.bearings, force, phi, side)
         return self._at(rates_of(self.subject, phi, side), rows, phi)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:

@@ -3,40 +3,48 @@
 With the cam running f times as fast as in the scene, and s = 1 / f, the reserve of the contact (see
 `Flank.reserve`), divided by f^2, is
 
-    G = s^2 (r0 + w a y) + s (r1 + w b y') + r2 + w (s Re sum C u - m y''),   u' = s lambda u - y'',
+    G = s^2 r0 + s r1 + r2 + w P + c sum |V_i|,    V_i = s^2 l0 + s l1 + l2 - p P,
+    P = s^2 a y + s b y' + s Re sum C u - m y'',   u' = s lambda u - y'',
 
-with r0 to r2 of a rigid train, the modes u of the elastic one, the weights C, a and b of the force
-in its first spring and damper, see `camgeo.numeric.oscillator.train`, and w = dy/dq in the
-direction of the flank; a and b are 0 unless something holds its masses to the frame. Contact is
-lost where the smallest G of the turn, g(s), is below 0. It is searched from low speeds upwards,
-from an s at which no vibration can be large enough.
+with r0 to r2 and the loads l0 to l2 that rub in pivot or guide of a rigid train, whose friction is
+c, the modes u of the elastic one, the weights C, a and b of the force in its first spring and
+damper, see `camgeo.numeric.oscillator.train`, w = dy/dq in the direction of the flank, and p the
+load that a coupler makes of a force on y; a and b are 0 unless something holds its masses to the
+frame. Contact is lost where the smallest G of the turn, g(s), is below 0. It is searched from low
+speeds upwards, from an s at which no vibration can be large enough.
 
 On the real line the periodic solution of v' = s lambda v + b is at most |b| / (s |Re lambda|). For
 the derivatives of u by s, v' = s lambda v + lambda u and z' = s lambda z + 2 lambda v, this gives
 |v| <= rho |u| / s and |z| <= 2 rho^2 |u| / s^2 with rho = |lambda| / |Re lambda|, so
 
-    |d^2 G / ds^2| <= K = 2 max (r0 + w a y) + max |w| sum |C| (2 rho + 2 rho^2) |u| / s.
+    d^2 G / ds^2 <= K = 2 max (r0 + w a y) + 2 max |c| sum |l0 - p a y|
+                        + max (|w| + |c p|) sum |C| (2 rho + 2 rho^2) |u| / s
 
-Between two s at the distance d a function is nowhere more than K d^2 / 8 below its chord. Where the
-smaller of both g is larger than this, contact is kept at all speeds between: no resonance, however
-narrow, is stepped over (bounds of this kind: S. A. Piyavskii, USSR Comput. Math. Math. Phys. 12
-(1972) 57-67, with first derivatives). In the interval |u| is at most that at its ends times 1 +
-rho d / (2 s), because the difference of two u obeys the same equation with b = (s_1 - s_0) lambda
-u_0. Close to the crossing the steps shrink quadratically.
+as long as no V_i turns. Between two s at the distance d a function is nowhere more than K d^2 / 8
+below its chord. A |V_i| that turns falls below its chord besides; where c > 0, it is at least the
+part of V_i in any one direction, here that of its sum at both ends, and what this lacks of |V_i| at
+an end, which goes with the square of the angle, is added. Where the smaller of both g is larger
+than this, contact is kept at all speeds between: no resonance, however narrow, is stepped over
+(bounds of this kind: S. A. Piyavskii, USSR Comput. Math. Math. Phys. 12 (1972) 57-67, with first
+derivatives). In the interval |u| is at most that at its ends times 1 + rho d / (2 s), because the
+difference of two u obeys the same equation with b = (s_1 - s_0) lambda u_0. Close to the crossing
+the steps shrink quadratically.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from camgeo.effects.bearing_friction import unit_vectors
 from camgeo.effects.elastic import ElasticTrain
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.touching import TOUCH
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
 from camgeo.numeric.oscillator.steady import SOFT
 
@@ -84,11 +92,12 @@ class ElasticSpeed:
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """g at one s, and |u| of each mode."""
+    """g at one s, |u| of each mode, and the V_i (k, n)."""
 
     s: float
     lowest: Extreme
     sizes: FloatArray
+    loads: Callable[[FloatArray, Side], ComplexArray]
 
     @property
     def g(self) -> float:
@@ -109,12 +118,23 @@ class _Search:
         """(n,) w."""
         return self.flank.outwards(phi, side) * self.behind.per_lift(phi, side)
 
-    def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(3, n) r0 + w a y, r1 + w b y', r2 - w m y''."""
+    def share(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) |w| + |c p|: of P in G at most."""
+        passed = np.sum(np.abs(self.flank.passed(phi, side, np.ones(len(phi)))), axis=0)
+        return np.asarray(
+            np.abs(self.behind.per_lift(phi, side)) + np.abs(self.flank.drag(phi, side)) * passed
+        )
+
+    def parts(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        """(3, n) r0 + w a y, r1 + w b y', r2 - w m y'', and |c| sum |l0 - p a y| and so on."""
         held = self.behind.train.force(0)
         own = np.array([[held.lift], [held.slope], [-self.behind.mass]])
-        pushed = self.weight(phi, side) * own * self.behind.base(phi, side)
-        return np.asarray(self.flank.reserve(phi, side) + pushed)
+        pushed = own * self.behind.base(phi, side)
+        loads = self.flank.loads(phi, side)
+        for load, push in zip(loads, pushed, strict=True):
+            load -= self.flank.passed(phi, side, push)
+        rubbed = np.abs(self.flank.drag(phi, side)) * np.sum(np.abs(loads), axis=1)
+        return self.flank.plain(phi, side)[0] + self.weight(phi, side) * pushed, rubbed
 
     @property
     def weights(self) -> FloatArray:
@@ -129,28 +149,57 @@ class _Search:
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) the reserve at rest."""
-        found: FloatArray = self.reserve(phi, side)[0]
-        return found
+        plain, rubbed = self.parts(phi, side)
+        return np.asarray(plain[0] + np.sign(self.flank.drag(phi, side)) * rubbed[0])
+
+    def most(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) r0 + w a y + |c| sum |l0 - p a y|."""
+        plain, rubbed = self.parts(phi, side)
+        return np.asarray(plain[0] + rubbed[0])
 
     def at(self, s: float) -> _Point:
         found = self.behind.at(1.0 / s)
 
         def reserve(phi: FloatArray, side: Side) -> FloatArray:
-            r0, r1, r2 = self.flank.reserve(phi, side)
-            lag = -found.beyond_base(phi, side)
-            return np.asarray(s * (s * r0 + r1) + r2 + self.weight(phi, side) * lag)
+            push = found.beyond_base(phi, side)
+            more = self.flank.passed(phi, side, push / s**2)
+            r0, r1, r2 = self.flank.reserve(phi, side, 1.0 / s, more)
+            return np.asarray(s * (s * r0 + r1) + r2 - self.weight(phi, side) * push)
+
+        def loads(phi: FloatArray, side: Side) -> ComplexArray:
+            l0, l1, l2 = self.flank.loads(phi, side)
+            passed = self.flank.passed(phi, side, found.beyond_base(phi, side))
+            return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
         lowest = piecewise_lowest(reserve, found.edges(self.edges))
-        return _Point(s, lowest, np.array([mode.largest for mode in found.response.modes]))
+        sizes = np.array([mode.largest for mode in found.response.modes])
+        return _Point(s, lowest, sizes, loads)
+
+    def turned(self, one: _Point, other: _Point) -> float:
+        """What the loads lack of their sizes in the direction of their sum at most, where that
+        counts.
+        """
+        if self.flank.contact.bearings is None:
+            return 0.0
+
+        def lacking(phi: FloatArray, side: Side) -> FloatArray:
+            helping = np.maximum(self.flank.drag(phi, side), 0.0)
+            both = [each.loads(phi, side) for each in (one, other)]
+            d = unit_vectors(both[0] + both[1], np.ones_like(both[0]))
+            # |V| - Re(conj(d) V) = |V| |V / |V| - d|^2 / 2
+            each = [np.abs(v) * np.abs(unit_vectors(v, d) - d) ** 2 for v in both]
+            return np.asarray(0.5 * helping * np.max(np.sum(each, axis=1), axis=0))
+
+        return piecewise_highest(lacking, self.edges).value
 
     def sag(self, one: _Point, other: _Point) -> float:
-        """K d^2 / 8 between both."""
+        """How far g may be below its chord between both."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
         rho = self.rho
         sizes = np.maximum(one.sizes, other.sizes) * (1.0 + 0.5 * rho * d / s)
         bend = self.weights * (2.0 * rho + 2.0 * rho**2) * sizes
         curvature = 2.0 * self.largest + self.widest * float(np.sum(bend)) / s
-        return 0.125 * curvature * d * d
+        return 0.125 * curvature * d * d + self.turned(one, other)
 
     def start(self, least: float) -> float:
         """An s from which on no vibration makes up for the reserve at rest, at least `least`.
@@ -165,7 +214,8 @@ class _Search:
 
         def size(row: int) -> float:
             def of_row(phi: FloatArray, side: Side) -> FloatArray:
-                return np.asarray(np.abs(self.reserve(phi, side)[row]))
+                plain, rubbed = self.parts(phi, side)
+                return np.asarray(np.abs(plain[row]) + rubbed[row])
 
             return piecewise_highest(of_row, self.edges).value
 
@@ -189,10 +239,6 @@ def elastic_speed(
     rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
     """
     rates, period = behind.train.rates, behind.response.base.period
-    if flank.turning:
-        return ElasticSpeed(
-            why="the friction in the pivot goes with a load that turns with the speed"
-        )
     if np.max(rates.real) >= 0.0:
         return ElasticSpeed(
             why="without damping the train resonates with a harmonic at ever lower speeds"
@@ -205,8 +251,8 @@ def elastic_speed(
         return ElasticSpeed(Extreme(0.0, rest.lowest.place))
     if rest.lowest.value <= TOUCH * rest.magnitude:
         return ElasticSpeed(why="nothing presses it on its flank at rest")
-    widest = piecewise_highest(lambda phi, side: np.abs(behind.per_lift(phi, side)), edges).value
-    search = replace(search, widest=widest, largest=rest.highest.value)
+    widest = piecewise_highest(search.share, edges).value
+    search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
     fastest = float(np.min(np.abs(rates))) * period / SOFT
     end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
     return _first(search, max(search.start(rest.lowest.value), 2.0 * end), end)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.bearing_friction import unit_vectors
-from camgeo.effects.effect import Subject
-from camgeo.effects.force import at_rates, rates_of, smooth_edges
+from camgeo.effects.effect import Quantity, Subject
+from camgeo.effects.force import rates_of, smooth_edges
 from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import lowest_on_flank, outwards_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
@@ -59,22 +59,74 @@ class Flank:
         return outwards_of(self.subject, phi, side, self.sense)
 
     @property
-    def turning(self) -> bool:
-        """Whether loads that rub change direction with the speed: then `reserve` has no fixed
-        coefficients.
+    def drag(self) -> Quantity:
+        """(n,) w [1 or mm], see `camgeo.effects.bearing_friction`, in the direction of the flank; 0
+        without friction in pivot or guide.
         """
         bearings = self.contact.bearings
-        return bearings is not None and bool(np.any(bearings.own(self.base_edges, "right")[1:]))
+        if bearings is None:
+            return lambda phi, _side: np.zeros(len(phi))
+        return lambda phi, side: self.outwards(phi, side) * bearings.drag(phi, side)
+
+    def loads(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(3, k, n) coefficients l0, l1, l2 of the loads l0 + f l1 + f^2 l2 that rub in pivot or
+        guide under the margin, with a rigid train; f as for `reserve`.
+        """
+        bearings = self.contact.bearings
+        if bearings is None:
+            return np.zeros((3, 0, len(phi)), dtype=np.complex128)
+        (omega, alpha), own = rates_of(self.subject, phi, side)[:2], bearings.own(phi, side)
+        by_contact = self.margin * bearings.rubbing.per_normal(phi, side, self.sense)
+        return np.stack(
+            (own[0] + by_contact, own[1] * omega, own[2] * omega * omega + own[3] * alpha)
+        )
+
+    def passed(self, phi: FloatArray, side: Side, push: FloatArray) -> ComplexArray:
+        """(k, n) of these loads by a force `push` (n,) on the far member of a linkage."""
+        bearings = self.contact.bearings
+        if bearings is None:
+            return np.zeros((0, len(phi)), dtype=np.complex128)
+        return np.asarray(bearings.per_far(phi, side) * push)
 
     def left(self, phi: FloatArray, side: Side, more: ComplexArray | None = None) -> FloatArray:
         """(n,) the reserve at the speed of the scene, with the train of its state; for `more` see
         `reserve`.
         """
-        behind = self.contact.behind
-        found: FloatArray = np.sum(self.reserve(phi, side, more=more), axis=0)
+        passed, behind = self._of_train(phi, side), self.contact.behind
+        total = passed if more is None else passed + more
+        found: FloatArray = np.sum(self.reserve(phi, side, more=total), axis=0)
         if behind is not None:
             found -= self.outwards(phi, side) * behind.beyond_rigid(phi, side)
         return found
+
+    def _of_train(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(k, n) what the train of the state adds to the loads."""
+        behind = self.contact.behind
+        push = np.zeros(len(phi)) if behind is None else behind.beyond_base(phi, side)
+        return self.passed(phi, side, push)
+
+    def plain(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
+        """(3, n) the coefficients of `reserve` but for friction under the `loads`, and the sizes of
+        their terms.
+        """
+        omega, alpha = rates_of(self.subject, phi, side)[:2]
+        needed = np.zeros((3, len(phi)))
+        size = np.zeros((3, len(phi)))
+        for force in self.contact.lasting:
+            c0, c1, c2, c3 = force.coefficients(phi, side)
+            parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
+            needed -= parts
+            size += np.abs(parts)
+        if self.margin:
+            bracket = self.margin * self.contact.bracket(phi, side, self.sense)
+            needed[0] -= bracket
+            size[0] += np.abs(bracket)
+        needed *= self.outwards(phi, side)
+        bearings = self.contact.bearings
+        if bearings is not None:  # the bracket has the friction of the margin alone
+            per = bearings.rubbing.per_normal(phi, side, self.sense)
+            needed[0] -= self.margin * self.drag(phi, side) * np.sum(np.abs(per), axis=0)
+        return needed, size
 
     def reserve(
         self,
@@ -92,64 +144,24 @@ class Flank:
 
         Friction in pivot or guide goes with the sizes of their loads, which are no polynomials: the
         loads have the directions that they have at f = `factor`, where value and derivative are
-        exact. `more` (n,) complex is added to the load of the pivot.
+        exact. `more` (k, n) is added to the loads.
         """
-        course = self.subject.state.course
-        omega, alpha = np.zeros((2, len(phi))) if course is None else course.rates(phi, side)[:2]
-        needed = np.zeros((3, len(phi)))
-        size = np.zeros((3, len(phi)))
-        for force in self.contact.lasting:
-            c0, c1, c2, c3 = force.coefficients(phi, side)
-            parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
-            needed -= parts
-            size += np.abs(parts)
-        if self.margin:
-            bracket = self.margin * self.contact.bracket(phi, side, self.sense)
-            needed[0] -= bracket
-            size[0] += np.abs(bracket)
-        if self.contact.bearings is not None:
-            rubbed, most = self._rubbing(phi, side, np.stack((omega, alpha)), factor, more)
-            needed += rubbed
-            size += most
-        needed[np.abs(needed) <= SHARE * size] = 0.0
-        needed *= self.outwards(phi, side)
-        return needed
+        (found, size), loads = self.plain(phi, side), self.loads(phi, side)
+        if more is not None:
+            loads[0] += more
+        total = loads[0] + factor * (loads[1] + factor * loads[2])
+        d, drag = unit_vectors(total, np.ones_like(total)), self.drag(phi, side)
+        found += drag * np.sum((np.conj(d) * loads).real, axis=1)
+        size += np.abs(drag) * np.sum(np.abs(loads), axis=1)
+        found[np.abs(found) <= SHARE * size] = 0.0
+        return found
 
     def slope(
         self, phi: FloatArray, side: Side, more: ComplexArray, per_unit: ComplexArray
     ) -> FloatArray:
-        """(n,) derivative of w |L| at the speed of the scene, as the load L of the pivot, which has
-        `more` (n,), goes on by `per_unit` (n,).
+        """(n,) derivative of w sum |L| at the speed of the scene, with the train of its state, as
+        the loads, which have `more` (k, n), go on by `per_unit` (k, n).
         """
-        bearings = self.contact.bearings
-        assert bearings is not None
-        per = bearings.rubbing.per_normal(phi, side, self.sense)
-        own = at_rates(bearings.own(phi, side), rates_of(self.subject, phi, side))
-        load = own + self.margin * per + more
-        d = unit_vectors(load, np.ones_like(load))[0]
-        return np.asarray(bearings.drag(phi, side) * (np.conj(d) * per_unit).real)
-
-    def _rubbing(
-        self,
-        phi: FloatArray,
-        side: Side,
-        rates: FloatArray,
-        factor: float,
-        more: ComplexArray | None,
-    ) -> tuple[FloatArray, FloatArray]:
-        """(3, n) coefficients of w sum |L_i| less what the bracket of the margin has of it, and the
-        sizes of their terms, see `camgeo.effects.bearing_friction`.
-        """
-        bearings = self.contact.bearings
-        assert bearings is not None
-        omega, alpha = rates
-        drag, own = bearings.drag(phi, side), bearings.own(phi, side)
-        by_contact = self.margin * bearings.rubbing.per_normal(phi, side, self.sense)
-        loads = np.stack((own[0] + by_contact, own[1] * omega, own[2] * omega**2 + own[3] * alpha))
-        if more is not None:
-            loads[0] += more
-        total = loads[0] + factor * (loads[1] + factor * loads[2])
-        d = unit_vectors(total, np.ones_like(total))
-        found = drag * np.sum((np.conj(d) * loads).real, axis=1)
-        found[0] -= drag * np.sum(np.abs(by_contact), axis=0)
-        return found, np.abs(drag) * np.sum(np.abs(loads), axis=1)
+        load = np.sum(self.loads(phi, side), axis=0) + self._of_train(phi, side) + more
+        d = unit_vectors(load, np.ones_like(load))
+        return np.asarray(self.drag(phi, side) * np.sum((np.conj(d) * per_unit).real, axis=0))

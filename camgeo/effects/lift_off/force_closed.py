@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 VectorOf = Callable[[FloatArray, Side], ComplexArray]
-"""(n,) complex at n cam angles [rad]."""
+"""(k, n) complex at n cam angles [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,18 +103,20 @@ def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
 
 
 def _pivot_loads(flank: Flank, spring: Spring) -> tuple[VectorOf | None, VectorOf | None]:
-    """Load of a pivot with friction per unit of preload and of stiffness; None without a load."""
-    bearings, line = flank.contact.bearings, spring.line
-    subject = flank.subject
-    alone = subject.drive.linkage is not None  # there the contact alone counts, see `loads`
-    if bearings is None or line is None or subject.cam.follower.pivot is None or alone:
+    """Loads of a pivot with friction per unit of preload and of stiffness; None without any."""
+    line, per_stroke = spring.line, spring.per_stroke
+    if flank.contact.bearings is None or flank.subject.cam.follower.pivot is None:
+        return None, None
+    if line is None and not per_stroke:
         return None, None
 
     def per_preload(phi: FloatArray, side: Side) -> ComplexArray:
-        return -line(phi, side)
+        if line is not None:
+            return -line(phi, side)[np.newaxis]
+        return flank.passed(phi, side, np.full(len(phi), per_stroke))
 
     def per_stiffness(phi: FloatArray, side: Side) -> ComplexArray:
-        return np.asarray(spring.way(phi, side)[0] * line(phi, side))
+        return np.asarray(-spring.way(phi, side)[0] * per_preload(phi, side))
 
     return per_preload, per_stiffness
 

@@ -61,7 +61,7 @@ def least_of(
     This is the least x >= 0 with rest + x effect >= 0 over the whole turn, where effect and rest
     are generalised forces in the direction in which the flank pushes, and the other property of the
     spring is unchanged. It comes with the cam angle [rad] that determines it; if no value is enough
-    it is infinite, with the cam angle at which none helps. `load` (n,) is the force on the pivot
+    it is infinite, with the cam angle at which none helps. `load` (k, n) is that of pivot or guide
     for one unit more of x; None if there is none.
     """
     if flank.contact.bearings is None:
@@ -94,7 +94,7 @@ def _least(
         if load is None:
             return effect, flank.left(phi, side) - now * effect
         more = (guess - now) * load(phi, side)
-        slope = effect + outwards * flank.slope(phi, side, more, load(phi, side))
+        slope = effect + flank.slope(phi, side, more, load(phi, side))
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
     roots = roots_on_grid(lambda phi: per_unit(phi, "right"), grid_of(edges))

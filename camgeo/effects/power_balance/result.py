@@ -163,7 +163,7 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
         f"friction of the {follower.touching}",
         at_contact,
     )
-    bearings = contact.bearings
+    bearings = contact.loaded
     if rubbing is None or bearings is None:
         return
 

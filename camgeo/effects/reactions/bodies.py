@@ -2,10 +2,9 @@
 
 The cam presses on the roller with F_c = |N| (s n + f_t t), in the notation of `friction`, at its
 centre, and the roller turns its pin by the moment -m_p. What pivot and guide carry is defined in
-`camgeo.effects.loads`, as friction in them needs it; behind a linkage the force F_A of its coupler
-is added to F_c, see `pins`. On a flat face F_c acts at the contact, which is the distance e to the
-right of the axis of its guide, so that M = N e; in a conjugate pair it is that of the disc that
-carries. For the camshaft see `shaft`.
+`camgeo.effects.loads`, as friction in them needs it. On a flat face F_c acts at the contact, which
+is the distance e to the right of the axis of its guide, so that M = N e; in a conjugate pair it is
+that of the disc that carries. For the camshaft see `shaft`.
 """
 
 from __future__ import annotations
@@ -23,21 +22,26 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 if TYPE_CHECKING:
     from camgeo.effects.effect import Subject
     from camgeo.effects.reactions.pins import Pins
-    from camgeo.effects.results import ContactForce, Gravity, Inertia, Spring
+    from camgeo.effects.results import ContactForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
-    """The bodies and what acts on them; None for what the scene does not have.
+    """The bodies and what acts on them.
 
     Forces are complex [N], in the axes of the drawing, for n cam angles [rad].
+
+    Attributes
+    ----------
+    subject : the design.
+    contact : the contact force.
+    loads : what acts on the follower besides the contact.
+    pins : the joints of the linkage; None without one.
     """
 
     subject: Subject
     contact: ContactForce
-    inertia: Inertia | None
-    gravity: Gravity | None
-    spring: Spring | None
+    loads: Loads
     pins: Pins | None
 
     def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -56,31 +60,20 @@ class Bodies:
             found[here] = (across + sliding[here]) * tangent
         return found
 
-    @property
-    def loads(self) -> Loads:
-        """What acts on the follower besides contact and linkage."""
-        return Loads(self.subject, self.inertia, self.gravity, self.spring)
-
-    def of_linkage(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(n,) F_A, of the coupler; 0 without a linkage."""
-        if self.pins is None:
-            return np.zeros(len(phi), dtype=np.complex128)
-        return self.pins.at(phi, side).near
-
     def of_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) R on a rocker."""
-        applied = self.of_cam(phi, side) + self.of_linkage(phi, side)
-        loads = self.loads.on_pivot(phi, side)
-        return np.asarray(at_rates(loads, rates_of(self.subject, phi, side)) - applied)
+        loads = at_rates(self.loads.on_pivot(phi, side), rates_of(self.subject, phi, side))
+        return np.asarray(loads - self.of_cam(phi, side))
 
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""
         friction, loads = self.contact.friction, self.loads
-        force = self.of_cam(phi, side) + self.of_linkage(phi, side) + loads.weight(phi)
+        force = at_rates(loads.on_guide(phi, side), rates_of(self.subject, phi, side))
+        force += loads.across(self.of_cam(phi, side))
         bearing = bearing_of(self.contact, phi, side)
         moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
         length = None if friction is None else friction.guide_length
-        return guide_ends(loads.across(force), moment, bearing.overhang, length)
+        return guide_ends(force, moment, bearing.overhang, length)
 
     def tilting(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) M [N mm] of a flat face whose guide has no stated length, about the cam axis's foot

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,14 +9,15 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.effects.loads import Loads
 from camgeo.effects.reactions import Bearings
 from camgeo.effects.reactions.bodies import Bodies
 from camgeo.effects.reactions.load import Load
 from camgeo.effects.reactions.shaft import Shaft, disc_of
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.effects.wording import N_M, missed
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.numeric.quadrature import Integral, piecewise_integral
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
 
 WORK: Final = "pivot-friction-work"
@@ -43,23 +43,30 @@ def compute(request: Request[Bearings]) -> Reactions:
     inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
     pins = None
     if subject.drive.linkage is not None:
-        from camgeo.effects.reactions.pins import pins_of  # few followers have a linkage
+        # few followers have a linkage
+        from camgeo.effects.coupler import coupler_of
+        from camgeo.effects.reactions.pins import Pins
 
-        pins = pins_of(subject, subject.drive.linkage, contact.forces, inertia, gravity)
-    bodies = Bodies(subject, contact, inertia, gravity, results.get(SPRING), pins)
+        linkage = subject.drive.linkage
+        pins = Pins(coupler_of(subject, linkage, contact.forces, inertia, gravity))
+    coupler = None if pins is None else pins.coupler
+    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    bodies = Bodies(subject, contact, loads, pins)
     shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data.bearings)
-    loads = [
+    reported = [
         *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
         *([] if pins is None else pins.loads()),
         *shaft.loads(),
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
     work, errors = _friction_work(request, bodies, edges)
-    found = tuple(each.largest(edges) for each in loads)
+    found = tuple(each.largest(edges) for each in reported)
     errors |= shaft.errors(found, edges, request.tolerance)
     return Reactions(
         findings=(*found, *work),
-        columns=tuple(Column(each.name, each.unit, each.values, borders=inside) for each in loads),
+        columns=tuple(
+            Column(each.name, each.unit, each.values, borders=inside) for each in reported
+        ),
         errors=errors,
         bodies=bodies,
     )
@@ -97,31 +104,20 @@ def _of_guide(bodies: Bodies) -> list[Load]:
 def _friction_work(
     request: Request[Bearings], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
-    """What friction in the pivot takes a turn; behind a linkage also what is counted of it."""
+    """What friction in the pivot takes a turn."""
     bearings, tolerance = bodies.contact.bearings, request.tolerance
     if bearings is None or request.subject.cam.follower.pivot is None:
         return [], {}
     lever = bearings.rubbing.lever
 
-    def taken(load: Callable[[FloatArray, Side], ComplexArray]) -> Integral:
-        """Under the `load` (n,), over the turn [N mm]."""
+    def power(phi: FloatArray) -> FloatArray:
+        velocity = request.subject.state.motion.jet(phi, "right", 1)[1]
+        return np.asarray(lever * np.abs(bodies.of_pivot(phi, "right") * velocity))
 
-        def power(phi: FloatArray) -> FloatArray:
-            velocity = request.subject.state.motion.jet(phi, "right", 1)[1]
-            return np.asarray(lever * np.abs(load(phi, "right") * velocity))
-
-        return piecewise_integral(power, edges, 0.1 * tolerance)
-
-    work = taken(bodies.of_pivot)
+    work = piecewise_integral(power, edges, 0.1 * tolerance)
     if work.error > tolerance * work.value:
         raise missed("the work of friction in the pivot", work.error / work.value, "itself",
                      tolerance)  # fmt: skip
     sentence = f"friction in the pivot takes {N_M * work.value:.6g} J a turn"
-    if bodies.pins is not None:
-        counted = N_M * taken(bodies.of_cam).value
-        sentence += (
-            f" under its whole load; {counted:.6g} J under the contact force alone, for which the"
-            " effect friction counts it behind a linkage"
-        )
     found = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
     return [found], {WORK: Bound(work.error, work.value).times(N_M)}

@@ -106,6 +106,7 @@ def compute(request: Request[SpringData]) -> Spring:
         unit_of_stiffness="N m/rad" if torsion else "N/mm",
         helical=data.helical,
         line=way.line,
+        per_stroke=way.per_stroke,
     )
 
 
