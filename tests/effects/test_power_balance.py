@@ -9,19 +9,26 @@ Manufacturing Handbook, chapters on dynamics) the camshaft provides the sum.
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
+from random import Random
 from typing import Any, Final
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from camgeo.design import Design
 from camgeo.effects.force import at_rates, rates_of
 from camgeo.effects.touching import INNER, OUTER, carrier, sliding
+from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
+from tests.effects.test_pins import LINKED, drawn
+from tests.long_form import examples
 
 FORCES: Final = ("inertia", "gravity", "load", "spring")
 
@@ -103,12 +110,17 @@ def assert_told(made: Design, given: Any, taken: dict[str, Any], phi: FloatArray
     assert np.max(np.abs(told["drive power"] - whole)) <= REST * largest
 
 
-def assert_balanced(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, Any]:
-    """The parts of the power, of which the losses are never negative."""
-    given, taken = powers(made, table, phi)
+def assert_zero(given: Any, taken: dict[str, Any]) -> None:
+    """Nothing is left of the power `given`; losses are never negative."""
     assert all(np.all(taken[name] >= 0.0) for name in STATED)
     largest = max(float(np.max(np.abs(each))) for each in (given, *taken.values()))
     assert np.max(np.abs(given - sum(taken.values()))) <= REST * largest
+
+
+def assert_balanced(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, Any]:
+    """The parts of the power."""
+    given, taken = powers(made, table, phi)
+    assert_zero(given, taken)
     assert_told(made, given, taken, phi)
     return taken
 
@@ -130,6 +142,38 @@ def test_the_power_of_the_camshaft_is_that_of_all_forces_and_losses(path: Path) 
     taken = assert_balanced(made, table, phi)
     for name in STATED:
         assert np.any(taken[name] > 0.0) == bool(table.get(name, 0.0)), name
+
+
+def varied(rng: Random) -> str:
+    """A scene of effects or a linked one with other masses, forces, friction and speed."""
+    name = rng.choice([*LINKED, *(path.stem for path in FIXTURES)])
+    if name in LINKED:
+        return drawn(rng, name, rubbing=True)[0].replace("[effects.drive-torque]", "")
+    text = (FIXTURES[0].parent / f"{name}.toml").read_text("utf-8")
+    head, *tables = re.split(r"\n(?=\[effects|\[state|\[output)", text)
+    kept = ("inertia", "gravity", "load", "spring", "friction")
+    tables = [each for each in tables if each.startswith(tuple(f"[effects.{one}]" for one in kept))]
+
+    def other(found: re.Match[str]) -> str:
+        return f"{found[1]}{float(found[2]) * rng.uniform(0.3, 1.5):.6g}"
+
+    numbers = r"(?m)^((?:mass|roller_mass|preload|constant|guide|pivot|face|roller_pin|rolling|"
+    numbers += r"(?:guide|pivot)_viscous|angle|torsional_stiffness) = )(-?[0-9.]+)"
+    changed = [re.sub(numbers, other, each) for each in tables]
+    return "\n".join((re.sub(r"(?m)^(speed = )([0-9.]+)", other, head), *changed)) + "\n"
+
+
+@settings(max_examples=examples(4, long=300), deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_the_balance_of_random_mechanisms(rng: Random) -> None:
+    text = scene_with(varied(rng), "contact-force", "drive-torque", "reactions")
+    phi = np.random.default_rng(3).uniform(0.0, TURN, 100)
+    try:
+        made = Design(parse_scene(text, str(FIXTURES[0])))
+        given, taken = powers(made, tomllib.loads(text)["effects"].get("friction", {}), phi)
+    except (EffectError, GeometryError, SceneError):
+        return  # a few followers jam
+    assert_zero(given, taken)
 
 
 LEVER: Final = (Path(__file__).parents[2] / "fixtures/effects/lever.toml").read_text("utf-8")

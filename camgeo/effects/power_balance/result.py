@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Bound, Column, Quantity, Request, Result, Subject
+from camgeo.effects.effect import Bound, Column, Quantity, Request, Result, Subject, driving_slider
 from camgeo.effects.force import Force, at_rates, rates_of
 from camgeo.effects.power_balance import PowerData
 from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE, LOAD, ContactForce, Friction
@@ -115,12 +115,24 @@ def compute(request: Request[PowerData]) -> PowerBalance:
 def takers_of(subject: Subject, contact: ContactForce) -> tuple[Taker, ...]:
     """All that takes power: the forces of `contact`, and friction under the loads that it makes."""
     found = [
-        Taker(_work_into(each.name), f"power into {each.name}", each.name, _of_force(subject, each))
+        Taker(
+            _work_into(each.name),
+            f"power into {each.name}",
+            _words_of(subject, contact, each),
+            _of_force(subject, each),
+        )
         for each in contact.forces
     ]
     if contact.friction is not None:
         found += _of_friction(subject, contact, contact.friction)
     return tuple(found)
+
+
+def _words_of(subject: Subject, contact: ContactForce, force: Force) -> str:
+    """Friction that is a force does not depend on that of the contact."""
+    if contact.friction is None or force is not contact.friction.force:
+        return force.name
+    return "viscous friction" + (" and that of the slider" if driving_slider(subject) else "")
 
 
 def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
