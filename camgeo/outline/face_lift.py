@@ -9,7 +9,7 @@ range of cam angle, known exactly.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -78,6 +78,14 @@ class FaceLift:
         """See `camgeo.outline.replay_result.DiscLift`."""
         bent = self.circles.radii[numbers] > 0.0
         return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
+
+    def without_corners(self, corner: float) -> FaceLift:
+        """The same lift where the face does not rock about corners of up to `corner` [rad], see
+        `camgeo.outline.replay_lift.ActualLift.without_corners`.
+        """
+        _, turns = self.held_by(self.numbers)
+        kept = turns > corner
+        return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
 
     def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""

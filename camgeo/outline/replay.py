@@ -73,7 +73,9 @@ def replay_contour(
     press = Flank(flank).sign
     if not pitch.follower.has_pitch_curve:
         _require_inner(press)
-        return compared(pitch, face_on(hull_of(contour), pitch), press, step, corner)
+        return compared(
+            pitch, face_on(hull_of(contour), pitch).without_corners(corner), press, step, corner
+        )
     path = path_of(pitch.follower, pitch.rotation)
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))

@@ -26,6 +26,7 @@ from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_contour
 from camgeo.outline.replay_result import DiscLift, Replay
 from camgeo.part.boundary import fitted
+from camgeo.state.face_curve import FaceCurve
 from camgeo.state.far import FarMotion
 from camgeo.state.state import Model
 from camgeo.units import TURN
@@ -70,7 +71,7 @@ class WrittenMotion:
 
     @property
     def breaks(self) -> FloatArray:
-        """See `Motion`: where the roller passes from piece to piece."""
+        """See `Motion`: where the follower passes from piece to piece."""
         return self.lift.borders
 
     @property
@@ -116,7 +117,7 @@ class WrittenMotion:
         return np.asarray(found, dtype=np.intp)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
-        """(n,) whether a vertex of the contour holds the roller at `phi` (n,) [rad]."""
+        """(n,) whether a vertex of the contour holds the follower at `phi` (n,) [rad]."""
         elements, _ = self.lift.held_by(self.lift.number(phi, side))
         return np.asarray(elements < 0)
 
@@ -131,7 +132,7 @@ class Written:
     """The motion on the written contour of the only flank; see `camgeo.state.state.State`.
 
     The roller touches a vertex of the contour as it does a piece, along the normal of the path of
-    its centre.
+    its centre. A flat face touches the convex hull of the contour, see `camgeo.outline.face_hull`.
 
     Attributes
     ----------
@@ -180,13 +181,16 @@ class Written:
 
     @property
     def shocks(self) -> tuple[float, ...]:
-        """See `State`: where the roller touches two pieces in a corner that turns in."""
+        """See `State`: where the roller touches two pieces in a corner that turns in, and where a
+        flat face lies on a straight piece or bridges a hollow.
+        """
         return tuple(self.replay.shocks.phi.tolist())
 
     @cached_property
     def curve(self) -> PitchCurve:
         """See `State`."""
-        return PitchCurve(self.motion, self.cam.follower, self.cam.rotation)
+        kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
+        return kind(self.motion, self.cam.follower, self.cam.rotation)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`."""
@@ -207,7 +211,7 @@ def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> 
     Raises
     ------
     GeometryError
-        With the key, if the follower does not run on a single flank by a roller, or drops off an
+        With the key, if the follower does not run on a single flank, or drops off an
         edge of the contour; from the replay, if it cannot be followed.
     ToleranceError
         If the tolerance cannot be reached.
@@ -231,6 +235,10 @@ def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> 
 
 def _replayed(cam: Cam, contour: Contour | SplineContour, side: Flank) -> Replay:
     if isinstance(contour, SplineContour):
+        if not cam.follower.has_pitch_curve:
+            raise GeometryError(
+                "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
+            )
         from camgeo.contour.spline_replay import replay_spline  # few contours are splines
 
         return replay_spline(cam.disc.pitch_curve, contour, side)
@@ -238,10 +246,10 @@ def _replayed(cam: Cam, contour: Contour | SplineContour, side: Flank) -> Replay
 
 
 def _require_single_flank(cam: Cam, *, paired: bool) -> None:
-    if not cam.follower.has_pitch_curve:
-        why = "a flat face rests on the vertices of a contour, where its contact stands still"
-    elif cam.contact.closed_by_form or cam.yoke is not None or paired:
-        why = "the follower is held both ways, and which contour moves it depends on the forces"
-    else:
-        return
-    raise GeometryError(f"{why}: its motion is not computed", key=KEY, value=MODEL)
+    if cam.contact.closed_by_form or cam.yoke is not None or paired:
+        raise GeometryError(
+            "the follower is held both ways, and which contour moves it depends on the forces: its"
+            " motion is not computed",
+            key=KEY,
+            value=MODEL,
+        )

@@ -106,16 +106,17 @@ def test_the_force_is_off_by_the_inertia_of_what_the_acceleration_is_off() -> No
     assert abs(made[0].lowest - made[0].exact_lowest) <= made[0].force * (1.0 + 1e-9)
 
 
-def test_without_forces_there_is_the_acceleration_alone() -> None:
-    (row,) = benefit_rows(design("querhub", ""), (1e-2,), (5.0,), forms=("arcs",))
+@pytest.mark.parametrize("scene", ["querhub", "tappet", "flat_rocker"])
+def test_without_forces_there_is_the_acceleration_alone(scene: str) -> None:
+    (row,) = benefit_rows(design(scene, ""), (1e-2,), (5.0,), forms=("arcs",))
     assert row.acceleration is not None
     assert row.force is row.lowest is row.lift_off is None
     assert row.fault == ""
 
 
 def test_a_row_says_why_it_has_no_values() -> None:
-    (row,) = benefit_rows(design("tappet", ""), (1e-2,), (5.0,), forms=("arcs",))
-    assert "flat face" in row.fault
+    (row,) = benefit_rows(design("constant_breadth", ""), (1e-2,), (5.0,), forms=("arcs",))
+    assert "held both ways" in row.fault
     assert row.acceleration is row.ripple is None
 
 

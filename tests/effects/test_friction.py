@@ -23,6 +23,7 @@ from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import grid_of
+from camgeo.state.demanded import Demanded
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
 from tests.findings import effect_findings
@@ -512,9 +513,10 @@ class Changed:
 def with_cam(made: Design, **changes: Any) -> Any:
     """A design with other parts of its cam."""
     subject = made.effects.subject
-    cam = Changed(subject.cam, **changes)
+    cam: Any = Changed(subject.cam, **changes)
+    state = Demanded(cam.drive, cam, subject.course)
     return SimpleNamespace(
-        effects=SimpleNamespace(subject=Changed(subject, cam=cam, drive=cam.drive))
+        effects=SimpleNamespace(subject=Changed(subject, cam=cam, drive=cam.drive, state=state))
     )
 
 

@@ -168,8 +168,8 @@ class Statics:
         subject, sense = carrier(self.subject, sense)
         data = self.data
         follower, sigma = subject.cam.follower, subject.cam.rotation
-        jet = subject.state.motion.jet(phi, side, 1 + follower.ahead)
-        relative = follower.relative_jet(jet, sigma, 1)
+        jet = subject.state.motion.jet(phi, side, 1)
+        relative = subject.state.curve.relative_jet(phi, side, 1)
         speed = subject.state.curve.speed(relative)
         slip = np.zeros_like(speed)
         # A knife edge or a face does not roll, and has neither pin nor rolling friction.
