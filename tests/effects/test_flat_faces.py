@@ -306,6 +306,7 @@ pivot = 0.1
 pivot_diameter = 20
 slider = 5
 [effects.drive-torque]
+[effects.reactions]
 """
 
 
@@ -321,6 +322,7 @@ def test_work_of_a_linked_rocker_over_a_turn_is_lost_by_friction() -> None:
         text = text.replace(old, new, 1)
     made = Design(parse_scene(text))
     contact, drive = made.effect("contact-force"), made.effect("drive-torque")
+    bodies = made.effect("reactions").bodies
 
     def lost(phi: FloatArray, side: Side) -> FloatArray:
         jet = made.cam.drive.motion.jet(phi, side)
@@ -328,8 +330,8 @@ def test_work_of_a_linked_rocker_over_a_turn_is_lost_by_friction() -> None:
         assert isinstance(follower, OscillatingFlat)
         height = follower.centre_distance * np.sin(follower.face_angle(jet[0])) + 16.0
         slide = np.abs(height - made.cam.rotation * 16.0 * follower.swing_sense * jet[1])
-        pivot = math.hypot(1.0, 0.1) * np.abs(jet[1])  # under the force of the face alone
-        return np.asarray(contact.normal(phi, side) * (0.1 * slide + pivot))
+        pivot = np.abs(bodies.of_pivot(phi, side)) * np.abs(jet[1])  # mu d / 2 is 1 mm
+        return np.asarray(0.1 * contact.normal(phi, side) * slide + pivot)
 
     work = turn_integral(drive.torque, drive.edges)
     slid = 5.0 * 2.0 * 4.0  # up and down the stroke
