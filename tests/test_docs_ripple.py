@@ -16,6 +16,8 @@ from tests.pages import page_maker
 
 PAGE: Final = (Path(__file__).resolve().parents[1] / "docs" / "ripple.md").read_text("utf-8")
 
+EXTREMES, SPECTRUM = PAGE.split("## At which frequencies")
+
 
 @cache
 def maker() -> Any:
@@ -45,7 +47,7 @@ def test_rows_measured_again_are_those_of_the_page() -> None:
     """To two units of the last of three digits: another processor rounds pieces differently."""
     for line in maker().lines(measured()):
         head = " | ".join(line.split(" | ")[:2]) + " | "
-        (kept,) = (each for each in PAGE.splitlines() if each.startswith(head))
+        (kept,) = (each for each in EXTREMES.splitlines() if each.startswith(head))
         assert numbers(line) == pytest.approx(numbers(kept), rel=0.02)
 
 
@@ -57,4 +59,19 @@ def test_the_picture_is_drawn_from_the_rows() -> None:
         "lifts off at [rev/min]",
     ]
     assert len(drawn.panels[0].marks) == len(FORMS) * len(maker().SPEEDS)
+    assert drawn.to_data()
+
+
+def test_harmonics_measured_again_are_those_of_the_page() -> None:
+    """To a unit of the last of two digits."""
+    for line in maker().spectrum_lines(maker().at_highest_speed(measured())):
+        head = " | ".join(line.split(" | ")[:2]) + " | "
+        (kept,) = (each for each in SPECTRUM.splitlines() if each.startswith(head))
+        found, wanted = (numbers(each.replace(",", "")) for each in (line, kept))
+        assert found == pytest.approx(wanted, rel=0.1)
+
+
+def test_the_spectrum_has_a_line_for_each_tolerance() -> None:
+    drawn = maker().spectrum.figure(maker().at_highest_speed(measured()), title="setzhub")
+    assert [len(panel.marks) for panel in drawn.panels] == [2] * len(FORMS)
     assert drawn.to_data()

@@ -19,6 +19,7 @@ import numpy as np
 
 from camgeo.accuracy.contours import Progress, reason
 from camgeo.accuracy.rows import FORMS
+from camgeo.accuracy.spectrum import Spectrum, ripple_spectrum
 from camgeo.contour.contour import Form
 from camgeo.design import Design
 from camgeo.effects.effect import Subject
@@ -66,6 +67,11 @@ class BenefitRow:
     lift_off : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never is.
     exact_lift_off : the same for the exact motion.
     fault : why there are no values; empty if there are.
+    octaves : effective value of the deviation of the acceleration, jumps of the velocity included,
+        in each octave of the cam's frequency: its harmonics 1, 2 and 3, 4 to 7 and so on [mm/s^2 or
+        rad/s^2]. Empty if there are no values.
+    octave_error : of each harmonic's amplitude at most, in the same unit.
+    strongest : number of the harmonic of them with the largest amplitude.
     """
 
     form: Form
@@ -82,6 +88,9 @@ class BenefitRow:
     lift_off: float | None = None
     exact_lift_off: float | None = None
     fault: str = ""
+    octaves: tuple[float, ...] = ()
+    octave_error: float | None = None
+    strongest: int | None = None
 
     @property
     def ripple(self) -> float | None:
@@ -222,6 +231,9 @@ class _Pair:
             acceleration=square * self._acceleration,
             exact_acceleration=square * self._exact_acceleration,
             jump=bare.speed * self._jump,
+            octaves=tuple((square * self._spectrum.octaves).tolist()),
+            octave_error=square * self._spectrum.error,
+            strongest=self._spectrum.strongest,
         )
         if self.made.contact is None:
             return row
@@ -253,6 +265,10 @@ class _Pair:
     @cached_property
     def _exact_acceleration(self) -> float:
         return piecewise_extremes(self.exact.acceleration, self.exact.edges).magnitude
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
+        return ripple_spectrum(self.made.subject.state, self.exact.subject.state)
 
     @cached_property
     def _jump(self) -> float:
