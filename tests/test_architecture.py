@@ -92,6 +92,7 @@ EFFECT_FRAME = {
     "immovable",
     "linked",
     "loads",
+    "lost_contact",
     "materials",
     "nodes",
     "premises",

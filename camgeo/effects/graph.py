@@ -17,6 +17,7 @@ from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
 from camgeo.effects.effect import Answer, Effect, Key, Subject
+from camgeo.effects.lost_contact import LostContact
 from camgeo.effects.nodes import Nodes, node_name
 from camgeo.effects.premises import qualified, trimming
 from camgeo.effects.registry import find_effect
@@ -25,7 +26,6 @@ from camgeo.effects.results import (
     FINDERS,
     LIFT_OFF,
     SPEED_FLUCTUATION,
-    LostContact,
     Touching,
 )
 from camgeo.errors import EffectError, GeometryError

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
     from camgeo.contour.contour import Form
     from camgeo.effects.effect import Effect, Subject
-    from camgeo.effects.results import LostContact
+    from camgeo.effects.lost_contact import LostContact
     from camgeo.outline.replay_result import Replay
 
 Range = tuple[float, float]

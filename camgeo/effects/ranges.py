@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.effects.results import Range
+from camgeo.effects.lost_contact import Range
 from camgeo.numeric.arrays import BoolArray, FloatArray, merged
 from camgeo.numeric.extremes import Extreme, grid_of, piecewise_lowest
 from camgeo.numeric.roots import roots_on_grid

@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
     from camgeo.effects.helical import HelicalSpring
+    from camgeo.effects.lost_contact import LostContact
     from camgeo.motion.time_course import TimeCourse
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-    from camgeo.numeric.extremes import Extreme, Extremes
+    from camgeo.numeric.extremes import Extremes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,44 +191,6 @@ class Friction(Acting):
     bearing: Callable[[FloatArray, Side, int], Bearing]
     guide_length: float | None
     rubbing: Rubbing | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Range:
-    """A range of the turn, and the smallest value in it.
-
-    Attributes
-    ----------
-    start, end : cam angles [rad] in [0, 2 pi]; the end is below the start if the range passes cam
-        angle 0.
-    lowest : the smallest value and its cam angle.
-    """
-
-    start: float
-    end: float
-    lowest: Extreme
-
-
-@dataclass(frozen=True, slots=True)
-class LostContact:
-    """Where the follower leaves its only flank, at one speed of the cam.
-
-    Attributes
-    ----------
-    ranges : in which the flank would have to pull, each with its lowest force [N].
-    leaps : cam angles [rad] at which the velocity of a mass jumps away from the flank.
-    """
-
-    ranges: tuple[Range, ...] = ()
-    leaps: tuple[float, ...] = ()
-
-    def __bool__(self) -> bool:
-        return bool(self.ranges or self.leaps)
-
-    @property
-    def lowest(self) -> Extreme | None:
-        """The lowest force [N] of all ranges; None if there are only leaps."""
-        return min((each.lowest for each in self.ranges), key=lambda low: low.value, default=None)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -27,8 +27,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.effects.immovable import shocks
+from camgeo.effects.lost_contact import LostContact, Range
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import Bearing, LostContact, Range
+from camgeo.effects.results import Bearing
 from camgeo.errors import EffectError
 from camgeo.numeric.extremes import Extreme, Extremes
 

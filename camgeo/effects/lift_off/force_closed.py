@@ -13,7 +13,8 @@ from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
-from camgeo.effects.results import Leaving, Range, Spring
+from camgeo.effects.lost_contact import Range
+from camgeo.effects.results import Leaving, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
 from camgeo.effects.wording import N_M, angles, at, by_place, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
