@@ -82,9 +82,15 @@ class FaceLift:
     def without_corners(self, corner: float) -> FaceLift:
         """The same lift where the face does not rock about corners of up to `corner` [rad], see
         `camgeo.outline.replay_lift.ActualLift.without_corners`.
+
+        Nothing but corners may lie between two corners; of such a row only what turns by no more
+        than `corner` together is left out.
         """
         _, turns = self.held_by(self.numbers)
-        kept = turns > corner
+        small = turns <= corner
+        turned = np.cumsum(np.where(small, turns, 0.0))
+        in_row = turned - np.maximum.accumulate(np.where(small, 0.0, turned))
+        kept = ~small | (in_row > corner)
         return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
 
     def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
