@@ -138,6 +138,10 @@ class Design(Pickled, Displayed):
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
             subject = replace(moved, disc=each.drawn, returning=subject)
+        if subject is not None and scene.yoke is not None:
+            from camgeo.effects.opposite import astride  # few scenes have one
+
+            subject = astride(subject)
         return Effects(subject or moved, scene.effects, self.ledger, speed=scene.state_speed)
 
     @property

@@ -95,6 +95,7 @@ EFFECT_FRAME = {
     "lost_contact",
     "materials",
     "nodes",
+    "opposite",
     "premises",
     "ranges",
     "registry",

@@ -11,19 +11,27 @@ and it must be b at every cam angle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from camgeo.curve.extremes import extremes
+from camgeo.errors import GeometryError
 from camgeo.mechanism.values import Length
 from camgeo.motion.motion import Dwell, Motion
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.checked import check_fields
 from camgeo.units import TURN
 
+if TYPE_CHECKING:
+    from camgeo.mechanism.follower import Follower
+
 HALF = 0.5 * TURN
+
+ROUNDING: Final = 1e-12
+"""Widths that differ by less than this share of the largest are equal but for rounding."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,48 @@ class Breadth:
         """The breadth of the yoke [mm] that minimizes the largest error."""
         (least, _), (most, _) = self.range
         return 0.5 * (least + most)
+
+    @property
+    def variation(self) -> float:
+        """Largest width minus least one [mm]; 0 for a cam of constant breadth."""
+        (least, _), (most, _) = self.range
+        return most - least if most - least > ROUNDING * most else 0.0
+
+    def play(self, breadth: float) -> float:
+        """Least gap [mm] of a yoke of `breadth` [mm], negative where the cam squeezes it; 0 if only
+        rounding is left.
+        """
+        _, (most, _) = self.range
+        return breadth - most if abs(breadth - most) > ROUNDING * most else 0.0
+
+    def opposite(self, follower: Follower) -> Follower:
+        """The second side of the yoke, a follower in its own right with the lift of `follower`, the
+        first one, on a cam that is `best` wide everywhere.
+
+        It is the first one turned by half a turn about the cam axis, and what moves one of them
+        outward moves the other inward. A breadth that gives it play does not move its disc, so it
+        is not that of the yoke.
+
+        Raises
+        ------
+        GeometryError
+            With key "follower.yoke", if the cam is so far from constant breadth that there is none.
+        """
+        first: Any = follower  # only followers in a guide have a yoke
+        height, angle = self.best - self.height, first.guide_angle
+        if not height > 0.0:
+            raise GeometryError(
+                "the cam is so far from constant breadth that its width leaves no room for the"
+                " second side",
+                key="follower.yoke",
+            )
+        turned: Follower = replace(
+            first,
+            base_radius=height,
+            guide_angle=angle - HALF if angle > 0.0 else angle + HALF,
+            direction=-first.direction,
+        )
+        return turned
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,6 +78,16 @@ class Cam(Pickled):
             return 0.0
         return self.breadth.best if self.yoke.breadth is None else self.yoke.breadth
 
+    @built
+    def opposite(self) -> Cam | None:
+        """The disc as the second side of the yoke touches it, a cam of the same drive; None without
+        a yoke. Raises GeometryError as `Breadth.opposite`.
+        """
+        if self.breadth is None:
+            return None
+        second = self.breadth.opposite(self.follower)
+        return replace(self, follower=second, ledger=self.ledger.named(" of the opposite side"))
+
     def sized(self, **sizes: complex) -> Cam:
         """The same cam with other dimensions of the follower; GeometryError if they are
         impossible.

@@ -61,7 +61,8 @@ class Subject:
     model : whose motion the effects are computed for, where that can be told (`state`).
     output : whether the forces are those of the elastic train, where the scene has one.
     disc : the disc of the cam; None if there is no follower.
-    returning : the return disc of a conjugate pair, with the same motion; None without one.
+    returning : the return disc of a conjugate pair, or the disc at the second side of a yoke, with
+        the same motion; None without one.
     writing : how the contour is written whose motion is meant by the model "written".
     course : how the cam turns, if not as `drive` says.
     """
@@ -109,6 +110,11 @@ class Subject:
         """The cam; GeometryError with key "follower" if there is no follower."""
         return self.made.cam
 
+    @property
+    def paired(self) -> bool:
+        """Whether `returning` is a second disc."""
+        return self.returning is not None and self.cam.yoke is None
+
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
     """The linkage if its slider makes the demanded motion, else None."""
@@ -126,7 +132,7 @@ def machine_of(subject: Subject) -> Machine:
         touching=follower.touching,
         edged=follower.has_edge,
         far="" if linkage is None else linkage.member,
-        paired=subject.returning is not None,
+        paired=subject.paired,
         yoked=subject.cam.yoke is not None,
     )
 

@@ -1,13 +1,13 @@
 """What the figures of an effect rely on, and where a design does not provide it.
 
-Three things are checked for every effect, whatever it computes: that the follower touches the cam
+Four things are checked for every effect, whatever it computes: that the follower touches the cam
 (`camgeo.effects.touching.lost_contact`), also one that is held both ways and crosses its clearance
 (`camgeo.effects.results.Leaving`), which alone makes no figure less than "ok"; that the disc makes
-the motion of the state, which a trimmed one does not if that is the demanded motion; and that no
-other effect of the scene has a better model (`Effect.refined_by`). Each that fails gives one
-finding. While one of the first two fails, no figure of the effect is "ok". Where the state is the
-motion of a trimmed disc, or of the contour as it is written, that is told too,
-and where the train behind the follower is elastic.
+the motion of the state, which a trimmed one does not if that is the demanded motion; that a yoke
+fits its cam; and that no other effect of the scene has a better model (`Effect.refined_by`). Each
+that fails gives one finding. While one of the first three fails, no figure of the effect is "ok".
+Where the state is the motion of a trimmed disc, or of the contour as it is written, that is told
+too, and where the train behind the follower is elastic.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import STATED, Finding
+from camgeo.effects.results import CONTACT_FORCE
 from camgeo.effects.wording import angles, at, over
 from camgeo.errors import GeometryError
 from camgeo.units import TURN
@@ -79,9 +80,10 @@ def qualified(
     elif effect.premise == "contact" and flown:
         crossed.append(_in_clearance(subject, flown))
     trimmed = tuple(trimming(effect, subject))
-    if broken or (trimmed and not _follows(effect, subject)):
+    uneven = tuple(_of_breadth(effect, subject))
+    if broken or uneven or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    told = [*_as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
+    told = [*uneven, *_as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
     told += _simplified(effect, named, follows=follows)
     return (*broken, *crossed, *trimmed, *told, *findings)
 
@@ -120,17 +122,42 @@ def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]
 
 def _in_clearance(subject: Subject, flown: Sequence[Range]) -> Finding:
     """Where a follower that is held both ways touches nothing."""
-    who, which = ("roller", "flanks") if subject.returning is None else ("follower", "discs")
+    who, where = "follower", "between its discs" if subject.paired else "of its yoke"
+    if subject.returning is None:
+        who, where = "roller", "between its flanks"
     ranges = [_in_turn(each) for each in flown]
     return Finding(
         name="clearance-crossed",
         severity="warning",
         sentence=(
-            f"the {who} crosses the clearance between its {which} {over(ranges)}; these figures are"
+            f"the {who} crosses the clearance {where} {over(ranges)}; these figures are"
             " for one that always touches, without its impacts"
         ),
         cam_range=_only(ranges),
     )
+
+
+def _of_breadth(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """Where a yoke does not fit its cam; an even play alters no force, and `lift-off` tells it."""
+    breadth = subject.cam.breadth if subject.returning is not None else None
+    if breadth is None or not (effect.premise == "contact" or CONTACT_FORCE in effect.needs):
+        return
+    (least, _), (most, place) = breadth.range
+    squeeze = -breadth.play(subject.cam.yoke_breadth)
+    told = []
+    if breadth.variation > 0.0:
+        told.append(
+            f"the cam is {least:.6g} to {most:.6g} mm wide, and these figures are for one that is"
+            f" {breadth.best:.6g} mm wide everywhere"
+        )
+    if squeeze > 0.0:
+        told.append(
+            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at(place)}, and the forces of"
+            " that are in no figure"
+        )
+    if told:
+        value = max(squeeze, breadth.variation)
+        yield Finding("yoke-breadth", "warning", "; ".join(told), value, 0.0, "mm", cam_angle=place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +263,7 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
 def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
     """The discs, each with the words that distinguish it from the other one."""
     yield "", subject.cam.disc
-    if subject.returning is not None:
+    if subject.returning is not None and subject.paired:
         yield "return disc's ", subject.returning.cam.disc
 
 

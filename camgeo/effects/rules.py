@@ -142,10 +142,10 @@ ONE_ROLLER: Final = Kind(
     "Not with a conjugate pair.",
     "return",
 )
-ONE_CONTACT: Final = Kind(
+PLAYED: Final = Kind(
     "yoked",
     (True,),
-    "supports a single contact, and a yoke, [follower.yoke], has two",
+    "is not for a yoke, [follower.yoke], whose play follows from its breadth",
     "Not with a yoke.",
     "yoke",
 )

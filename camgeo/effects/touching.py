@@ -1,8 +1,8 @@
 """The contact between follower and cam: which side carries, where it is lost, how a face slides.
 
 The normal force N is positive where the inner flank of the disc carries. Where it is negative, the
-outer flank of a groove carries, or the inner flank of the return disc of a conjugate pair. These
-two sides are numbered by this sign, +1 and -1.
+outer flank of a groove carries, or the inner flank of the return disc of a conjugate pair, or the
+disc at the second side of a yoke. These two sides are numbered by this sign, +1 and -1.
 
 A flat face slides on the cam. In the notation of `camgeo.mechanism.face`, the cam turns at sigma
 and the follower at Omega = nu', the rate of its own direction, both counter-clockwise positive and
@@ -48,21 +48,21 @@ TOUCH: Final = 1e-12
 
 OF_GROOVE: Final = (FLANKS, "flank")
 OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
+OF_YOKE: Final = ({INNER: "main", OUTER: "opposite"}, "side")
 
 
 def holds_both_ways(subject: Subject) -> bool:
     """Whether the follower is held in both directions: in a groove, between two discs, by a
     yoke.
     """
-    return (
-        subject.cam.contact.closed_by_form
-        or subject.returning is not None
-        or subject.cam.yoke is not None
-    )
+    return subject.cam.contact.closed_by_form or subject.returning is not None
 
 
 def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
-    """The disc that carries on the side `sense`, and its flank: +1 inner, -1 outer."""
+    """The disc that carries on the side `sense`, and its flank: +1 inner, -1 outer.
+
+    Its follower is the one of that side; of a yoke it is the same disc.
+    """
     other = subject.returning
     return (subject, sense) if other is None or sense == INNER else (other, INNER)
 
@@ -145,8 +145,10 @@ def bearing_of(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
 
 
 def sides_of(subject: Subject) -> tuple[dict[int, str], str]:
-    """The names of the two sides, and whether they are flanks or discs."""
-    return OF_GROOVE if subject.returning is None else OF_PAIR
+    """The names of the two sides, and whether they are flanks, discs or sides of a yoke."""
+    if subject.returning is None:
+        return OF_GROOVE
+    return OF_PAIR if subject.paired else OF_YOKE
 
 
 def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:

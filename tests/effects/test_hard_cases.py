@@ -15,7 +15,7 @@ import pytest
 
 from camgeo.check.finding import Finding
 from camgeo.design import Design
-from camgeo.effects.rules import ONE_CONTACT, ROLLERS
+from camgeo.effects.rules import ROLLERS
 from camgeo.errors import EffectError, SceneError
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
@@ -169,9 +169,6 @@ def every(text: str, **data: str) -> str:
             tables = re.sub(rf"^{key} = .*\n", "", tables, flags=re.MULTILINE)
         of_face = "face = 0.08\n" if rocks else "face = 0.08\nguide_length = 40\n"
         tables = tables.replace("[effects.friction]\n", f"[effects.friction]\n{of_face}")
-    for name, _ in only_for(ONE_CONTACT) if "[follower.yoke]" in text else ():
-        table = re.compile(rf"^\[effects\.{name}\]\n([^\[].*\n|\n)*", re.MULTILINE)
-        tables = table.sub("", tables)
     if "[follower.return]" in text:  # two discs have no balance of one
         tables = tables.replace("[effects.balance]\n", "")
     return tables

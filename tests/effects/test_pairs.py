@@ -32,6 +32,7 @@ from tests.effects.test_physics import (
     omega,
     slope,
 )
+from tests.effects.test_power_balance import assert_zero, powers
 
 RIGHT: Final[Side] = "right"
 
@@ -254,7 +255,7 @@ def test_a_limit_holds_either_disc() -> None:
 
 def test_a_margin_is_refused_where_the_force_changes_discs() -> None:
     effects = forces("conjugate_lever", 0.0) + "[effects.lift-off]\nmargin = 5\n"
-    with pytest.raises(GeometryError, match="between two discs, the force changes sign"):
+    with pytest.raises(GeometryError, match="or between two discs, the force changes sign"):
         design("conjugate_lever", effects).effect("lift-off")
 
 
@@ -268,6 +269,19 @@ def test_the_guide_of_a_carriage_with_two_rollers_has_no_levers(key: str, value:
         SceneError, match=f"effects.friction.{key} = {value}: supports a single roller"
     ):
         design(scene, f"{forces(scene, 0.0)}[effects.friction]\n{table}")
+
+
+def test_a_weight_across_the_guide_rubs_alike_on_either_disc() -> None:
+    """The side force of the return roller counts in the direction in which the weight's does."""
+    scene = "conjugate_carriage"
+    table = {"guide": 0.15}
+    across = "[effects.gravity]\nangle = -30\n[effects.reactions]\n"
+    made = design(scene, forces(scene, -2.0) + across + friction(table) + TELLING)
+    phi = inside(made)
+    main, back = both(made, phi)
+    assert np.any(main > 0.0)
+    assert np.any(back > 0.0)
+    assert_zero(*powers(made, table, phi))
 
 
 def test_the_force_is_the_same_however_a_turn_is_sampled() -> None:

@@ -25,7 +25,7 @@ from camgeo.design import Design
 from camgeo.effects.effect import Column
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.effects.results import FINDERS
-from camgeo.effects.rules import FLATS, ONE_CONTACT, ONE_DISC, ONE_ROLLER, ROLLERS
+from camgeo.effects.rules import FLATS, ONE_DISC, ONE_ROLLER, ROLLERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import parse_scene
@@ -273,8 +273,6 @@ def tables_of(rng: Random, text: str) -> str:
         named |= {"inertia", "spring"}
     if "[follower.return]" in text and rng.random() < 0.95:
         named -= {name for name, _ in only_for(ONE_DISC)}
-    if "[follower.yoke]" in text and rng.random() < 0.95:
-        named -= {name for name, _ in only_for(ONE_CONTACT)}
     if '-flat"' in text and rng.random() < 0.95:
         named -= {name for name, key in only_for(ROLLERS) if not key}
     if named >= {*FINDERS}:

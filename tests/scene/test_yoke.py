@@ -93,8 +93,8 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
         (TEXT.replace("breadth = 66", "breadth = -1"), "follower.yoke.breadth = -1"),
         (TEXT.replace(YOKE, "yoke = 3\n"), "must be a table, headed [follower.yoke]"),
         (
-            on_rollers() + "[effects.contact-force]\n[effects.inertia]\nmass = 1\n",
-            "effects.contact-force: supports a single contact",
+            on_rollers() + "[effects.lift-off]\nbacklash = 0.1\n[effects.inertia]\nmass = 1\n",
+            "effects.lift-off.backlash = 0.1: is not for a yoke, [follower.yoke], whose play",
         ),
         (
             PLATE + "[limits]\nclosing_error = 0.01\n",
@@ -110,10 +110,10 @@ def test_what_does_not_go_with_a_yoke_is_refused(text: str, reported: str) -> No
 
 def test_for_a_refused_effect_nothing_missing_is_reported() -> None:
     with pytest.raises(SceneError) as caught:
-        parse_scene(TEXT + "[effects.contact-force]\n")
+        parse_scene(TEXT + "[effects.roller-spin]\nmoment_of_inertia = 1e-5\ntraction = 0.1\n")
     (fault,) = caught.value.faults
-    assert fault.key == "effects.contact-force"
-    assert fault.message.startswith("supports a single contact")
+    assert fault.key == "effects.roller-spin"
+    assert fault.message.startswith("is for roller followers")
 
 
 def test_a_rocker_has_no_yoke() -> None:

@@ -17,7 +17,6 @@ from camgeo.effects.results import (
     SPRING,
     VIBRATION,
 )
-from camgeo.effects.rules import ONE_CONTACT, Only
 
 FORCES: Final = (INERTIA, GRAVITY, LOAD, SPRING)
 """Effects that act on the follower, besides friction."""
@@ -36,7 +35,6 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.contact_force.result:compute",
     schema=schema_beside(__file__),
     parse=partial(data_of, ForceLimit),
-    rules=(Only(ONE_CONTACT),),
     uses=(*FORCES, FRICTION, VIBRATION),
     keys=(tuple(f"effects.{name}" for name in FORCES),),
     refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),

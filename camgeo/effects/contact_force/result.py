@@ -208,7 +208,7 @@ def errors_of(
 def _columns(
     subject: Subject, normal: Quantity, limit: float | None, borders: FloatArray
 ) -> tuple[Column, ...]:
-    """The signed force; for a conjugate pair that of each disc, which only pushes."""
+    """The signed force; between two discs, or in a yoke, that of each side, which only pushes."""
     if subject.returning is None:
         signed = None if limit is None else subject.cam.contact.push * limit
         return (Column("contact force", "N", normal, signed, borders),)
@@ -219,16 +219,17 @@ def _columns(
     def on_return(phi: FloatArray, side: Side) -> FloatArray:
         return np.maximum(-normal(phi, side), 0.0)
 
+    names, _ = sides_of(subject)
     return (
-        Column("main contact force", "N", on_main, limit, borders),
-        Column("return contact force", "N", on_return, limit, borders),
+        Column(f"{names[INNER]} contact force", "N", on_main, limit, borders),
+        Column(f"{names[OUTER]} contact force", "N", on_return, limit, borders),
     )
 
 
 def force_findings(extremes: Extremes, subject: Subject, limit: float | None) -> list[Finding]:
     """Largest and smallest force on the flank in use, or the largest force of each side.
 
-    The sides are the flanks of a groove or the discs of a conjugate pair.
+    The sides are the flanks of a groove, the discs of a conjugate pair or those of a yoke.
     """
     names, noun = sides_of(subject)
     low, high = extremes.lowest, extremes.highest

@@ -19,7 +19,7 @@ from camgeo.effects.contact_pressure.line_contact import SHEAR_SHARE, LineContac
 from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
-from camgeo.effects.touching import FLANKS
+from camgeo.effects.touching import FLANKS, INNER, OUTER, sides_of
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
@@ -39,7 +39,8 @@ class ContactPressure(Result):
     contact : force, relative curvature and pressure over the cam angle.
     largest : the largest pressure [MPa] and its cam angle [rad] in [0, 2 pi).
     life : of the roller bearing; None if the scene gives no rating.
-    returning : the same for the return disc of a conjugate pair; None without one.
+    returning : the same for the return disc of a conjugate pair, or the opposite side of a yoke;
+        None without one.
     """
 
     contact: LineContact
@@ -68,17 +69,20 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     def on_return(phi: FloatArray, side: Side) -> FloatArray:
         return -force.normal(phi, side)
 
-    other = _of_return(request, subject.returning, on_return, force.edges)
+    names, noun = sides_of(subject)
+    second = names[OUTER]
+    words = f"{second} {noun}"
+    other = _of_return(request, subject.returning, on_return, force.edges, words)
     found = [
-        replace(each, name=f"return-{each.name}", sentence=f"return disc: {each.sentence}")
+        replace(each, name=f"{second}-{each.name}", sentence=f"{words}: {each.sentence}")
         for each in other.findings
     ]
     columns = [
-        replace(column, name=f"{disc} {column.name}")
-        for disc, of in (("main", main), ("return", other))
+        replace(column, name=f"{names[sense]} {column.name}")
+        for sense, of in ((INNER, main), (OUTER, other))
         for column in of.columns
     ]
-    errors = {f"return-{name}": bound for name, bound in other.errors.items()}
+    errors = {f"{second}-{name}": bound for name, bound in other.errors.items()}
     return replace(
         main,
         findings=(*main.findings, *found),
@@ -150,13 +154,17 @@ def _relative(value: float, error: float) -> Bound:
 
 
 def _of_return(
-    request: Request[PressureRequirements], subject: Subject, normal: Quantity, edges: FloatArray
+    request: Request[PressureRequirements],
+    subject: Subject,
+    normal: Quantity,
+    edges: FloatArray,
+    words: str,
 ) -> ContactPressure:
-    """As `_of_disc`; its error message names the return disc."""
+    """As `_of_disc`; its error message names the return disc, or the side, by these `words`."""
     try:
         return _of_disc(request, subject, normal, edges)
     except EffectError as error:
-        raise replace(error, message=f"return disc: {error.message}") from error
+        raise replace(error, message=f"{words}: {error.message}") from error
 
 
 def _width(subject: Subject, data: PressureRequirements) -> float:

@@ -20,7 +20,6 @@ from camgeo.effects.rules import (
     DRIVING_SLIDER,
     FLATS,
     GUIDED,
-    ONE_CONTACT,
     ONE_ROLLER,
     ROCKING,
     ROLLERS,
@@ -37,7 +36,6 @@ EFFECT: Final = Effect(
     parse=parse,
     rules=(
         Only(ONE_ROLLER, *OF_LEVER),
-        Only(ONE_CONTACT),
         Only(GUIDED, *OF_GUIDE),
         Only(ROCKING, *OF_PIVOT),
         Only(ROLLERS, *OF_ROLLER),

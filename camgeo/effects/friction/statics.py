@@ -35,8 +35,12 @@ moments across the guide gives
 which without M is H = |S| (2 a + b) / b for a >= 0, and |S| for a roller centre between the ends
 (Rothbart, chapter 6, follower overhang A = a and bearing length B = b; Norton, Cam Design and
 Manufacturing Handbook, chapter 7, forces on a translating roller follower). The diameter of the
-stem is neglected. Friction takes mu H in the guide and mu (d / 2) |s n + f_t t| in the pivot of a
-rocker. So much is due to the contact; whatever else loads guide and pivot is added to it in
+stem is neglected. All this is seen along the guide of the main follower. What touches the return
+disc of a carriage, or the cam on the opposite side of a yoke, is turned against that by half a
+turn, and farther from the near end by the distance of the two.
+
+Friction takes mu H in the guide and mu (d / 2) |s n + f_t t| in the pivot of a rocker. So much is
+due to the contact; whatever else loads guide and pivot is added to it in
 `camgeo.effects.bearing_friction`.
 """
 
@@ -190,10 +194,15 @@ class Statics:
         near, far = -across, across
         if not self.swing:
             # n = (-sigma v, u) / |Z'| and t = (sigma u, v) / |Z'|, across the guide and along it
-            across = sigma * (tangential * relative.u - sense * relative.v) / speed
-            overhang = data.guide_overhang - outward * (jet[0] - self.start)
+            main = self.subject.cam.follower
+            onward = math.copysign(1.0, main.reach)
+            facing = onward * outward
+            across = facing * sigma * (tangential * relative.u - sense * relative.v) / speed
+            between = (main.way.conjugate() * (main.start_arm - follower.start_arm)).real
+            overhang = data.guide_overhang + onward * (between - (jet[0] - self.start))
             # the force on a roller passes through the axis of the guide
-            tilt = sense * (relative.along[0] - follower.offset - data.guide_offset) - pin
+            offset = follower.offset + facing * data.guide_offset
+            tilt = sense * (relative.along[0] - offset) - pin
             near, far = guide_ends(across, tilt, overhang, data.guide_length)
         reach = np.abs(relative.reach) + np.zeros_like(speed)
         tangent = (relative.along[1] + 1j * relative.across[1]) / speed * np.exp(1j * relative.axis)
@@ -270,8 +279,8 @@ class Statics:
             loss = self.drag(at) + pushed * self.swing * at.pin_moment
             third = loss / at.reach
         else:
-            # S = turned (cos mu - helping sin mu)
-            outward = math.copysign(1.0, subject.cam.follower.reach)
+            # S = turned (cos mu - helping sin mu), along the main guide
+            outward = math.copysign(1.0, self.subject.cam.follower.reach)
             turned = -subject.cam.rotation * outward * ahead * pushed * sense
             near, far = -_sign(at.near), _sign(at.far)
             length = data.guide_length

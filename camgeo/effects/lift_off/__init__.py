@@ -9,7 +9,7 @@ from typing import Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE, INERTIA, SPRING
-from camgeo.effects.rules import ONE_CONTACT, ROLLERS, Only
+from camgeo.effects.rules import PLAYED, ROLLERS, Only
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.lift_off.result:compute",
     schema=schema_beside(__file__),
     parse=partial(data_of, ContactMargin),
-    rules=(Only(ONE_CONTACT), Only(ROLLERS, "backlash")),
+    rules=(Only(PLAYED, "backlash"), Only(ROLLERS, "backlash")),
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, SPRING),
     numerical=True,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormClosed(Leaving):
-    """The contact of a roller in a groove, or of a follower between two discs.
+    """The contact of a roller in a groove, or of a follower between two discs or in a yoke.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ def of_groove(
     restitution: float,
     tolerance: float,
 ) -> FormClosed:
-    """The findings for a groove or pair; impact speeds to the relative `tolerance`."""
+    """The findings for a groove, pair or yoke; impact speeds to the relative `tolerance`."""
     sides = _Sides("roller" if subject.returning is None else "follower", *sides_of(subject))
     first, changes = flank_changes(contact)
     found = [sides.change(change) for change in changes[:LISTED]]
@@ -72,7 +72,7 @@ class _Sides:
     ----------
     who : changes sides: "roller" or "follower".
     names : of the sides.
-    noun : what the sides are: "flank" or "disc".
+    noun : what the sides are: "flank", "disc" or "side".
     """
 
     who: str

@@ -66,13 +66,13 @@ class Told:
     who : flies: "roller", "face" or "follower".
     names : of the sides.
     noun : what the sides are: "flank" or "disc".
-    clearance : between them [mm]; None on a single flank.
+    clearance : between them, in words; None on a single flank.
     """
 
     who: str
     names: Mapping[int, str]
     noun: str
-    clearance: float | None = None
+    clearance: str | None = None
 
     def side(self, sense: int) -> str:
         """The side `sense` in words."""
@@ -129,7 +129,7 @@ class Told:
         how = f"lands at up to {end.value:.6g} mm/s"
         if self.clearance is not None:
             how = (
-                f"crosses its clearance of {self.clearance:g} mm and hits the {self.noun} at up to"
+                f"crosses its clearance of {self.clearance} and hits the {self.noun} at up to"
                 f" {end.value:.6g} mm/s"
             )
         sentence = f"the {self.who} {how}, {at(end.place)}{tail}"
@@ -168,10 +168,15 @@ def crossed_by(
     restitution: float,
     tolerance: float,
 ) -> Flown:
-    """The flights across the `clearance` [mm] of a groove or between two discs, as `flown_from`."""
+    """The flights across the `clearance` [mm] of a groove or between two discs, as `flown_from`; of
+    a yoke it is the least one of the turn.
+    """
     why, course = _why_not(subject, contact, inertia), subject.state.course
+    if clearance < 0.0:
+        why = why or "the cam squeezes the yoke"
     names, noun = sides_of(subject)
-    told = Told("roller" if subject.returning is None else "follower", names, noun, clearance)
+    who = "roller" if subject.returning is None else "follower"
+    told = Told(who, names, noun, _clearance_in_words(subject, clearance))
     if why or inertia is None or course is None:
         return _none("impact-speed", why)
     jumps = subject.state.shocks
@@ -187,6 +192,12 @@ def crossed_by(
     if not leavings:
         return Flown()
     return _told(told, subject, free, leavings, restitution, tolerance)
+
+
+def _clearance_in_words(subject: Subject, clearance: float) -> str:
+    breadth = subject.cam.breadth
+    widest = clearance + (0.0 if breadth is None else breadth.variation)
+    return f"{clearance:g} mm" if widest == clearance else f"{clearance:g} to {widest:g} mm"
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:

@@ -1,7 +1,7 @@
 """Effect `lift-off`: where the follower leaves its flank, from which speed, and what prevents it.
 
-In a groove, or between two discs: which side carries, where this changes, and the impact after the
-clearance has been crossed.
+In a groove, between two discs, or in a yoke: which side carries, where this changes, and the impact
+after the clearance has been crossed.
 """
 
 from __future__ import annotations
@@ -36,12 +36,15 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
     if holds_both_ways(subject):
         if data.margin > 0.0:
             raise GeometryError(
-                "a margin is for a roller on one flank; in a groove, or between two discs, the"
-                " force changes sign",
+                "a margin is for a follower on one flank; in a groove, in a yoke, or between two"
+                " discs, the force changes sign",
                 key=f"effects.{NAME}.margin",
                 value=f"{data.margin:g}",
             )
-        backlash = _backlash(data, subject.cam.clearance)
+        cam = subject.cam
+        backlash = _backlash(data, cam.clearance)
+        if cam.breadth is not None:
+            backlash = cam.breadth.play(cam.yoke_breadth)
         return of_groove(subject, contact, inertia, backlash, data.restitution, request.tolerance)
     if data.backlash is not None:
         raise GeometryError(

@@ -9,7 +9,7 @@ from typing import Any, Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect
 from camgeo.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
-from camgeo.effects.rules import ONE_CONTACT, ONE_DISC, Only
+from camgeo.effects.rules import ONE_DISC, Only
 from camgeo.errors import GeometryError
 
 
@@ -44,7 +44,7 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.reactions.result:compute",
     schema=schema_beside(__file__),
     parse=parse,
-    rules=(Only(ONE_CONTACT), Only(ONE_DISC, "bearings")),
+    rules=(Only(ONE_DISC, "bearings"),),
     needs=(CONTACT_FORCE,),
     uses=(INERTIA, GRAVITY, SPRING),
     numerical=True,

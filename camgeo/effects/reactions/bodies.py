@@ -68,12 +68,14 @@ class Bodies:
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""
         friction, loads = self.contact.friction, self.loads
-        force = at_rates(loads.on_guide(phi, side), rates_of(self.subject, phi, side))
-        force += loads.across(self.of_cam(phi, side))
-        bearing = bearing_of(self.contact, phi, side)
+        length, overhang = None, np.zeros(len(phi))
+        if friction is not None:
+            length, overhang = friction.guide_length, friction.bearing(phi, side, INNER).overhang
+        own = at_rates(loads.on_guide(phi, side), rates_of(self.subject, phi, side))
+        force, bearing = loads.across(self.of_cam(phi, side)), bearing_of(self.contact, phi, side)
         moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
-        length = None if friction is None else friction.guide_length
-        return guide_ends(force, moment, bearing.overhang, length)
+        pressed = guide_ends(force, moment, bearing.overhang, length)
+        return guide_ends(own, 0.0, overhang, length) + pressed
 
     def tilting(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) M [N mm] of a flat face whose guide has no stated length, about the cam axis's foot

@@ -116,8 +116,7 @@ def disc_of(subject: Subject, tolerance: float) -> Moments | None:
         If there is no disc.
     """
     spec = subject.part_spec
-    single = subject.returning is None
-    if not single or spec is None or spec.thickness is None or spec.density is None:
+    if subject.paired or spec is None or spec.thickness is None or spec.density is None:
         return None
     from camgeo.part.mass import disc_moments  # few scenes state what the disc is made of
 

@@ -9,7 +9,7 @@ from typing import Final
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect, data_of
 from camgeo.effects.results import CONTACT_FORCE
-from camgeo.effects.rules import ONE_CONTACT, ONE_ROLLER, ROLLERS, ROUND, Only
+from camgeo.effects.rules import ONE_ROLLER, ROLLERS, ROUND, Only
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,14 @@ EFFECT: Final = Effect(
     compute="camgeo.effects.roller_spin.result:compute",
     schema=schema_beside(__file__),
     parse=partial(data_of, RollerData),
-    rules=(Only(ONE_ROLLER), Only(ONE_CONTACT), Only(ROLLERS), Only(ROUND)),
+    rules=(Only(ONE_ROLLER), Only(ROLLERS), Only(ROUND)),
     needs=(CONTACT_FORCE,),
     keys=(SPEED,),
     tabled=True,
-    regardless=("largest-roller-spin", "smallest-roller-spin"),
+    regardless=tuple(
+        f"{side}{name}"
+        for side in ("", "opposite-")
+        for name in ("largest-roller-spin", "smallest-roller-spin")
+    ),
     refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

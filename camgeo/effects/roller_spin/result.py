@@ -13,22 +13,24 @@ balance of moments about the pin is
 It rolls while |T| is at most mu_T |N|, with the coefficient of traction mu_T. Where the roller of a
 groove changes flanks, it must reverse its spin at once, and skids whatever the traction (Norton,
 Cam Design and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law
-for rotation).
+for rotation). Each of the two rollers of a yoke keeps its sense of spin, but nothing drives it
+while the other one carries.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Request, Result, Subject
+from camgeo.effects.effect import Column, Quantity, Request, Result, Subject
 from camgeo.effects.ranges import ranges_below
 from camgeo.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.effects.roller_spin import RollerData
-from camgeo.effects.touching import INNER, OUTER, bearing_of
+from camgeo.effects.touching import INNER, OUTER, bearing_of, sides_of
 from camgeo.effects.wording import angles, extreme_findings, over, placed
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import FloatArray, Side
@@ -42,20 +44,22 @@ class Rolling:
 
     Attributes
     ----------
-    subject : the design.
+    subject : the design, as the roller touches it.
     course : how the cam turns.
-    contact : force at the contact.
+    normal : contact force [N], positive where the inner flank carries.
+    tangential : f_t.
     data : of the roller.
     """
 
     subject: Subject
     course: TimeCourse
-    contact: ContactForce
+    normal: Quantity
+    tangential: Quantity
     data: RollerData
 
     def sense(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) s, the flank that carries."""
-        return np.where(self.contact.normal(phi, side) >= 0.0, float(INNER), float(OUTER))
+        return np.where(self.normal(phi, side) >= 0.0, float(INNER), float(OUTER))
 
     def spin(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray, FloatArray]:
         """omega_R and that relative to the pin [rad/s], and d omega_R/dt [rad/s^2], (n,) each."""
@@ -79,28 +83,78 @@ class Rolling:
         sense, radius = self.sense(phi, side), self.subject.cam.follower.roller_radius
         lever = sense * self.subject.cam.rotation / radius
         needed = lever * self.data.moment_of_inertia * self.spin(phi, side)[2]
-        shared = bearing_of(self.contact, phi, side).tangential
-        needed += shared * np.abs(self.contact.normal(phi, side))
+        needed += self.tangential(phi, side) * np.abs(self.normal(phi, side))
         return np.asarray(needed)
 
     def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) mu_T |N| - |T| [N]."""
-        there = self.data.traction * np.abs(self.contact.normal(phi, side))
+        there = self.data.traction * np.abs(self.normal(phi, side))
         return np.asarray(there - np.abs(self.traction(phi, side)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RollerSpin(Result):
-    """The spin of the roller, as if it never skidded."""
+    """The spin of the roller, as if it never skidded.
+
+    Attributes
+    ----------
+    rolling : the roller.
+    opposite : the same of the second roller of a yoke; None without one.
+    """
 
     rolling: Rolling
+    opposite: RollerSpin | None = None
 
 
 def compute(request: Request[RollerData]) -> RollerSpin:
-    """The spin at the speed of the scene."""
-    contact = request.results[CONTACT_FORCE]
-    rolling = Rolling(request.subject, request.course, contact, request.data)
-    edges = contact.edges
+    """The spin at the speed of the scene, of both rollers of a yoke."""
+    subject, contact = request.subject, request.results[CONTACT_FORCE]
+    if subject.returning is None:
+
+        def shared(phi: FloatArray, side: Side) -> FloatArray:
+            return bearing_of(contact, phi, side).tangential
+
+        rolling = Rolling(subject, request.course, contact.normal, shared, request.data)
+        return _spin_of(rolling, contact.edges)
+    (names, noun), found = sides_of(subject), []
+    for sense, touched in ((INNER, subject), (OUTER, subject.returning)):
+        rolling = Rolling(
+            touched,
+            request.course,
+            partial(_pressing, contact, sense),
+            partial(_shared, contact, sense),
+            request.data,
+        )
+        found.append(_spin_of(rolling, contact.edges))
+    main, other = found
+    second, words = names[OUTER], f"{names[OUTER]} {noun}"
+    told = [
+        replace(each, name=f"{second}-{each.name}", sentence=f"{words}: {each.sentence}")
+        for each in other.findings
+    ]
+    columns = [
+        replace(column, name=f"{names[sense]} {column.name}")
+        for sense, each in ((INNER, main), (OUTER, other))
+        for column in each.columns
+    ]
+    findings = (*main.findings, *told)
+    return replace(main, findings=findings, columns=tuple(columns), opposite=other)
+
+
+def _pressing(contact: ContactForce, sense: int, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) [N] on the side `sense` alone."""
+    return np.maximum(sense * contact.normal(phi, side), 0.0)
+
+
+def _shared(contact: ContactForce, sense: int, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) f_t on the side `sense`."""
+    if contact.friction is None:
+        return np.zeros(len(phi))
+    return contact.friction.bearing(phi, side, sense).tangential
+
+
+def _spin_of(rolling: Rolling, edges: FloatArray) -> RollerSpin:
+    """The spin of one roller; all is smooth between neighbouring `edges` (k,) [rad]."""
 
     def on_pin(phi: FloatArray, side: Side) -> FloatArray:
         return rolling.spin(phi, side)[1] / RPM
