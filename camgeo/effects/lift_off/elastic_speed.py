@@ -230,6 +230,18 @@ class _Search:
                 found = Extreme(lowest, place)
         return found
 
+    def kept(self, least: float, s: float) -> float:
+        """What of the reserve at rest, at least `least`, the jumps of f leave at most."""
+        course = self.flank.subject.state.course
+        if self.behind.load is None or course is None:
+            return least
+        swing = struck(self.behind, s, course)
+
+        def left(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(self.static(phi, side) - self.share(phi, side) * swing(phi, side))
+
+        return piecewise_lowest(left, self.edges).value
+
     def start(self, least: float) -> float | None:
         """An s from which on no vibration makes up for the reserve at rest, at least `least`; None
         if the jumps of f may always do.
@@ -237,7 +249,7 @@ class _Search:
         |s C u| is at most |C| (|y''| / |Re lambda| + s J / (1 - exp(s Re lambda T))), with the sum
         J of the jumps of y'.
         """
-        if least <= self.widest * struck(self.behind, SLOWEST):
+        if self.kept(least, SLOWEST) <= 0.0:
             return None
         train, forcing = self.behind.train, self.behind.response.forcing
         period, c = self.behind.response.base.period, self.weights
@@ -255,7 +267,7 @@ class _Search:
         while True:
             lasting = 1.0 / -np.expm1(s * train.rates.real * period)
             moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
-            kept = least - self.widest * struck(self.behind, s)
+            kept = self.kept(least, s)
             if s * (s * kept - r1) - r2 - self.widest * moved > 0.0:
                 return s
             s *= GROWTH

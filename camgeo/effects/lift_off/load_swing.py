@@ -16,9 +16,11 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.effect import Quantity
 from camgeo.effects.elastic import ElasticTrain
-from camgeo.numeric.arrays import SIDES, FloatArray
-from camgeo.numeric.rounding import SHARE
+from camgeo.effects.force import Force
+from camgeo.motion.time_course import TimeCourse
+from camgeo.numeric.arrays import SIDES, FloatArray, Side
 from camgeo.units import TURN
 
 SLOWEST: Final = 1e200
@@ -45,22 +47,31 @@ def drifting(behind: ElasticTrain) -> float:
     return float(np.sum(pressed(behind) / apart)) * load.pieces.steepest
 
 
-def struck(behind: ElasticTrain, s: float) -> float:
-    """sum |D z| s that the jumps of f leave, at most: each decays until the others and until itself
-    a turn later.
+def jumps_of(load: Force) -> FloatArray:
+    """(k,) jump of f at each of its borders [N or N mm]."""
+    before, after = (load.coefficients(load.borders, side)[0] for side in SIDES)
+    return np.asarray(after - before)
+
+
+def struck(behind: ElasticTrain, s: float, clock: TimeCourse) -> Quantity:
+    """(n,) sum |D z| s that the jumps of f leave, at most, with the cam turning as in `clock`: each
+    decays until the others, and until itself a turn later.
     """
-    load, rates = behind.response.load, behind.train.rates
+    load, rates, period = behind.load, behind.train.rates, behind.response.base.period
     if load is None:
-        return 0.0
-    period, jumps = behind.response.base.period, np.abs(load.pieces.jumps)
-    real = jumps > SHARE * load.pieces.largest
-    jumps, times = jumps[real], load.pieces.edges[:-1][real]
-    since = (times[:, np.newaxis] - times) % period
-    left = np.zeros(len(times))
-    for weight, rate in zip(pressed(behind), rates, strict=True):
-        decayed = np.exp(s * rate.real * since) @ jumps
-        left += weight / abs(rate) * decayed / -np.expm1(s * rate.real * period)
-    return float(np.max(left, initial=0.0))
+        return lambda phi, _side: np.zeros(len(phi))
+    sizes, struck_at = np.abs(jumps_of(load)), clock.time(load.borders)
+
+    def left(phi: FloatArray, side: Side) -> FloatArray:
+        since = clock.time(phi)[:, np.newaxis] - struck_at
+        since[since < 0.0 if side == "right" else since <= 0.0] += period
+        found = np.zeros(len(phi))
+        for weight, rate in zip(pressed(behind) / np.abs(rates), rates.real, strict=True):
+            decayed = np.exp(s * rate * since) @ sizes
+            found += weight * decayed / -np.expm1(s * rate * period)
+        return found
+
+    return left
 
 
 def swings(behind: ElasticTrain) -> Iterator[tuple[float, FloatArray]]:
@@ -75,6 +86,5 @@ def swings(behind: ElasticTrain) -> Iterator[tuple[float, FloatArray]]:
     times = np.linspace(0.0, swing, SAMPLES * math.ceil(periods) + 1)
     shapes = behind.train.force(0).loaded / rates
     free = np.real(np.exp(np.multiply.outer(times, rates)) @ shapes)
-    for place in load.borders.tolist():
-        before, after = (load.coefficients(np.array([place]), side)[0, 0] for side in SIDES)
-        yield place, np.asarray((after - before) * free)
+    for place, jump in zip(load.borders.tolist(), jumps_of(load).tolist(), strict=True):
+        yield place, jump * free
