@@ -2,13 +2,14 @@
 
 The base of the train has the motion y of the output of a rigid train, on the follower. Its first
 spring and damper push the masses with the force F, which accelerates them all and moves what holds
-them to the frame, and push back the base as much. Forces of a rigid train have -m y'' of the masses
-instead, m in sum. So the generalised force on the follower is that of a rigid train and
+them to the frame, against the load p on the output, and push back the base as much. Forces of a
+rigid train have -m y'' of the masses and p instead, m in sum. So the generalised force on the
+follower is that of a rigid train and
 
-    Q = -(F - m y'') dy/dq,
+    Q = -(F - m y'' + p) dy/dq,
 
 known for the present course of the cam in time only: the state of a train depends on how the cam
-has turned before. Springs, weights and loads act on the base, so they do not excite the train.
+has turned before. Springs and weights act on the base, so they do not excite the train.
 
 With the cam running f times as fast, in the time of the scene, the train is one whose rates are
 divided by f, on the same base; forces are then f^2 times those in that time.
@@ -67,6 +68,8 @@ class ElasticTrain:
     per_lift : (n,) dy/dq [1, 1/mm or mm].
     pushes : (n,) F [N or N mm] of a response at n cam angles, in the time of the scene.
     base : (3, n) y, y', y'' at n cam angles, in the time of the scene.
+    load : p, as a force on y; None if there is none.
+    slips : (n,) velocity of the output beyond y' of a response, as `pushes`; None without a load.
     """
 
     response: Response
@@ -74,15 +77,28 @@ class ElasticTrain:
     per_lift: Quantity
     pushes: Callable[[Response, FloatArray, Side], FloatArray]
     base: Quantity
+    load: Force | None = None
+    slips: Callable[[Response, FloatArray, Side], FloatArray] | None = None
 
     def beyond_rigid(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) Q [N or N mm]."""
         return self.beyond_base(phi, side) * self.per_lift(phi, side)
 
     def beyond_base(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) -(F - m y'') [N or N mm], on the base."""
+        """(n,) -(F - m y'' + p) [N or N mm], on the base."""
         push = self.pushes(self.response, phi, side)
+        if self.load is not None:
+            push = push + self.load.coefficients(phi, side)[0]
         return np.asarray(self.mass * self.base(phi, side)[2] - push)
+
+    def given(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) power [N mm/s] that the load takes from the train beyond -p y', which it has from a
+        rigid one.
+        """
+        if self.load is None or self.slips is None:
+            return np.zeros(len(phi))
+        pressed = self.load.coefficients(phi, side)[0]
+        return np.asarray(-pressed * self.slips(self.response, phi, side))
 
     def reduced(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) m (dy/dq)^2, the part of `Inertia.to_follower` that is behind the train."""
@@ -104,17 +120,49 @@ class ElasticTrain:
         return search_edges(smooth, self.train, self.response.base.period)
 
     def force(self, smooth: FloatArray) -> Force:
-        """Q, which is smooth between the angles `smooth` (m,) [rad]."""
+        """Q, which is smooth between the angles `smooth` (m,) [rad] and the borders of the load."""
         cuts = self.edges(smooth)
         return Force(
             "the elastic train",
             unmoved(self.beyond_rigid),
+            borders=np.empty(0) if self.load is None else self.load.borders,
             cuts=cuts,
             present=True,
             far=unmoved(self.beyond_base),
         )
 
+    def off(self, demand: Quantity) -> tuple[ElasticTrain, ElasticTrain]:
+        """The same with F off by its error, so that the contact carries more everywhere, where it
+        must provide the generalised force `demand`; and so that the drive puts in more.
+
+        A force of the contact or a load follows from F at the same cam angle, and a sum of such
+        forces or of powers over the turn is off most where all of them are off to the same side.
+        """
+
+        def pressing(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(demand(phi, side) * self.per_lift(phi, side))
+
+        def driving(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(self.base(phi, side)[1])
+
+        return self._off(pressing), self._off(driving)
+
+    def _off(self, way: Quantity) -> ElasticTrain:
+        """With F off by its error in the direction of `way`."""
+
+        def pushes(response: Response, phi: FloatArray, side: Side) -> FloatArray:
+            error = response.error_of(response.train.force(0))
+            return self.pushes(response, phi, side) + error * np.sign(way(phi, side))
+
+        return replace(self, pushes=pushes)
+
     def at(self, factor: float) -> ElasticTrain:
         """The same with the cam running `factor` times as fast as in `response`."""
-        base, forcing = self.response.base, self.response.forcing
-        return replace(self, response=answered(self.train.in_time(factor), base, forcing))
+        response, load, once = self.response, self.load, factor**-2
+        forced = None if response.load is None else response.load.times(once)
+        if load is not None:
+            pressed = load.coefficients
+            load = replace(load, coefficients=lambda phi, side: once * pressed(phi, side))
+        train = self.train.in_time(factor)
+        found = answered(train, response.base, response.forcing, forced)
+        return replace(self, response=found, load=load)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 
 from camgeo.effects.catalogue import Catalogue
 from camgeo.effects.effect import Column, Effect, Request, Result, Results, Subject, machine_of
-from camgeo.effects.found_speed import ErrorsOfSpeed
-from camgeo.effects.results import FINDERS
+from camgeo.effects.inherited import InheritedErrors
+from camgeo.effects.results import CONTACT_FORCE, FINDERS, VIBRATION, Elastic
 from camgeo.effects.rules import Table
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -21,6 +22,10 @@ from camgeo.state.state import Speed, Used
 
 TOLERANCE: Final = 1e-6
 """Default for numerical effects, relative to the largest magnitude of the result."""
+
+
+TRAIN_OFF: Final = " with the train off by its error"
+"""What the ledger adds to the names of effects that are computed for errors alone."""
 
 
 def node_name(name: str) -> str:
@@ -61,6 +66,7 @@ class Nodes:
         self.ledger = ledger
         self._base = base
         self._rough = rough
+        self._off: tuple[Nodes, ...] | None = None
         self._results: dict[str, Any] = dict(known or {})
         self._failures: dict[str, EffectError] = {}
 
@@ -120,8 +126,8 @@ class Nodes:
             raise GeometryError(message, _place(effect.name, key))
 
     def _stated(self, name: str, result: Any) -> Any:
-        """The `result` of the effect `name` with its state and, at the found speed, with what the
-        error of this adds to those of its figures.
+        """The `result` of the effect `name` with its state, and with what the errors of a found
+        speed and of an elastic train add to those of its figures.
         """
         if not isinstance(result, Result):
             return result
@@ -129,14 +135,50 @@ class Nodes:
         found = self._base is not None or name in FINDERS
         speed: Speed = "found" if found else "stated"
         used = Used(state.model, speed if found or state.course is not None else None)
-        if rough is None or state.course is None:
-            return replace(result, state=used)
-        return replace(
-            result,
-            state=used,
-            columns=tuple(_also_jumping(each, state.course.jumps) for each in result.columns),
-            errors=ErrorsOfSpeed(result, lambda: rough.result(name)),
-        )
+        result = replace(result, state=used)
+        others: list[Callable[[], Result]] = []
+        if self._follows(name):
+            others += [partial(self._with_train, number, name) for number in range(2)]
+        if rough is not None and state.course is not None:
+            jumps = state.course.jumps
+            columns = tuple(_also_jumping(each, jumps) for each in result.columns)
+            result = replace(result, columns=columns)
+            others.append(lambda: rough.result(name))
+        return replace(result, errors=InheritedErrors(result, others)) if others else result
+
+    def _follows(self, name: str) -> bool:
+        """Whether the effect `name` was computed here from the force of an elastic train."""
+        train = self._results.get(VIBRATION)
+        if train is None or train.behind is None or name in FINDERS:
+            return False  # those that find the speed state their errors themselves
+        return VIBRATION in self.catalogue.behind(name)
+
+    def _with_train(self, number: int, name: str) -> Any:
+        """The result of the effect `name` with one of the trains that are off by the error of their
+        force, see `camgeo.effects.elastic.ElasticTrain.off`.
+        """
+        if self._off is None:
+            train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
+            self._off = tuple(
+                WithTrain(self, replace(train, behind=each))
+                for each in train.behind.off(contact.demand)
+            )
+        return self._off[number].result(name)
+
+
+class WithTrain(Nodes):
+    """The effects of `nodes` with another elastic `train`."""
+
+    def __init__(self, nodes: Nodes, train: Elastic) -> None:
+        ledger = nodes.ledger.named(TRAIN_OFF)
+        super().__init__(nodes.subject, nodes.catalogue, ledger, {VIBRATION: train})
+        self._nodes = nodes
+
+    def result(self, name: str) -> Any:
+        """As that of `nodes`, unless it depends on the train."""
+        if name != VIBRATION and VIBRATION not in self.catalogue.behind(name):
+            return self._nodes.result(name)
+        return super().result(name)
 
 
 def _also_jumping(column: Column, places: FloatArray) -> Column:

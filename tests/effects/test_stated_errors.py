@@ -7,22 +7,28 @@ computation to a hundredth of the tolerance.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from random import Random
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.accuracy.effects import TIGHTER, compared
+from camgeo.accuracy.effects import TIGHTER, compared, figures_of
 from camgeo.design import Design
 from camgeo.effects.effect import Bound, Result
+from camgeo.effects.nodes import WithTrain
 from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.errors import EffectError
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.rounding import SHARE, resolved
 from camgeo.scene.load import load_scene, parse_scene
+from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
-from tests.long_form import examples
+from tests.long_form import examples, some
 
 NAMES: Final = (
     "plate_translating", "setzhub", "groove", "inch", "querhub", "schnitt", "feed", "shuttle",
@@ -143,7 +149,7 @@ def test_the_work_of_the_motor_is_as_accurate_as_stated(tolerance: float) -> Non
 
 def test_each_figure_that_depends_on_the_tolerance_has_its_error() -> None:
     text = (SCENES.parent / "effects" / "press.toml").read_text("utf-8")
-    press = Design(parse_scene(f'{text}\n[state]\nspeed = "stated"\n'))
+    press = Design(parse_scene(f'{text}\n[state]\nspeed = "stated"\noutput = "rigid"\n'))
     assert set(press.effect("drive-torque").errors) == {
         "mean-torque", "rms-torque", "work-per-turn", "mean-power", "energy-fluctuation",
         "flywheel",
@@ -156,6 +162,68 @@ def test_each_figure_that_depends_on_the_tolerance_has_its_error() -> None:
         figures = {each.name for each in (*result.findings, *result.columns)}
         known = {"largest-impact-speed", "impact-speed", "residual-vibration"}
         assert set(result.errors) <= figures | known, name
+
+
+# Of an elastic train -----------------------------------------------------------------------------
+
+TRAIN: Final = (
+    "[effects.inertia]\n{mass}\n[effects.spring]\n{spring}\n[effects.load]\nconstant = 15\n"
+    "[effects.friction]\nrolling = 0.02\n{friction}\n"
+    "[effects.vibration]\nnatural_frequency = 90\ndamping = 0.05\n[effects.contact-force]\n"
+    "[effects.contact-pressure]\nwidth = 4\nrating = 5000\n[effects.drive-torque]\n"
+    "[effects.power-balance]\n[effects.reactions]\n"
+    "[effects.roller-spin]\nmoment_of_inertia = 1e-5\ntraction = 0.05\n"
+)
+FOLLOWING: Final = (
+    "contact-force", "contact-pressure", "drive-torque", "power-balance", "reactions",
+    "roller-spin",
+)  # fmt: skip
+"""Effects whose figures follow from the force of the train; lift-off does too."""
+
+
+def with_train(name: str) -> Design:
+    rocks = name != "plate_translating"
+    torsion = 'kind = "torsion"\ntorsional_stiffness = 20\npreload_torque = 60'
+    values = {
+        "mass": "moment_of_inertia = 0.01" if rocks else "mass = 0.8",
+        "spring": torsion if rocks else "preload = 260\nstiffness = 4",
+        "friction": "" if rocks else "guide = 0.08",
+    }
+    return design(name, TRAIN.format(**values))
+
+
+@pytest.mark.parametrize("name", some(["groove", "plate_translating"], of=2))
+def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stated(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the course of the error, here of a train that is known to 0.05 N or N mm."""
+    found = with_train(name)
+    nodes = found.effects._nodes("contact-force")
+    train = nodes.result("vibration")
+    monkeypatch.setattr(Response, "error_of", lambda _self, _reading: 0.05)
+    told = {each: found.effect(each) for each in FOLLOWING}
+    for result in told.values():
+        valued = {each.name for each in result.findings if each.value is not None}
+        assert set(result.errors) == valued | {each.name for each in result.columns}
+    alone = found.effects.recomputed("drive-torque").result("drive-torque")
+    assert "drive torque" not in alone.errors  # of what depends on its tolerance only
+    rng = np.random.default_rng(1)
+    for count in some((3, 0, 1, 17), of=4):
+        phase = rng.uniform(0.0, TURN)
+
+        def way(phi: FloatArray, _side: Side, count: int = count, phase: float = phase) -> Any:
+            return np.cos(count * phi + phase)
+
+        off = replace(train, behind=train.behind._off(way))
+        moved = WithTrain(nodes, off)
+        for effect, result in told.items():
+            own, other = figures_of(result), figures_of(moved.result(effect))
+            assert own.keys() == other.keys()
+            for figure, values in own.items():
+                # A life goes with the power 10/3 of the load, of which the error is a thousandth.
+                bound = 1.01 * result.errors[figure].error
+                assert np.max(np.abs(values - other[figure])) <= bound, (effect, figure)
+                assert bound <= 0.05 * result.errors[figure].scale, (effect, figure)
 
 
 # Rounding ----------------------------------------------------------------------------------------

@@ -158,15 +158,15 @@ class ForceBalance:
         if self.bearings is None:
             np.divide(np.abs(needed), reserve, out=found, where=loaded)
         else:
-            found[loaded] = self._under_loads(phi, side, rates, sense)[0][loaded]
+            found[loaded] = self._under_loads(phi, side, rates, sense)[loaded]
         found *= sense
         return found
 
     def _under_loads(
         self, phi: FloatArray, side: Side, rates: FloatArray, sense: FloatArray
     ) -> FloatArray:
-        """(2, n) |N| on the side `sense` (n,) with friction in the bearings, and d|R|/d|N|."""
-        found, bearings = np.zeros((2, len(phi))), self.bearings
+        """(n,) |N| on the side `sense` (n,) with friction in the bearings."""
+        found, bearings = np.zeros(len(phi)), self.bearings
         assert bearings is not None
         demand, drag = self.demand(phi, side, rates), bearings.drag(phi, side)
         own = at_rates(bearings.own(phi, side), rates)
@@ -177,18 +177,9 @@ class ForceBalance:
             per = bearings.rubbing.per_normal(phi, side, flank)
             free = self.bracket(phi, side, flank) + drag * np.sum(np.abs(per), axis=0)
             u = np.where(demand + drag * np.sum(np.abs(own), axis=0) >= 0.0, 1.0, -1.0)
-            n, d = directions(u * demand, u * free, u * drag, own, per)
-            slope = u * (free - drag * np.sum((np.conj(d) * per).real, axis=0))
-            found[:, here] = np.stack((n, slope))[:, here]
+            n, _ = directions(u * demand, u * free, u * drag, own, per)
+            found[here] = n[here]
         return found
-
-    def stiffness(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) d|R|/d|N| [1 or mm/rad] at the speed of the scene."""
-        rates = self.rates(phi, side)
-        _, sense, reserve = self.parts(phi, side, rates)
-        if self.bearings is None:
-            return reserve
-        return np.asarray(self._under_loads(phi, side, rates, sense)[1])
 
     def bearing_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""

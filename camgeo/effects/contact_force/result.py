@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -13,13 +12,12 @@ from camgeo.check.finding import Finding, Severity, held
 from camgeo.effects.bearing_friction import BearingFriction
 from camgeo.effects.contact_force import FORCES, ForceLimit
 from camgeo.effects.contact_force.balance import (
-    VANISHING,
     ForceBalance,
     edges_of,
     load_edges,
     refuse_jamming,
 )
-from camgeo.effects.effect import Bound, Column, Quantity, Request, Subject
+from camgeo.effects.effect import Column, Quantity, Request, Subject
 from camgeo.effects.force import Force, all_borders
 from camgeo.effects.immovable import shocks
 from camgeo.effects.loads import Loads
@@ -27,7 +25,6 @@ from camgeo.effects.results import (
     FRICTION,
     GRAVITY,
     INERTIA,
-    LOAD,
     SPRING,
     VIBRATION,
     ContactForce,
@@ -43,7 +40,7 @@ from camgeo.effects.touching import (
 )
 from camgeo.effects.wording import angles, at, by_place, placed
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, piecewise_highest
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 
 if TYPE_CHECKING:
     from camgeo.effects.elastic import ElasticTrain
@@ -89,12 +86,10 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     made = ContactForce(
         findings=(
             *found,
-            *unexcited(request, behind),
             *shock_findings(subject, struck),
         ),
         columns=columns,
         lost_contact=lost_contact(subject, normal, extremes, edges, struck),
-        errors=errors_of((*found, *columns), extremes, balance, behind),
         forces=balance.forces,
         friction=friction,
         edges=edges,
@@ -152,23 +147,6 @@ def bearings_of(request: Request[ForceLimit], forces: tuple[Force, ...]) -> Bear
     )
 
 
-def unexcited(request: Request[ForceLimit], behind: ElasticTrain | None) -> list[Finding]:
-    """A warning if a load on the output, which acts here as on the follower, would move a train."""
-    load = request.results.get(LOAD)
-    if behind is None or load is None or load.force.potential is not None:
-        return []
-    return [
-        Finding(
-            name="unexcited-train",
-            severity="warning",
-            sentence=(
-                "the load varies, which would excite the elastic train; here it is passed on as by"
-                " a rigid one"
-            ),
-        )
-    ]
-
-
 def struck_by_jumps(inertia: Inertia | None, behind: ElasticTrain | None) -> Quantity | None:
     """See `ContactForce.struck`."""
     if inertia is None:
@@ -180,29 +158,6 @@ def struck_by_jumps(inertia: Inertia | None, behind: ElasticTrain | None) -> Qua
         return inertia.to_follower(phi, side) - behind.reduced(phi, side)
 
     return in_front
-
-
-def errors_of(
-    found: Sequence[Finding | Column],
-    extremes: Extremes,
-    balance: ForceBalance,
-    behind: ElasticTrain | None,
-) -> dict[str, Bound]:
-    """The error of the force where an elastic train passes it on; else it is exact."""
-    if behind is None:
-        return {}
-
-    def per_force(phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) N [N] per unit of m x''."""
-        reserve, bearings = balance.stiffness(phi, side), balance.bearings
-        least = VANISHING * abs(balance.subject.cam.follower.reach)
-        needed = np.abs(behind.per_lift(phi, side))
-        if bearings is not None:
-            needed += bearings.rubbing.lever * np.sum(np.abs(bearings.per_far(phi, side)), axis=0)
-        return np.asarray(needed / np.maximum(reserve, least))
-
-    off = behind.error * piecewise_highest(per_force, balance.subject.state.smooth_angles).value
-    return dict.fromkeys([each.name for each in found], Bound(off, extremes.magnitude))
 
 
 def _columns(

@@ -4,21 +4,24 @@ With the cam running f times as fast as in the scene, and s = 1 / f, the reserve
 `Flank.reserve`), divided by f^2, is
 
     G = s^2 r0 + s r1 + r2 + w P + c sum |V_i|,    V_i = s^2 l0 + s l1 + l2 - p P,
-    P = s^2 a y + s b y' + s Re sum C u - m y'',   u' = s lambda u - y'',
+    P = s^2 (a y + f) + s b y' + s Re sum C u + s^3 Re sum D v - m y'',
+    u' = s lambda u - y'',   v' = s lambda v + f,
 
 with r0 to r2 and the loads l0 to l2 that rub in pivot or guide of a rigid train, whose friction is
-c, the modes u of the elastic one, the weights C, a and b of the force in its first spring and
-damper, see `camgeo.numeric.oscillator.train`, w = dy/dq in the direction of the flank, and p the
-load that a coupler makes of a force on y; a and b are 0 unless something holds its masses to the
-frame. Contact is lost where the smallest G of the turn, g(s), is below 0. It is searched from low
-speeds upwards, from an s at which no vibration can be large enough.
+c, the modes u and v of the elastic one, the weights C, D, a and b of the force in its first spring
+and damper, see `camgeo.numeric.oscillator.train`, the force f on its output, w = dy/dq in the
+direction of the flank, and p the load that a coupler makes of a force on y; a and b are 0 unless
+something holds its masses to the frame. Contact is lost where the smallest G of the turn, g(s), is
+below 0. It is searched from low speeds upwards, from an s at which no vibration can be large
+enough. At rest v is -f / (s lambda), but where f jumps the train vibrates at any speed.
 
 On the real line the periodic solution of v' = s lambda v + b is at most |b| / (s |Re lambda|). For
 the derivatives of u by s, v' = s lambda v + lambda u and z' = s lambda z + 2 lambda v, this gives
 |v| <= rho |u| / s and |z| <= 2 rho^2 |u| / s^2 with rho = |lambda| / |Re lambda|, so
 
-    d^2 G / ds^2 <= K = 2 max (r0 + w a y) + 2 max |c| sum |l0 - p a y|
-                        + max (|w| + |c p|) sum |C| (2 rho + 2 rho^2) |u| / s
+    d^2 G / ds^2 <= K = 2 max (r0 + w (a y + f)) + 2 max |c| sum |l0 - p (a y + f)|
+                        + max (|w| + |c p|) (sum |C| (2 rho + 2 rho^2) |u| / s
+                                             + sum |D| (6 + 6 rho + 2 rho^2) |v| s)
 
 as long as no V_i turns. Between two s at the distance d a function is nowhere more than K d^2 / 8
 below its chord. A |V_i| that turns falls below its chord besides; where c > 0, it is at least the
@@ -43,6 +46,7 @@ import numpy as np
 from camgeo.effects.bearing_friction import unit_vectors
 from camgeo.effects.elastic import ElasticTrain
 from camgeo.effects.lift_off.flank import Flank
+from camgeo.effects.lift_off.load_swing import SLOWEST, drifting, pressed, struck, swings
 from camgeo.effects.touching import TOUCH
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
@@ -92,11 +96,12 @@ class ElasticSpeed:
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """g at one s, |u| of each mode, and the V_i (k, n)."""
+    """g at one s, |u| and |v| of each mode, and the V_i (k, n)."""
 
     s: float
     lowest: Extreme
     sizes: FloatArray
+    loaded: FloatArray
     loads: Callable[[FloatArray, Side], ComplexArray]
 
     @property
@@ -125,11 +130,17 @@ class _Search:
             np.abs(self.behind.per_lift(phi, side)) + np.abs(self.flank.drag(phi, side)) * passed
         )
 
-    def parts(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """(3, n) r0 + w a y, r1 + w b y', r2 - w m y'', and |c| sum |l0 - p a y| and so on."""
-        held = self.behind.train.force(0)
+    def parts(
+        self, phi: FloatArray, side: Side, share: float = 1.0, more: FloatArray | float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """(3, n) r0 + w (a y + f), r1 + w b y', r2 - w m y'', and |c| sum |l0 - p (a y + f)| and
+        so on, with the `share` of f, and `more` (n,) besides.
+        """
+        held, load = self.behind.train.force(0), self.behind.load
         own = np.array([[held.lift], [held.slope], [-self.behind.mass]])
         pushed = own * self.behind.base(phi, side)
+        if load is not None:
+            pushed[0] += share * load.coefficients(phi, side)[0] + more
         loads = self.flank.loads(phi, side)
         for load, push in zip(loads, pushed, strict=True):
             load -= self.flank.passed(phi, side, push)
@@ -147,13 +158,14 @@ class _Search:
         rates = self.behind.train.rates
         return np.asarray(np.abs(rates) / np.abs(rates.real))
 
-    def static(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) the reserve at rest."""
-        plain, rubbed = self.parts(phi, side)
+    def static(self, phi: FloatArray, side: Side, more: FloatArray | float = 0.0) -> FloatArray:
+        """(n,) the reserve at rest, with `more` (n,) of P."""
+        train = self.behind.train
+        plain, rubbed = self.parts(phi, side, 1.0 + train.yielding(train.force(0)), more)
         return np.asarray(plain[0] + np.sign(self.flank.drag(phi, side)) * rubbed[0])
 
     def most(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) r0 + w a y + |c| sum |l0 - p a y|."""
+        """(n,) r0 + w (a y + f) + |c| sum |l0 - p (a y + f)|."""
         plain, rubbed = self.parts(phi, side)
         return np.asarray(plain[0] + rubbed[0])
 
@@ -173,7 +185,9 @@ class _Search:
 
         lowest = piecewise_lowest(reserve, found.edges(self.edges))
         sizes = np.array([mode.largest for mode in found.response.modes])
-        return _Point(s, lowest, sizes, loads)
+        # driven by s^2 f
+        loaded = np.array([mode.largest for mode in found.response.loaded]) / s**2
+        return _Point(s, lowest, sizes, loaded, loads)
 
     def turned(self, one: _Point, other: _Point) -> float:
         """What the loads lack of their sizes in the direction of their sum at most, where that
@@ -196,17 +210,47 @@ class _Search:
         """How far g may be below its chord between both."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
         rho = self.rho
-        sizes = np.maximum(one.sizes, other.sizes) * (1.0 + 0.5 * rho * d / s)
-        bend = self.weights * (2.0 * rho + 2.0 * rho**2) * sizes
-        curvature = 2.0 * self.largest + self.widest * float(np.sum(bend)) / s
+        grown = 1.0 + 0.5 * rho * d / s
+        sizes = np.maximum(one.sizes, other.sizes) * grown
+        bend = float(np.sum(self.weights * (2.0 * rho + 2.0 * rho**2) * sizes)) / s
+        if self.behind.load is not None:
+            loaded = np.maximum(one.loaded, other.loaded) * grown
+            turned = pressed(self.behind) * (6.0 + 6.0 * rho + 2.0 * rho**2) * loaded
+            bend += float(np.sum(turned)) * max(one.s, other.s)
+        curvature = 2.0 * self.largest + self.widest * bend
         return 0.125 * curvature * d * d + self.turned(one, other)
 
-    def start(self, least: float) -> float:
-        """An s from which on no vibration makes up for the reserve at rest, at least `least`.
+    def after_jumps(self) -> Extreme | None:
+        """The smallest reserve that is found after a jump of f, at rest else, with its place."""
+        found: Extreme | None = None
+        for place, more in swings(self.behind):
+            left = self.static(np.full(len(more), place), "right", more)
+            lowest = float(np.min(left))
+            if found is None or lowest < found.value:
+                found = Extreme(lowest, place)
+        return found
+
+    def kept(self, least: float, s: float) -> float:
+        """What of the reserve at rest, at least `least`, the jumps of f leave at most."""
+        course = self.flank.subject.state.course
+        if self.behind.load is None or course is None:
+            return least
+        swing = struck(self.behind, s, course)
+
+        def left(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(self.static(phi, side) - self.share(phi, side) * swing(phi, side))
+
+        return piecewise_lowest(left, self.edges).value
+
+    def start(self, least: float) -> float | None:
+        """An s from which on no vibration makes up for the reserve at rest, at least `least`; None
+        if the jumps of f may always do.
 
         |s C u| is at most |C| (|y''| / |Re lambda| + s J / (1 - exp(s Re lambda T))), with the sum
         J of the jumps of y'.
         """
+        if self.kept(least, SLOWEST) <= 0.0:
+            return None
         train, forcing = self.behind.train, self.behind.response.forcing
         period, c = self.behind.response.base.period, self.weights
         most = float(np.max(np.sum(np.abs(forcing.pieces.series), axis=0)))
@@ -219,11 +263,12 @@ class _Search:
 
             return piecewise_highest(of_row, self.edges).value
 
-        r1, r2, s = size(1), size(2), 1.0
+        r1, r2, s = size(1) + self.widest * drifting(self.behind), size(2), 1.0
         while True:
             lasting = 1.0 / -np.expm1(s * train.rates.real * period)
             moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
-            if s * (s * least - r1) - r2 - self.widest * moved > 0.0:
+            kept = self.kept(least, s)
+            if s * (s * kept - r1) - r2 - self.widest * moved > 0.0:
                 return s
             s *= GROWTH
 
@@ -251,11 +296,17 @@ def elastic_speed(
         return ElasticSpeed(Extreme(0.0, rest.lowest.place))
     if rest.lowest.value <= TOUCH * rest.magnitude:
         return ElasticSpeed(why="nothing presses it on its flank at rest")
+    swung = search.after_jumps()
+    if swung is not None and swung.value < -TOUCH * rest.magnitude:
+        return ElasticSpeed(Extreme(0.0, swung.place))
     widest = piecewise_highest(search.share, edges).value
     search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
     fastest = float(np.min(np.abs(rates))) * period / SOFT
     end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
-    return _first(search, max(search.start(rest.lowest.value), 2.0 * end), end)
+    start = search.start(rest.lowest.value)
+    if start is None:
+        return ElasticSpeed(why="where its load jumps the train may vibrate off it at any speed")
+    return _first(search, max(start, 2.0 * end), end)
 
 
 def _first(search: _Search, start: float, end: float) -> ElasticSpeed:

@@ -119,7 +119,7 @@ def takers_of(subject: Subject, contact: ContactForce) -> tuple[Taker, ...]:
             _work_into(each.name),
             f"power into {each.name}",
             _words_of(subject, contact, each),
-            _of_force(subject, each),
+            _of_force(subject, contact, each),
         )
         for each in contact.forces
     ]
@@ -141,10 +141,17 @@ def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     return found
 
 
-def _of_force(subject: Subject, force: Force) -> Quantity:
+def _of_force(subject: Subject, contact: ContactForce, force: Force) -> Quantity:
+    """Of a load on an elastic train what it takes at the output; the train takes the less."""
+    behind, sense = contact.behind, float(force.name == LOAD) - float(force.present)
+
     def torque(phi: FloatArray, side: Side) -> FloatArray:
-        pull = at_rates(force.coefficients(phi, side), rates_of(subject, phi, side))
-        return np.asarray(-pull * _velocity(subject, phi, side))
+        rates = rates_of(subject, phi, side)
+        pull = at_rates(force.coefficients(phi, side), rates)
+        found = -pull * _velocity(subject, phi, side)
+        if behind is not None and sense:
+            found += sense * behind.given(phi, side) / rates[0]
+        return np.asarray(found)
 
     return torque
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.effect import GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect
-from camgeo.effects.results import INERTIA, VIBRATION
+from camgeo.effects.results import INERTIA, LOAD, VIBRATION
 from camgeo.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.effects.vibration.table import parse
 
@@ -20,7 +20,7 @@ EFFECT: Final = Effect(
         Only(LENGTHS, "stiffness", "limit", "masses"),
         Only(ANGLES, "torsional_stiffness", "limit_angle", "moments"),
     ),
-    uses=(INERTIA,),
+    uses=(INERTIA, LOAD),
     keys=(SPEED,),
     tabled=True,
     numerical=True,

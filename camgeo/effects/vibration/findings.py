@@ -22,6 +22,7 @@ from camgeo.units import RPM, TURN
 from camgeo.wording import cam_angle
 
 LARGEST_FORCE: Final = "largest-train-force"
+BY_LOAD: Final = "load-deflection"
 
 AMPLIFICATION: Final = 10.0
 """Amplification of a harmonic above which it counts as resonance. Without damping this is reached
@@ -100,6 +101,33 @@ def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
         limit=None if limit is None else shown.scale * limit,
         unit=shown.unit,
         cam_angle=found.place,
+    )
+
+
+def of_load(found: Extreme, shown: MotionUnit) -> Finding:
+    """The part of this error by which the load deflects the train at rest."""
+    return Finding(
+        name=BY_LOAD,
+        severity="ok",
+        sentence=(
+            f"at rest the load deflects the output by up to {shown.of(found.value)}"
+            f" {at(found.place)}, which is a part of this error"
+        ),
+        value=shown.scale * found.value,
+        unit=shown.unit,
+        cam_angle=found.place,
+    )
+
+
+def unexcited() -> Finding:
+    """That the load cannot be taken into account."""
+    return Finding(
+        name="unexcited-train",
+        severity="warning",
+        sentence=(
+            "the load acts on a mass that has the demanded motion, and [effects.inertia] states"
+            " none: it is left out here"
+        ),
     )
 
 

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.effects.effect import Subject
+from camgeo.effects.force import Force
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import in_turn
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged
-from camgeo.numeric.oscillator.steady import Base, Response
+from camgeo.numeric.oscillator.steady import Base, Forcing, Response, load_of
 from camgeo.numeric.roots import inverse
 from camgeo.units import TURN
 
@@ -50,6 +51,15 @@ class Clock:
         """The motion as the excitation of the train."""
         return Base(self.jet, self.time(self.edges))
 
+    def load(self, force: Force, share: float) -> Forcing:
+        """The `force` on the output as excitation; its series may truncate the `share` of it."""
+
+        def pressed(t: FloatArray) -> FloatArray:
+            return np.asarray(force.coefficients(self.angle(t), "right")[0])
+
+        edges = merged(np.concatenate((self.edges, force.borders)))
+        return load_of(pressed, self.time(edges), share)
+
 
 def clock_of(subject: Subject, course: TimeCourse) -> Clock:
     """The motion of the output in the state of `subject`, over time."""
@@ -82,6 +92,18 @@ class Output:
         """(n,) output minus motion of the state [mm or rad] at `phi` (n,) [rad]."""
         found: FloatArray = self.states(phi, side)[0]
         return found
+
+    def lasting(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) the deflection if the load stays as it is there."""
+        if self.response is None:
+            return np.zeros(len(phi))
+        train = self.response.train
+        reading = train.deflection(train.output)
+        return self.response.at_rest(reading, self.clock.time(in_turn(phi, side)), side)
+
+    def moving(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) the rest of the deflection."""
+        return self.deflection(phi, side) - self.lasting(phi, side)
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""

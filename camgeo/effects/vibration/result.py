@@ -1,16 +1,16 @@
 """Effect `vibration`: an elastic follower train in its steady state, solved exactly.
 
-The train is a row of masses on springs and dampers, whose base has the motion of the state; see
-`camgeo.numeric.oscillator.chain` for the equations and their sources. The motion laws are piecewise
-smooth, and on each piece the response is known in closed form, see
-`camgeo.numeric.oscillator.mode`.
+The train is a row of masses on springs and dampers, whose base has the motion of the state, and on
+whose output the process load acts; see `camgeo.numeric.oscillator.chain` for the equations and
+their sources. The motion laws are piecewise smooth, and on each piece the response is known in
+closed form, see `camgeo.numeric.oscillator.mode`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,8 +18,10 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Column, Request, Subject
 from camgeo.effects.elastic import ElasticTrain, search_edges
-from camgeo.effects.results import INERTIA, Elastic
+from camgeo.effects.force import Force
+from camgeo.effects.results import INERTIA, LOAD, Elastic
 from camgeo.effects.vibration.findings import (
+    BY_LOAD,
     LARGEST_FORCE,
     MotionUnit,
     force_column,
@@ -27,16 +29,18 @@ from camgeo.effects.vibration.findings import (
     of_acceleration,
     of_error,
     of_forces,
+    of_load,
     of_modes,
     of_resonance,
     of_rests,
+    unexcited,
 )
 from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
 from camgeo.effects.wording import FORCES, MASSES, Label
 from camgeo.errors import EffectError, GeometryError
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.oscillator.chain import SeparationError, Stage, chain
 from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
@@ -66,9 +70,9 @@ class Vibration(Elastic):
     ----------
     behind : see `camgeo.effects.results.Elastic`.
     findings, columns : see `camgeo.effects.effect.Result`.
-    errors : of deflections, relative to the largest lift, and of accelerations, relative to that of
-        a free vibration with this amplitude; of forces, relative to that of a spring and damper
-        deflected by the largest lift.
+    errors : of deflections, relative to the largest lift, or deflection by the load at rest if that
+        is larger, and of accelerations, relative to that of a free vibration with this amplitude;
+        of forces, relative to that of a spring and damper deflected by this amplitude.
     output : over the cam angle.
     links : the number of springs whose forces are known: all, or none where only frequencies are.
     """
@@ -97,23 +101,36 @@ def compute(request: Request[TrainData]) -> Vibration:
     links = len(stages) if data.natural_frequency is None else 0
     clock = clock_of(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
-    edges = search_edges(subject.state.smooth_angles, train, period)
+    moved = _moved(request)
+    passed = bool(data.stages) or moved > 0.0
+    load, borders = _load_on(request), np.empty(0)
     findings: list[Finding] = []
+    if load is not None and (train is None or not passed):
+        findings.append(unexcited())
+        load = None
+    if load is not None:
+        borders = load.borders
+    smooth = merged(np.concatenate((subject.state.smooth_angles, borders)))
+    edges = search_edges(smooth, train, period)
     response, behind, errors = None, None, {}
     if train is not None:
-        moved = _moved(request)
-        passed = bool(data.stages) or moved > 0.0
         # The force on the cam has no tolerance of its own.
         share = 0.0 if passed else FORCING * request.tolerance
-        response, bounds = _response(clock, train, links, request.tolerance, share)
+        response, bounds = _response(clock, train, links, load, (share, request.tolerance))
         if passed:
-            behind = _behind(subject, _counted(stages, moved, subject), clock, response)
+            counted = _counted(stages, moved, subject)
+            behind = _behind(subject, counted, clock, response, load)
         errors = _errors(bounds, train, shown, force)
         findings += of_modes(train, period)
     output = Output(clock, response)
     most = magnitude(piecewise_extremes(output.deflection, edges))
     fastest = magnitude(piecewise_extremes(output.acceleration, edges))
     findings += [of_error(most, limit, shown), of_acceleration(fastest, clock, shown)]
+    if load is not None:
+        still = magnitude(piecewise_extremes(output.lasting, edges))
+        findings.append(of_load(still, shown))
+        errors[BY_LOAD] = errors[DEFLECTIONS[0]]
+        most = magnitude(piecewise_extremes(output.moving, edges))
     findings += of_forces(output, links, edges, force)
     if response is not None:
         findings += of_rests(clock, response, shown)
@@ -123,9 +140,18 @@ def compute(request: Request[TrainData]) -> Vibration:
         links,
         behind=behind,
         findings=tuple(findings),
-        columns=_columns(output, links, shown, force, limit),
+        columns=_columns(output, links, shown, force, limit, borders),
         errors=errors,
     )
+
+
+def _load_on(request: Request[TrainData]) -> Force | None:
+    """The load as a force on the demanded motion, which is that of the output; None without one."""
+    load = request.results.get(LOAD)
+    if load is None:
+        return None
+    force = load.force
+    return force if force.far is None else replace(force, coefficients=force.far)
 
 
 def _errors(bounds: list[Bound], train: Train, shown: MotionUnit, force: Label) -> dict[str, Bound]:
@@ -165,7 +191,9 @@ def _counted(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
     return mass
 
 
-def _behind(subject: Subject, mass: float, clock: Clock, response: Response) -> ElasticTrain:
+def _behind(
+    subject: Subject, mass: float, clock: Clock, response: Response, load: Force | None
+) -> ElasticTrain:
     """What the train passes on to the follower; the rigid forces have its `mass`."""
 
     def per_lift(phi: FloatArray, side: Side) -> FloatArray:
@@ -180,22 +208,30 @@ def _behind(subject: Subject, mass: float, clock: Clock, response: Response) -> 
     def base(phi: FloatArray, side: Side) -> FloatArray:
         return in_time(clock.motion.jet(phi, side), clock.course, phi)[:3]
 
-    return ElasticTrain(response, mass, per_lift, push, base)
+    def slip(response: Response, phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(Output(clock, response).states(phi, side)[1])
+
+    return ElasticTrain(response, mass, per_lift, push, base, load, None if load is None else slip)
 
 
 def _response(
-    clock: Clock, train: Train, links: int, tolerance: float, first: float
+    clock: Clock, train: Train, links: int, load: Force | None, shares: tuple[float, float]
 ) -> tuple[Response, list[Bound]]:
-    """The steady state, and the errors of its deflection, with the largest lift as the scale, and
-    of the force in each of the `links`.
+    """The steady state, and the errors of its deflection, with the largest lift as the scale or the
+    deflection by the load if that is larger, and of the force in each of the `links`.
 
-    The share of the forcing that is truncated is `first`, or that of rounding if this is too much.
+    Parameters
+    ----------
+    shares : of the forcing that may be truncated, or that of rounding if this is too much; and the
+        tolerance.
     """
     lift = float(np.max(np.abs(clock.motion.jet(clock.edges)[0])))
+    first, tolerance = shares
     error = math.inf
     for share in (first, 0.0):
         try:
-            response = steady_state(train, clock.base, share)
+            pressed = None if load is None else clock.load(load, share)
+            response = steady_state(train, clock.base, share, pressed)
         except ResonanceError as resonance:
             raise EffectError(
                 f"resonance without damping: harmonic {resonance.harmonic} of the cam's speed is"
@@ -206,6 +242,9 @@ def _response(
                 unit="Hz",
             ) from None
         forces = [train.force(link) for link in range(links)]
+        if pressed is not None:
+            bent = abs(train.yielding(train.deflection(train.output)))
+            lift = max(lift, bent * pressed.pieces.largest)
         bounds = [
             Bound(response.error, lift),
             *(
@@ -226,7 +265,12 @@ def _response(
 
 
 def _columns(
-    output: Output, links: int, shown: MotionUnit, force: Label, limit: float | None
+    output: Output,
+    links: int,
+    shown: MotionUnit,
+    force: Label,
+    limit: float | None,
+    borders: FloatArray,
 ) -> tuple[Column, ...]:
     unit, scale = shown.unit, shown.scale
     bound = None if limit is None else scale * limit
@@ -245,7 +289,7 @@ def _columns(
 
     return (
         Column("vibration deflection", unit, deflection, bound),
-        Column("output acceleration", f"{unit}/s^2", acceleration),
+        Column("output acceleration", f"{unit}/s^2", acceleration, borders=borders),
         *(push(link) for link in range(links)),
     )
 

@@ -105,19 +105,25 @@ class _Chain:
         own = np.sum((2.0 * self.m * column + self.h) * x**2, axis=1)
         return np.asarray(own + np.sum(self.c * bent**2, axis=1))
 
-    def pushes(self, at: Impedances, x: ComplexArray, bent: ComplexArray) -> ComplexArray:
+    def pushes(
+        self,
+        at: Impedances,
+        x: ComplexArray,
+        bent: ComplexArray,
+        held: ComplexArray | float = 0.0,
+    ) -> ComplexArray:
         """(q, n) forces in the links, positive if they push the mass behind.
 
-        Each is what its spring and damper exert, or what all masses behind it take; these are
-        equal, and the one in which less cancels is taken: the spring and the damper of a strongly
-        damped mode nearly do.
+        Each is what its spring and damper exert, or what all masses behind it take but for the
+        force `held` (q, n) that acts on them; these are equal, and the one in which less cancels is
+        taken: the spring and the damper of a strongly damped mode nearly do.
         """
         size = np.abs(at.s)[:, np.newaxis]
         here = (self.k + self.c * size) * np.abs(bent)
         taken = ((self.m * size + self.h) * size + self.g) * np.abs(x)
         behind = np.cumsum(taken[:, ::-1], axis=1)[:, ::-1]
-        sums = np.cumsum((at.own * x)[:, ::-1], axis=1)[:, ::-1]
-        return np.where(here <= behind, -at.link * bent, sums)
+        sums = np.cumsum((at.own * x)[:, ::-1], axis=1)[:, ::-1] - held
+        return np.where(here <= behind + np.abs(held), -at.link * bent, sums)
 
     def energy(self, s: ComplexArray, x: ComplexArray, bent: ComplexArray) -> FloatArray:
         """(q,) the same of |x|^T |Q| |x|, to which rounding is relative."""
@@ -143,11 +149,12 @@ def chain(stages: Sequence[Stage], output: int = -1) -> Train:
     )
     m, k, c, g, h = rows.T
     given = _Chain(m, k, c, g, h)
+    last = range(len(stages))[int(output)]
     undamped = not np.any(c) and not np.any(h)
     poles, spread = _corrected(given, _approximate(given, undamped=undamped), undamped=undamped)
     circles, alone = _circles(poles, spread)
-    own = _of_poles(given, poles[alone], spread[alone])
-    parts = [own, *(_of_circle(given, *circle, output) for circle in circles)]
+    own = _of_poles(given, poles[alone], spread[alone], last)
+    parts = [own, *(_of_circle(given, *circle, last) for circle in circles)]
     static = _static(given)
     single = np.count_nonzero(alone)
     groups = [np.arange(single)]
@@ -171,7 +178,10 @@ def chain(stages: Sequence[Stage], output: int = -1) -> Train:
         drift=read_only(np.concatenate([part.drift for part in parts])),
         doubt=read_only(np.concatenate([part.doubt for part in parts])),
         stiffnesses=read_only(np.max(np.abs(k + np.multiply.outer(poles, c)), axis=0)),
-        output=range(len(stages))[int(output)],
+        output=last,
+        mass=float(m[last]),
+        loaded=read_only(np.concatenate([part.loaded for part in parts], axis=1)),
+        loaded_pushes=read_only(np.concatenate([part.loaded_pushes for part in parts], axis=1)),
     )
 
 
@@ -256,21 +266,27 @@ class _Part:
     rates: ComplexArray
     shapes: ComplexArray
     pushes: ComplexArray
+    loaded: ComplexArray
+    loaded_pushes: ComplexArray
     drift: FloatArray
     doubt: FloatArray
 
 
-def _of_poles(given: _Chain, poles: ComplexArray, spread: FloatArray) -> _Part:
-    """The modes of simple poles: the residues of the response to the base, by -lambda^2."""
+def _of_poles(given: _Chain, poles: ComplexArray, spread: FloatArray, output: int) -> _Part:
+    """The modes of simple poles: the residues of the response to the base, by -lambda^2, and of
+    that to a force on the `output`.
+    """
     at = given.at(poles)
     x, bent = at.from_mass(np.argmin(np.abs(at.whole) / given.m, axis=1))
     pushes = given.pushes(at, x, bent)
-    scale = pushes[:, 0] / (given.normed(poles, x, bent) * poles**2)
-    scale = np.where(poles.imag > 0.0, 2.0, 1.0) * scale
+    both = np.where(poles.imag > 0.0, 2.0, 1.0) / given.normed(poles, x, bent)
+    scale, load = both * pushes[:, 0] / poles**2, both * x[:, output]
     return _Part(
         poles,
         (scale[:, np.newaxis] * x).T,
         (scale[:, np.newaxis] * pushes).T,
+        (load[:, np.newaxis] * x).T,
+        (load[:, np.newaxis] * pushes).T,
         spread,
         spread**2,
     )
@@ -286,17 +302,23 @@ def _of_circle(given: _Chain, centre: complex, radius: float, output: int) -> _P
     rates = centre + radius * way
     at = given.at(rates)
     x, bent = at.from_base()
-    scale = (-2.0 * radius / POINTS) * way / rates**2
+    ahead = (2.0 * radius / POINTS) * way
+    scale = -ahead / rates**2
     # By Cauchy and Schwarz from the energies of the response to the base and to the output.
-    mass = np.full(len(rates), range(len(given.m))[int(output)])
-    back = given.energy(rates, *at.from_mass(mass)) / np.abs(at.whole[:, output]) ** 2
-    doubt = np.sqrt(given.energy(rates, x, bent) * back) / np.abs(x[:, output])
+    whole = at.whole[:, output]
+    z, slack = at.from_mass(np.full(len(rates), output))
+    back = given.energy(rates, z, slack) / np.abs(whole)
+    doubt = np.sqrt(given.energy(rates, x, bent) * back / np.abs(whole)) / np.abs(x[:, output])
+    load = ahead / whole
+    held = np.where(np.arange(len(given.m)) <= output, whole[:, np.newaxis], 0.0)
     return _Part(
         rates,
         (scale[:, np.newaxis] * x).T,
         (scale[:, np.newaxis] * given.pushes(at, x, bent)).T,
+        (load[:, np.newaxis] * z).T,
+        (load[:, np.newaxis] * given.pushes(at, z, slack, held)).T,
         np.ones(len(rates)),
-        np.maximum(doubt, 1.0),
+        np.maximum(np.maximum(doubt, back), 1.0),
     )
 
 

@@ -80,6 +80,30 @@ class Pieces:
     error: float
     largest: float
 
+    def times(self, factor: float) -> Pieces:
+        """`factor` times the function."""
+        size = abs(factor)
+        return Pieces(self.edges, factor * self.series, size * self.error, size * self.largest)
+
+    @property
+    def steepest(self) -> float:
+        """A bound of the magnitude of its slope on any piece (Markov: |T_k'| is at most k^2)."""
+        half = 0.5 * np.diff(self.edges)
+        return float(np.max(ORDERS**2 @ np.abs(self.series) / half))
+
+    @property
+    def jumps(self) -> FloatArray:
+        """(p,) its jump at the start of each piece; the last one ends where the first begins."""
+        ends = np.sum(self.series, axis=0)
+        starts = 2.0 * np.sum(self.series[::2], axis=0) - ends
+        return np.asarray(starts - np.roll(ends, 1))
+
+    def values(self, t: FloatArray, side: Side) -> FloatArray:
+        """(n,) the function at `t` (n,) between the edges."""
+        place = np.clip(np.searchsorted(self.edges, t, side) - 1, 0, self.series.shape[1] - 1)
+        low, high = self.edges[place], self.edges[place + 1]
+        return series_values(self.series[:, place], (2.0 * t - low - high) / (high - low))
+
 
 def interpolated(
     function: Callable[[FloatArray], FloatArray],
@@ -111,7 +135,7 @@ def interpolated(
             size = float(np.sum(2.0 * half * magnitude))
         series = values @ TO_SERIES.T
         lost = 2.0 * half * np.sum(np.abs(series[:, -TAIL:]), axis=1)
-        steepest = np.abs(series) @ ORDERS**2 / half  # Markov: |T_k'| is at most k^2
+        steepest = np.abs(series) @ ORDERS**2 / half  # see `Pieces.steepest`
         good = (lost <= tolerance * size) | (lost <= 2.0 * half * rounding * steepest)
         if halving == MOST_HALVINGS:
             good[:] = True

@@ -1,9 +1,10 @@
-"""Response of an elastic train to a periodic motion of its base: the exact steady state.
+"""Response of an elastic train to a periodic motion of its base, and to a periodic force on its
+output: the exact steady state.
 
-`Forcing` drives the modes and follows from the motion of the base.
+`Forcing` drives the modes and follows from the motion of the base, or is the force.
 
-Over the turn each mode is multiplied by exp(lambda T) and gains g from the base, so it is periodic
-if it begins with g / (1 - exp(lambda T)).
+Over the turn each mode is multiplied by exp(lambda T) and gains g from the forcing, so it is
+periodic if it begins with g / (1 - exp(lambda T)).
 """
 
 from __future__ import annotations
@@ -11,12 +12,12 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.oscillator.mode import Mode, Pieces, followed, gain_over, interpolated, solve
 from camgeo.numeric.oscillator.train import EPS, Reading, Train
 
@@ -59,7 +60,7 @@ class Base:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forcing:
-    """The forcing of the modes: -y'' with the jumps of -y', or y itself.
+    """The forcing of the modes: -y'' with the jumps of -y', or y itself, or the force p.
 
     Attributes
     ----------
@@ -77,6 +78,10 @@ class Forcing:
         count = self.pieces.series.shape[1]
         cells = solve(self.pieces, np.arange(count), np.full(count, rate))
         return gain_over(cells, self.jumps, period)
+
+    def times(self, factor: float) -> Forcing:
+        """`factor` times the forcing."""
+        return Forcing(self.pieces.times(factor), factor * self.jumps, self.soft)
 
     def noise(self, period: float, frequency: float = 0.0) -> float:
         """Estimate of the error of the integral of forcing and exp(i `frequency` t)."""
@@ -98,6 +103,16 @@ def forcing_of(train: Train, base: Base, tolerance: float) -> Forcing:
     if not soft:
         jumps[np.searchsorted(pieces.edges, base.edges[:-1])] = -base.jumps()
     return Forcing(pieces, jumps, soft)
+
+
+def load_of(force: Callable[[FloatArray], FloatArray], edges: FloatArray, share: float) -> Forcing:
+    """The forcing by a `force` (n,) at `t` (n,) that is smooth between `edges` (m + 1,).
+
+    Its series may truncate the `share` of its magnitude.
+    """
+    rounding = ROUNDINGS * EPS * float(edges[-1])
+    pieces = interpolated(force, edges, max(share, FINEST), rounding)
+    return Forcing(pieces, np.zeros(pieces.series.shape[1]), soft=False)
 
 
 CIRCLE: Final = 20
@@ -122,13 +137,15 @@ class ResonanceError(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """The response of a train to its base.
+    """The response of a train to its base and to a force on its output.
 
     Attributes
     ----------
     train, base, forcing : the system and its excitation.
     modes : over the turn; of u' = lambda u + forcing.
     errors : (m,) estimates of the largest error of each mode, driven by -y''.
+    load : the force p on the output, None without one.
+    loaded, loaded_errors : the same of v' = lambda v + p; empty without a load.
     """
 
     train: Train
@@ -136,6 +153,9 @@ class Response:
     forcing: Forcing
     modes: tuple[Mode, ...]
     errors: FloatArray
+    load: Forcing | None = None
+    loaded: tuple[Mode, ...] = ()
+    loaded_errors: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def error(self) -> float:
@@ -144,13 +164,16 @@ class Response:
 
     def error_of(self, reading: Reading) -> float:
         """Estimate of the largest error of `reading`, with the rounding of its weights."""
-        return float(np.sum(np.abs(reading.weights) * self.errors))
+        found = float(np.sum(np.abs(reading.weights) * self.errors))
+        if self.load is not None:
+            found += float(np.sum(np.abs(reading.loaded) * self.loaded_errors))
+        return found
 
     def states(self, t: FloatArray, side: Side) -> FloatArray:
         """(3, n) deflection e, its velocity e', and the acceleration x'' of the output.
 
         `t` (n,) in [0, period]. Only a jump of the base's velocity, which the damper feels, makes
-        e' and x'' jump.
+        e' jump, and that or a jump of the load x''.
         """
         return self.states_of(self.train.output, t, side)
 
@@ -176,16 +199,27 @@ class Response:
                 (np.sum(weights * rates, axis=1), np.sum(weights, axis=1)), axis=1
             ).real
             weights = -weights * rates**2
-        out = np.zeros((len(readings), len(t)))
-        for mode, weight in zip(self.modes, weights.T, strict=True):
-            u = mode.values(t, side)
-            out += np.multiply.outer(weight.real, u.real) - np.multiply.outer(weight.imag, u.imag)
+        out = _summed(self.modes, weights, t, side)
         if np.any(slow):
             out += slow @ self.base.jet(t, side)[:2]
+        if self.load is not None:
+            loaded = np.stack([each.loaded + 0.0 * self.train.rates for each in readings])
+            out += _summed(self.loaded, loaded, t, side)
+            direct = np.array([each.direct for each in readings])
+            if np.any(direct):
+                out += np.multiply.outer(direct, self.load.pieces.values(t, side))
         return out
 
+    def at_rest(self, reading: Reading, t: FloatArray, side: Side) -> FloatArray:
+        """(n,) what of a `reading` is that of the load at `t` (n,), if it stays as it is there."""
+        if self.load is None:
+            return np.zeros(len(t))
+        held = self.load.pieces.values(self._on_side(t, side), side)
+        return np.asarray(self.train.yielding(reading) * held)
+
     def free_amplitude(self, t: FloatArray, side: Side) -> FloatArray:
-        """(n,) amplitude of the free vibration of the output while the base rests.
+        """(n,) amplitude of the free vibration of the output while the base rests, and the load
+        stays as it is.
 
         For one mass |u| / (w sqrt(1 - D^2)) = sqrt(e^2 + (e' + D w e)^2 / (w^2 (1 - D^2))), the
         amplitude that then decays with exp(-D w t); for more masses the sum of all modes, which
@@ -195,15 +229,18 @@ class Response:
         t = self._on_side(t, side)
         train = self.train
         y = self.base.jet(t, side)[:2] if self.forcing.soft else None
+        held = None if self.load is None else self.load.pieces.values(t, side)
         at_once = np.zeros((2, len(train.centre), len(t)), dtype=np.complex128)
-        weights = train.shapes[train.output]
-        for mode, c, rate, group in zip(
-            self.modes, weights, train.rates, train.group.tolist(), strict=True
+        weights, loaded = train.shapes[train.output], train.loaded[train.output]
+        for i, (mode, c, rate, group) in enumerate(
+            zip(self.modes, weights, train.rates, train.group.tolist(), strict=True)
         ):
             u = mode.values(t, side)
             if y is not None:
                 u = -(rate**2) * u - y[1] - rate * y[0]
             u *= c
+            if held is not None:
+                u += loaded[i] * (self.loaded[i].values(t, side) + held / rate)
             at_once[0, group] += u
             at_once[1, group] += (rate - train.centre[group]) * u
         real = train.centre.imag == 0.0
@@ -214,18 +251,23 @@ class Response:
         return np.asarray(np.sum(amplitude + np.where(growth > 0.0, later, 0.0), axis=0))
 
     def harmonic(self, number: int) -> complex:
-        """Coefficient of exp(i number 2 pi t / T) in the deflection, for number >= 1.
+        """Coefficient of exp(i number 2 pi t / T) in the deflection, less that of the load at rest,
+        for number >= 1.
 
-        It is 0 if the base contains this harmonic only as rounding.
+        Base or load that contain this harmonic only as rounding have no part in it.
         """
         period = self.base.period
         frequency = number * 2.0 * math.pi / period
-        content = self.forcing.gain(1j * frequency, period) / period
-        if abs(content) * period <= self.forcing.noise(period, frequency):
-            return 0.0j
-        if self.forcing.soft:
-            content *= frequency**2
-        return self.train.transfer(frequency) * content
+
+        def content(forcing: Forcing) -> complex:
+            found = forcing.gain(1j * frequency, period)
+            return 0.0j if abs(found) <= forcing.noise(period, frequency) else found / period
+
+        own = content(self.forcing) * (frequency**2 if self.forcing.soft else 1.0)
+        moved = self.train.transfer(frequency) * own
+        if self.load is not None:
+            moved += self.train.compliance(frequency) * content(self.load)
+        return moved
 
     def _on_side(self, t: FloatArray, side: Side) -> FloatArray:
         period = self.base.period
@@ -234,31 +276,51 @@ class Response:
         return np.where(t >= period, 0.0, t)
 
 
-def steady_state(train: Train, base: Base, tolerance: float) -> Response:
-    """The periodic response to the base.
+def _summed(modes: Sequence[Mode], weights: ComplexArray, t: FloatArray, side: Side) -> FloatArray:
+    """(k, n) Re sum w u at `t` (n,), with the `weights` (k, m) of the modes."""
+    out = np.zeros((len(weights), len(t)))
+    for mode, weight in zip(modes, weights.T, strict=True):
+        u = mode.values(t, side)
+        out += np.multiply.outer(weight.real, u.real) - np.multiply.outer(weight.imag, u.imag)
+    return out
+
+
+def steady_state(
+    train: Train, base: Base, tolerance: float, load: Forcing | None = None
+) -> Response:
+    """The periodic response to the base, and to a force on the output.
 
     Parameters
     ----------
     tolerance : fraction of the magnitude of the forcing that its series may truncate, on average.
+    load : see `load_of`, over the period of the base.
 
     Raises
     ------
     ResonanceError
         See `answered`.
     """
-    return answered(train, base, forcing_of(train, base, tolerance))
+    return answered(train, base, forcing_of(train, base, tolerance), load)
 
 
-def answered(train: Train, base: Base, forcing: Forcing) -> Response:
-    """The periodic response to the `forcing` of `base`, which is soft as it is for `train`.
+def answered(train: Train, base: Base, forcing: Forcing, load: Forcing | None = None) -> Response:
+    """The periodic response to the `forcing` of `base`, which is soft as it is for `train`, and to
+    the `load`.
 
     Raises
     ------
     ResonanceError
-        If an undamped mode coincides with a harmonic that the base contains. If the base does not
+        If an undamped mode coincides with a harmonic that base or load contain. If they do not
         contain it, the growing part is omitted: the mode is the limit for neighbouring frequencies.
     """
-    period = base.period
+    own = _driven(train, forcing, base.period)
+    if load is None:
+        return Response(train, base, forcing, *own)
+    return Response(train, base, forcing, *own, load, *_driven(train, load, base.period))
+
+
+def _driven(train: Train, forcing: Forcing, period: float) -> tuple[tuple[Mode, ...], FloatArray]:
+    """The modes with their errors; raises as `answered`."""
     count = forcing.pieces.series.shape[1]
     modes, errors = [], []
     noise = forcing.noise(period)
@@ -281,7 +343,7 @@ def answered(train: Train, base: Base, forcing: Forcing) -> Response:
         own += ROUNDINGS * EPS * doubt * mode.largest
         errors.append(own * (abs(rate) ** 2 if forcing.soft else 1.0))
         modes.append(mode)
-    return Response(train, base, forcing, tuple(modes), np.array(errors))
+    return tuple(modes), np.array(errors)
 
 
 def _loss(rate: complex, period: float) -> complex:
