@@ -65,7 +65,7 @@ the ripple falls over the tolerance, with the advice marked in both.
 camgeo accuracy fixtures/scenes/setzhub.toml --tolerances 1e-1,1e-2,1e-3,1e-4,1e-5 --speed 600
 ```
 
-ends with, in one line,
+ends with a line for each form of the contour, for arcs
 
 ```text
 at 600 rev/min: arcs within 0.0001 mm, the acceleration is off by up to 9.75 % of its peak;
@@ -73,20 +73,28 @@ tighter ones change none of its benefits by more than 5 %
 ```
 
 It is the loosest of these tolerances beyond which no tighter one changes the acceleration, the
-contact force or the lift-off speed by more than 5 % of the exact motion's: the roller is run on the
-written contour itself, and forces are those of the effects that the scene names. What the tolerance
-costs is in the tables, and with `--bill` in the seconds of a build.
+contact force or the lift-off speed by more than 5 % of the exact motion's: the follower is run on
+the written contour itself, straight pieces, arcs or splines; a flat face on splines is refused, as
+its motion on them is not computed, and the row says so. Forces are those of the effects that the
+scene names at that constant speed, whatever speed a motor would have, with the elastic train of the
+scene; with one they are computed on contours of up to 500 pieces. What the tolerance costs is in
+the tables, and with `--bill` in the seconds of a build.
 
-Drawn with `-o FILE`, cost and benefit are in one panel: costs as multiples of those at the loosest
-tolerance, rising; what is off in per cent of the exact motion's, falling; the recommendation is
-marked with its reason. [What accuracy buys](ripple.md) has this cam with masses and a spring, at
+Each row also has the octave of the cam's frequency in which most of the deviation of the
+acceleration is, and `--json` has all octaves.
+
+Drawn with `-o FILE`, cost and benefit are in one panel for the form of the scene's drawing: costs
+as multiples of those at the loosest tolerance, rising; what is off in per cent of the exact
+motion's, falling; the recommendation is marked with its reason. Further panels compare the forms,
+and show the spectrum. [What accuracy buys](ripple.md) has this cam with masses and a spring, at
 three speeds and for all forms of the contour; at 300 rev/min it is
 
 ![Deviations and costs of arcs over the tolerance, with what is enough](images/accuracy-speed.svg)
 
 *The cam of ripple.md at 300 rev/min, above, and all costs; the dashed line is what is enough.*
 
-[The bill of the fixture scenes](bill.md) has the seconds of a build by stage.
+[The bill of the fixture scenes](bill.md) has the seconds of a build by stage, and what the same
+tolerances buy.
 
 ## What is possible
 

@@ -24,22 +24,26 @@ from camgeo.contour.contour import Form
 from camgeo.design import Design
 from camgeo.effects.effect import Subject
 from camgeo.effects.graph import Effects
-from camgeo.effects.results import CONTACT_FORCE, ContactForce
+from camgeo.effects.results import CONTACT_FORCE, LIFT_OFF, VIBRATION, ContactForce
 from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
 from camgeo.lazy import Ledger
+from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import SIDES, FloatArray, Side, merged
-from camgeo.numeric.extremes import Extremes, piecewise_extremes
+from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.outline.replay_result import AROUND, SEAM, SHIFT
 from camgeo.state.written import Writing, Written
 from camgeo.units import RPM, TURN
 
-LIFT_OFF: Final = "lift-off"
-
-SLOW: Final = 1e-3
-"""Share of the lowest speed at which forces are looked at first: as good as at rest."""
-
 SAMPLES: Final = 41
 """Places around a joint at which the error of the lift is looked at."""
+
+SLOW: Final = 1e-3
+"""Share of the lowest speed at which forces with a rigid train are looked at first: as good as at
+rest, where contact is lost nowhere."""
+
+MOST_PIECES: Final = 500
+"""Pieces of the motion up to which forces with an elastic train are computed: its lift-off speed is
+searched at about a hundred speeds, on all pieces each time."""
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
 
@@ -64,9 +68,10 @@ class BenefitRow:
         scene has no forces.
     lowest, highest : contact force on the flank [N], negative where that would have to pull.
     exact_lowest, exact_highest : the same for the exact motion.
-    lift_off : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never is.
+    lift_off : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never is;
+        None also if it was not found for an elastic train.
     exact_lift_off : the same for the exact motion.
-    fault : why there are no values; empty if there are.
+    fault : why values are missing; else empty.
     octaves : effective value of the deviation of the acceleration, jumps of the velocity included,
         in each octave of the cam's frequency: its harmonics 1, 2 and 3, 4 to 7 and so on [mm/s^2 or
         rad/s^2]. Empty if there are no values.
@@ -100,6 +105,11 @@ class BenefitRow:
         return self.acceleration / self.exact_acceleration if self.exact_acceleration else None
 
     @property
+    def strongest_octave(self) -> int | None:
+        """The index of the largest of `octaves`; None if there are none."""
+        return int(np.argmax(self.octaves)) if self.octaves else None
+
+    @property
     def force_share(self) -> float | None:
         """The deviation of the contact force over its exact maximum; None if there is none."""
         return (
@@ -127,92 +137,112 @@ def benefit_rows(
 ) -> tuple[BenefitRow, ...]:
     """One row per form, tolerance [mm] and constant speed of the cam [rad/s], in this order.
 
-    Forces are those of the effects that the scene names. A row states why it has no values: a form
-    or follower whose motion is not computed, a tolerance that cannot be reached.
+    Forces are those of the effects that the scene names, with its elastic train at that speed; no
+    speed is found. A row states why it has no values: a form or follower whose motion is not
+    computed, a tolerance that cannot be reached, forces without an answer.
     """
-    slow, exact = slowed(design, min(speeds))
+    first = exact_motion(design, min(speeds))
+    if not first.elastic:
+        first = exact_motion(design, SLOW * first.speed)
+    exact = {speed: first.known_at(speed) for speed in speeds}
     rows: list[BenefitRow] = []
     for form in forms:
         for tolerance in tolerances:
             progress(f"{form}, {tolerance:g} mm")
             bare = [BenefitRow(form, tolerance, speed) for speed in speeds]
             try:
-                made = exact.written_as(Writing(form, tolerance))
-                pair = _Pair(exact, made, slow)
-                rows += [pair.row(row) for row in bare]
+                pair = _Pair(first, first.written_as(Writing(form, tolerance)))
+                rows += [pair.row(row, exact[row.speed]) for row in bare]
             except (ToleranceError, GeometryError, EffectError, SceneError) as error:
                 rows += [replace(row, fault=reason(error)) for row in bare]
     return tuple(rows)
 
 
-def slowed(design: Design, speed: float) -> tuple[float, Made]:
-    """A speed [rad/s] at which the cam all but rests, and the exact motion with it."""
-    slow, scene = SLOW * speed, design.scene
-    edits = {"cam.speed": slow / RPM, "cam.speed_curve": None, "state": None}
-    subject = Design(scene.with_values(edits)).effects.subject
-    return slow, Made(subject, scene.effects)
+def exact_motion(design: Design, speed: float) -> Made:
+    """The exact motion at a constant `speed` [rad/s], with the train of the scene."""
+    edits = {"cam.speed": speed / RPM, "cam.speed_curve": None, "state": None}
+    subject = Design(design.scene.with_values(edits)).effects.subject
+    return Made(replace(subject, output=design.scene.train), design.scene.effects, speed)
 
 
 @dataclass(frozen=True)
 class Made:
-    """One motion of the follower, and the forces on it.
+    """One motion of the follower at one constant speed of the cam, and the forces on it.
 
     Attributes
     ----------
-    subject : with that motion, at a speed at which the cam all but rests.
-    tables : of the effects that the scene names.
+    subject : with that motion and that speed.
+    tables : of the effects that the scene names; no speed is found.
+    speed : [rad/s].
     """
 
     subject: Subject
     tables: Mapping[str, Mapping[str, Any]]
+    speed: float
 
     def written_as(self, writing: Writing) -> Made:
         """That of a contour of the same disc."""
         return replace(self, subject=replace(self.subject, model="written", writing=writing))
 
+    @property
+    def elastic(self) -> bool:
+        """Whether forces are those of an elastic train, known for this speed only."""
+        return VIBRATION in self.tables and self.subject.output == "elastic"
+
+    def known_at(self, speed: float) -> Made:
+        """That of which the forces at `speed` [rad/s] are known."""
+        if not self.elastic or speed == self.speed:
+            return self
+        return replace(self, subject=self.subject.turning(ConstantSpeed(speed)), speed=speed)
+
     @cached_property
     def effects(self) -> Effects:
-        """Of the scene."""
-        return Effects(self.subject, self.tables, Ledger())
+        """Of the scene, with contact lost where the force is 0, whatever margin it wants."""
+        tables = {**self.tables, LIFT_OFF: {}}
+        return Effects(self.subject, tables, Ledger(), speed="stated")
 
     @cached_property
     def contact(self) -> ContactForce | None:
-        """The contact force; None without forces."""
+        """The contact force; None without forces.
+
+        Raises
+        ------
+        EffectError
+            As the effects; with an elastic train on more than `MOST_PIECES`.
+        """
+        if self.elastic and len(self.subject.state.smooth_angles) > MOST_PIECES:
+            raise EffectError(
+                "forces with an elastic train are computed on contours of up to"
+                f" {MOST_PIECES} pieces only"
+            )
         found = self.effects.result(CONTACT_FORCE)
         return found if found.forces else None
-
-    @cached_property
-    def edges(self) -> FloatArray:
-        """(k,) cam angles [rad] from 0 to 2 pi between which all is smooth."""
-        smooth = self.subject.state.smooth_angles
-        return smooth if self.contact is None else self.contact.edges
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) of the output over the cam angle [mm or rad per rad^2]."""
         return np.asarray(self.subject.state.output.jet(phi, side, 2)[2])
 
     def force(self, speed: float) -> Quantity:
-        """The force [N] on the only flank at a constant `speed` [rad/s]."""
+        """(n,) the force on the only flank [N] at a constant `speed` [rad/s], see `known_at`."""
         contact, sense = self.contact, self.subject.cam.contact.push
+        assert contact is not None
 
         def found(phi: FloatArray, side: Side) -> FloatArray:
+            if contact.behind is not None:
+                return sense * contact.normal(phi, side)
             rates = np.zeros((2, len(phi)))
             rates[0] = speed
-            return (
-                np.zeros(len(phi))
-                if contact is None
-                else (sense * contact.normal_at(phi, side, rates))
-            )
+            return sense * contact.normal_at(phi, side, rates)
 
         return found
 
-    def lift_off(self, slow: float) -> float:
-        """Speed [rad/s] from which the force on the flank is 0 somewhere; infinite if it never is.
-
-        The one that all but rests is `slow`.
+    @cached_property
+    def lift_off(self) -> float | None:
+        """Speed [rad/s] from which the force on the flank is 0 somewhere; infinite if it never is;
+        None if it was not found, see `camgeo.effects.lift_off.elastic_speed`.
         """
-        factor: float = self.effects.result(LIFT_OFF).speed.value
-        return slow * factor
+        found = self.effects.result(str(LIFT_OFF)).speed
+        return None if found is None else found.value * self.speed
 
 
 @dataclass(frozen=True)
@@ -221,10 +251,9 @@ class _Pair:
 
     exact: Made
     made: Made
-    slow: float
 
-    def row(self, bare: BenefitRow) -> BenefitRow:
-        """The row with its values."""
+    def row(self, bare: BenefitRow, exact: Made) -> BenefitRow:
+        """The row with its values; `exact` is the exact motion known at its speed."""
         square = bare.speed**2
         row = replace(
             bare,
@@ -235,36 +264,42 @@ class _Pair:
             octave_error=square * self._spectrum.error,
             strongest=self._spectrum.strongest,
         )
-        if self.made.contact is None:
+        try:
+            row = self._with_forces(row, exact)
+            if row.force is None:
+                return row
+            row = replace(row, exact_lift_off=self.exact.lift_off)
+            return replace(row, lift_off=self.made.lift_off)
+        except (GeometryError, EffectError) as error:
+            return replace(row, fault=reason(error))
+
+    def _with_forces(self, row: BenefitRow, exact: Made) -> BenefitRow:
+        """The row with its forces, if the scene has any."""
+        made = self.made.known_at(row.speed)
+        if exact.contact is None or made.contact is None:
             return row
-        force, exact = self.made.force(bare.speed), self.exact.force(bare.speed)
-        ends, exact_ends = self._extremes(force), self._extremes(exact)
+        edges = merged(np.concatenate((exact.contact.edges, made.contact.edges, self._around)))
+        forces = made.force(row.speed), exact.force(row.speed)
+        own, demanded = (piecewise_extremes(each, edges) for each in forces)
         return replace(
             row,
-            force=self._deviation(force, exact),
-            lowest=ends.lowest.value,
-            highest=ends.highest.value,
-            exact_lowest=exact_ends.lowest.value,
-            exact_highest=exact_ends.highest.value,
-            lift_off=self._lift_off,
-            exact_lift_off=self._exact_lift_off,
+            force=self._deviation(*forces, edges),
+            lowest=own.lowest.value,
+            highest=own.highest.value,
+            exact_lowest=demanded.lowest.value,
+            exact_highest=demanded.highest.value,
         )
 
     @cached_property
-    def _lift_off(self) -> float:
-        return self.made.lift_off(self.slow)
-
-    @cached_property
-    def _exact_lift_off(self) -> float:
-        return self.exact.lift_off(self.slow)
-
-    @cached_property
     def _acceleration(self) -> float:
-        return self._deviation(self.made.acceleration, self.exact.acceleration)
+        made, exact = self.made.subject.state.smooth_angles, self.exact.subject.state.smooth_angles
+        edges = merged(np.concatenate((made, exact, self._around)))
+        return self._deviation(self.made.acceleration, self.exact.acceleration, edges)
 
     @cached_property
     def _exact_acceleration(self) -> float:
-        return piecewise_extremes(self.exact.acceleration, self.exact.edges).magnitude
+        edges = self.exact.subject.state.smooth_angles
+        return piecewise_extremes(self.exact.acceleration, edges).magnitude
 
     @cached_property
     def _spectrum(self) -> Spectrum:
@@ -293,18 +328,14 @@ class _Pair:
             found.append((joint, reach))
         return tuple(found)
 
-    @cached_property
-    def edges(self) -> FloatArray:
-        """(k,) cam angles [rad] from 0 to 2 pi between which both are smooth."""
+    @property
+    def _around(self) -> FloatArray:
+        """(k,) cam angles [rad] of these joints and of the ends of what is near them."""
         near = [[joint - reach, joint, joint + reach] for joint, reach in self._joints]
-        around = np.remainder(np.array(near).ravel(), TURN)
-        return merged(np.concatenate((self.made.edges, self.exact.edges, around)))
+        return np.asarray(np.remainder(np.array(near).ravel(), TURN))
 
-    def _extremes(self, quantity: Quantity) -> Extremes:
-        return piecewise_extremes(quantity, self.edges)
-
-    def _deviation(self, quantity: Quantity, exact: Quantity) -> float:
-        """The largest magnitude of the difference.
+    def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:
+        """The largest magnitude of the difference; both are smooth between `edges` (k,) [rad].
 
         A joint at which the exact quantity jumps lies on the contour only within the tolerance: so
         close to one, a value between those of its two sides is not off.
@@ -323,4 +354,4 @@ class _Pair:
                 off[near] = values[near] - np.clip(values[near], low, high)
             return off
 
-        return self._extremes(gap).magnitude
+        return piecewise_extremes(gap, edges).magnitude

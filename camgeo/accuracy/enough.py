@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.accuracy.benefit import BenefitRow
+from camgeo.accuracy.rows import FORMS
 
 SHARE: Final = 0.05
 """Change of a benefit, relative to the exact motion, that is worth nothing."""
@@ -38,7 +39,9 @@ class Enough:
 def enough(rows: Sequence[BenefitRow]) -> Enough | None:
     """The contour that is enough, of `rows` of one form and speed; None if none has values."""
     known = sorted(
-        (row for row in rows if not row.fault), key=lambda row: row.tolerance, reverse=True
+        (row for row in rows if row.acceleration is not None),
+        key=lambda row: row.tolerance,
+        reverse=True,
     )
     for number, row in enumerate(known):
         gain = max((change(row, other) for other in known[number + 1 :]), default=0.0)
@@ -60,6 +63,14 @@ def change(row: BenefitRow, other: BenefitRow) -> float:
         if one is not None and two is not None and exact and math.isfinite(one + two + exact)
     ]
     return max(found, default=0.0)
+
+
+def of_each_form(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
+    """What is enough of each form, of `rows` of one speed, and why; forms without values are left
+    out.
+    """
+    each = [enough([row for row in rows if row.form == form]) for form in FORMS]
+    return tuple(words(found) for found in each if found is not None) or (words(None),)
 
 
 def words(found: Enough | None) -> str:

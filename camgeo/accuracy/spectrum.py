@@ -30,6 +30,12 @@ PHASE: Final = 2.0
 EPS: Final = float(np.finfo(np.float64).eps)
 
 
+def harmonics(octave: int) -> str:
+    """Those of an octave, from 0, in words: "1", "2-3", "4-7" and so on."""
+    first = 2**octave
+    return f"{first}-{2 * first - 1}" if octave else "1"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Spectrum:
     """Harmonics of a ripple at a constant speed of 1 rad/s; they go with the square of the speed.

@@ -56,7 +56,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--speed",
         metavar="RPM",
         type=positive,
-        help="also tell which tolerance is enough at this speed of the cam",
+        help="also tell which tolerance of each form is enough at this speed of the cam",
     )
     add_json(parser)
     add_picture(parser)

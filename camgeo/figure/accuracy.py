@@ -1,7 +1,8 @@
 """The cost of accuracy over the tolerance: pieces with limits, bytes, seconds, ripple, effects.
 
-At a speed of the cam the first panel has both: what accuracy costs rises, what is off falls. The
-knee is marked in all panels, with its reason in words above them.
+At a speed of the cam the first panel has both for the form of the drawing: what accuracy costs
+rises, what is off falls. The knee is marked in all panels, with its reason in words above them. The
+last ones, with axes of their own, are the spectrum of what is off, and the effects.
 
 All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
 differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
@@ -22,9 +23,9 @@ from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, Text, over
-from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
+from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
-from camgeo.units import RPM
+from camgeo.units import RPM, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.accuracy.benefit import BenefitRow
@@ -35,8 +36,8 @@ WIDTH, HEIGHT = 8.0, 3.2
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
 """Margins [inch]; the legends are in the right one. Last the gap between the panels."""
 
-EFFECTS_GAP: Final = 0.75
-"""Gap [inch] above the panel of the effects, which has its own axis of tolerances."""
+OWN_GAP: Final = 0.75
+"""Gap [inch] above a panel that has a horizontal axis of its own."""
 
 COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
 
@@ -104,7 +105,7 @@ class Marked:
 
 
 def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
-    """The knee of the benefits if they have one, else that of the costs; None without either."""
+    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
     if benefits:
         from camgeo.accuracy.enough import enough, words  # a survey without a speed needs none
 
@@ -118,17 +119,27 @@ def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
 
 
 def figure(
-    survey: Survey, *, title: str, computing: bool = True, benefits: Sequence[BenefitRow] = ()
+    survey: Survey,
+    *,
+    title: str,
+    computing: bool = True,
+    benefits: Sequence[BenefitRow] = (),
+    form: Form = "arcs",
+    unit: LiftUnit = "mm",
 ) -> Figure:
     """The measurements, one panel per kind of cost, the first with the benefits if there are any.
 
     Parameters
     ----------
     computing : whether computing times are drawn, which differ from run to run.
-    benefits : of arcs at one speed of the cam.
+    benefits : of all forms at one speed of the cam; of the `form` they are drawn with its costs.
+    unit : in which the output moves.
     """
-    both = _both(survey, benefits, computing=computing)
-    drawn = [(BOTH, both)] if both else []
+    own = [row for row in benefits if row.form == form]
+    both = _both(survey, own, form, computing=computing)
+    drawn = [(f"{form}: {BOTH}", both)] if both else []
+    if len({row.form for row in benefits if row.ripple}) > 1:
+        drawn.append(("acceleration off [% of its peak]", _off(benefits)))
     drawn += [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
     if computing or any(row.round_seconds is not None for row in survey.contours):
         drawn.append(("seconds", _seconds(survey, computing=computing)))
@@ -137,9 +148,10 @@ def figure(
     if any(row.ripple for row in survey.contours):
         drawn.append(("ripple [% of the demanded peak]", _ripples(survey)))
     count = len(drawn)
+    spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
-    below_others = (HEIGHT + EFFECTS_GAP) * effects
-    knee = marked(survey, benefits)
+    below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
+    knee = marked(survey, own)
     words = [] if knee is None else _wrapped(knee)
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
@@ -158,6 +170,11 @@ def figure(
             marks, gap = (*panel.marks, *at_top), panel.title_gap + reason_height
             panel = replace(panel, marks=marks, title=title, title_gap=gap)
         panels.append(panel)
+    if spectrum:
+        from camgeo.figure.spectrum import panel as octaves  # a survey without a speed needs none
+
+        frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
+        panels.append(octaves(spectrum, frame, f"{form}: off, by octaves [{unit}/s²]"))
     if effects:
         x = _tolerances(
             [row.tolerance for row in survey.effects],
@@ -167,15 +184,20 @@ def figure(
     return Figure((WIDTH, height), tuple(panels))
 
 
+def _frame(bottom: float, height: float) -> Frame:
+    """That of a panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    return box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height)
+
+
 def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
-    """A panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    """A panel in the place of `_frame`."""
     low, high = log_limits(heights(lines))
     if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
         wider = math.sqrt(LEAST_RANGE * low / high)
         low, high = low / wider, high * wider
     named = entries(lines)
     return Panel(
-        box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height),
+        _frame(bottom, height),
         x,
         Axis((low, high), label, log=True),
         tuple(lines),
@@ -199,12 +221,13 @@ def _above(words: list[str]) -> Text:
     return Text("\n".join(words), (0.0, 1.0), REASON_SIZE, "panel", (start, 5.0), up="bottom")
 
 
-def _both(survey: Survey, benefits: Sequence[BenefitRow], *, computing: bool) -> list[Line]:
-    """What is off on arcs, in per cent, and what they cost, as multiples; empty without benefits.
-
-    Values of 0 are left out, and costs that are not known.
+def _both(
+    survey: Survey, benefits: Sequence[BenefitRow], form: Form, *, computing: bool
+) -> list[Line]:
+    """What is off on contours of the `form`, in per cent, and what they cost, as multiples; what is
+    0 or not known is left out. Empty without benefits.
     """
-    known = [row for row in benefits if not row.fault]
+    known = [row for row in benefits if row.acceleration is not None]
     tolerances = [row.tolerance for row in known]
     lines = []
     for name, (colour, marker), off in (
@@ -218,12 +241,12 @@ def _both(survey: Survey, benefits: Sequence[BenefitRow], *, computing: bool) ->
             lines.append(Line(over(*zip(*shown, strict=True)), style, name))
     if not lines:
         return []
-    arcs = [row for row in survey.contours if (row.form, row.effort) == ("arcs", EFFORTS[0])]
+    fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
     built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
     for name, (colour, marker), spent in (
-        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in arcs]),
-        ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in arcs]),
-        ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in arcs]),
+        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in fits]),
+        ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in fits]),
+        ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in fits]),
         ("seconds of a build", COST_STYLES[3], built),
     ):
         costs = sorted(((x, y) for x, y in spent if y), reverse=True)
@@ -231,6 +254,18 @@ def _both(survey: Survey, benefits: Sequence[BenefitRow], *, computing: bool) ->
             style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
             times = [(x, y / costs[0][1]) for x, y in costs]
             lines.append(Line(over(*zip(*times, strict=True)), style, name))
+    return lines
+
+
+def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
+    """What the acceleration is off on contours of each form, in per cent of its exact peak."""
+    lines = []
+    for form in FORMS:
+        found = [(row.tolerance, 100.0 * row.ripple) for row in benefits
+                 if row.form == form and row.ripple]  # fmt: skip
+        if found:
+            points = over(*zip(*found, strict=True))
+            lines.append(Line(points, _style(form, EFFORTS[0]), f"acceleration off, {form}"))
     return lines
 
 

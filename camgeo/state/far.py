@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage_protocol import Linkage
+from camgeo.motion.kept import Answers
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side, read_only
 
 STEPS = 12
 """Most Newton steps; from a demanded position that is off by a tolerance a few are enough."""
@@ -36,6 +37,7 @@ class FarMotion:
     follower: Motion
     linkage: Linkage
     demanded: Motion
+    _jets: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
 
     @property
     def breaks(self) -> FloatArray:
@@ -53,13 +55,18 @@ class FarMotion:
         return self.follower.dwells
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion`.
+        """See `Motion`. Read-only, and the same values for recent requests, like those of a plan.
 
         Raises
         ------
         GeometryError
             If the follower goes beyond a dead centre of the linkage, or rests there.
         """
+        jet = self._jets.recall(lambda: read_only(self._jet(phi, side)), side, phi)
+        return jet[: order + 1]
+
+    def _jet(self, phi: FloatArray, side: Side) -> Jet:
+        """(4, n) position and derivatives."""
         own = self.follower.jet(phi, side, FULL_ORDER)
         x = self.demanded.jet(phi, side, 1)[0].copy()
         scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
@@ -81,7 +88,7 @@ class FarMotion:
         out[1] = own[1] / first
         out[2] = (own[2] - second * out[1] ** 2) / first
         out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
-        return out[: order + 1]
+        return out
 
     def _along(self, x: FloatArray, order: int) -> Jet:
         """(order + 1, n) the follower's coordinate and its derivatives by the position `x` (n,)."""

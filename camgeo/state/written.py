@@ -7,7 +7,7 @@ acceleration by the error of the curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -19,9 +19,10 @@ from camgeo.contour.contour import Contour, Effort, Form
 from camgeo.contour.spline import SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.motion.kept import Answers
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes, time_extremes
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, read_only
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_contour
 from camgeo.outline.replay_result import DiscLift, Replay
@@ -68,6 +69,7 @@ class WrittenMotion:
     """
 
     lift: DiscLift
+    _jets: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
 
     @property
     def breaks(self) -> FloatArray:
@@ -105,11 +107,17 @@ class WrittenMotion:
         return tuple(found)
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion`; the derivatives of a rest are 0, without rounding."""
-        jet = self.lift.jet(phi, side, 3)[: order + 1]
-        resting = self._rests[self.piece(phi, side)]
-        jet[1:, resting] = 0.0
-        return jet
+        """See `Motion`; the derivatives of a rest are 0, without rounding.
+
+        Read-only, and the same values for recent requests, like those of a plan.
+        """
+
+        def made() -> Jet:
+            jet = self.lift.jet(phi, side, 3)
+            jet[1:, self._rests[self.piece(phi, side)]] = 0.0
+            return read_only(jet)
+
+        return self._jets.recall(made, side, phi)[: order + 1]
 
     def piece(self, phi: FloatArray, side: Side) -> IntArray:
         """(n,) number of the range between borders at `phi` (n,) [rad], from 0."""

@@ -9,10 +9,16 @@ from typing import Final
 import numpy as np
 import pytest
 
-from camgeo.accuracy.benefit import BenefitRow, benefit_rows
+import camgeo
+from camgeo.accuracy import benefit
+from camgeo.accuracy.benefit import BenefitRow, benefit_rows, exact_motion
+from camgeo.accuracy.spectrum import harmonics
 from camgeo.contour.contour import Form
 from camgeo.design import Design
+from camgeo.effects.results import CONTACT_FORCE
 from camgeo.numeric.arrays import SIDES
+from camgeo.units import RPM
+from tests.answers.documents import FIXTURES
 from tests.effects.scenes import design
 
 LOADED: Final = (
@@ -130,3 +136,51 @@ def test_joints_with_a_jump_of_the_acceleration_do_not_count_as_ripple() -> None
     made = benefit_rows(parabolic, (1e-3,), (10.0,), forms=("arcs",))
     assert made[0].ripple is not None
     assert made[0].ripple < 0.5
+
+
+def pressing(**state: str) -> Design:
+    """A motor-driven press with an elastic train, at 300 rev/min."""
+    scene = camgeo.load(FIXTURES / "effects" / "linked_press.toml").scene
+    return Design(scene.with_values({"cam.speed": 300.0, "state": state}))
+
+
+@pytest.mark.parametrize("output", ["elastic", "rigid"])
+def test_forces_are_those_at_the_speed_asked_for_with_the_train_of_the_scene(output: str) -> None:
+    """Whatever speed the motor of the scene finds; off by roundings of the largest force."""
+    found = exact_motion(pressing(output=output), 300.0 * RPM)
+    stated = pressing(output=output, speed="stated").effects.result(CONTACT_FORCE)
+    assert found.contact is not None
+    assert (found.contact.behind is None) == (output == "rigid")
+    phi = np.linspace(0.1, 6.2, 97)
+    off = found.force(300.0 * RPM)(phi, "right") - stated.normal(phi, "right")
+    assert np.max(np.abs(off)) <= 1e-12 * stated.extremes.magnitude
+
+
+def test_the_lift_off_speed_is_that_of_the_effect() -> None:
+    """For any speed at which it is asked for."""
+    slow, fast = (exact_motion(pressing(output="rigid"), each * RPM) for each in (100.0, 300.0))
+    effect = pressing(output="rigid", speed="stated").effects.result("lift-off")
+    assert fast.lift_off == 300.0 * RPM * effect.speed.value
+    assert slow.lift_off == pytest.approx(fast.lift_off, rel=1e-12)
+
+
+def test_an_elastic_train_on_too_many_pieces_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The acceleration is there, and the reason why there is no force."""
+    monkeypatch.setattr(benefit, "MOST_PIECES", 20)
+    (row,) = benefit_rows(pressing(), (1e-1,), (30.0,), forms=("polyline",))
+    assert row.acceleration is not None
+    assert row.force is row.lift_off is None
+    assert "up to 20 pieces" in row.fault
+
+
+def test_a_flat_face_on_splines_says_that_its_motion_is_not_computed() -> None:
+    (row,) = benefit_rows(design("tappet", ""), (1e-2,), (5.0,), forms=("spline",))
+    assert "flat face on splines" in row.fault
+    assert row.strongest_octave is None
+
+
+def test_the_strongest_octave_has_most_of_what_is_off() -> None:
+    for row in rows("arcs"):
+        assert row.strongest_octave is not None
+        assert row.octaves[row.strongest_octave] == max(row.octaves)
+    assert [harmonics(octave) for octave in range(4)] == ["1", "2-3", "4-7", "8-15"]

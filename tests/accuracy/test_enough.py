@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from camgeo.accuracy.benefit import BenefitRow
-from camgeo.accuracy.enough import SHARE, enough, words
+from camgeo.accuracy.enough import SHARE, enough, of_each_form, words
 
 
 def row(tolerance: float, off: float, lift_off: float = 90.0) -> BenefitRow:
@@ -35,6 +35,13 @@ def test_the_lift_off_speed_counts_too(over: float) -> None:
 
 
 def test_tolerances_without_values_are_none() -> None:
-    missing = replace(row(1e-2, 0.0), fault="cannot be reached")
+    missing = BenefitRow("arcs", 1e-2, 60.0, fault="cannot be reached")
     assert enough([missing]) is None
+    assert of_each_form([missing]) == (words(None),)
     assert enough([missing, row(1e-1, 0.5)]) is not None
+
+
+def test_each_form_has_its_own_answer() -> None:
+    splines = [replace(row(1e-1, 0.02), form="spline"), replace(row(1e-2, 0.01), form="spline")]
+    found = of_each_form([row(1e-1, 0.5), row(1e-2, 0.2), *splines])
+    assert [each.split(" mm")[0] for each in found] == ["arcs within 0.01", "spline within 0.1"]

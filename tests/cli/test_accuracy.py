@@ -256,9 +256,25 @@ def test_cost_rises_and_what_is_off_falls_in_one_panel() -> None:
     assert panel.title == "made up"
 
 
+def test_all_forms_and_the_spectrum_of_the_one_drawn_have_panels() -> None:
+    arcs = tuple(replace(row, octaves=(3.0, 2.0), strongest=1) for row in at_speed())
+    splines = tuple(replace(row, form="spline", acceleration=9.0) for row in at_speed())
+    panels = figure(made_up(), title="made up", benefits=(*arcs, *splines), form="spline").panels
+    assert panels[0].y.label.startswith("spline: off [%")
+    drawn = [mark for mark in panels[1].marks if isinstance(mark, Line)]
+    assert [mark.label for mark in drawn] == ["acceleration off, arcs", "acceleration off, spline"]
+    assert drawn[1].points[:, 1].tolist() == pytest.approx([9.0] * 3)
+    assert not any("octaves" in panel.y.label for panel in panels)
+    last = figure(made_up(), title="", computing=False, benefits=(*arcs, *splines)).panels[-1]
+    assert last.y.label == "arcs: off, by octaves [mm/s²]"
+    assert [mark.points.tolist() for mark in last.marks if isinstance(mark, Line)] == [
+        [[1.0, 3.0], [2.0, 2.0]]
+    ] * 3
+
+
 def test_the_knee_is_marked_with_its_reason() -> None:
     """That of the benefits at a speed, where they are known; else the advice."""
-    missing = (replace(at_speed()[0], fault="no"),)
+    missing = (BenefitRow("arcs", 1e-2, 1.0, fault="no"),)
     for benefits, tolerance, begin in (
         (at_speed(), 1e-3, "enough at 600 rev/min: arcs within 0.001 mm, the acceleration is off"),
         (missing, 1e-3, "advice: arcs (fewest) within 0.001 mm: 2,400 pieces, "),
@@ -276,23 +292,28 @@ def test_what_is_bought_is_in_text_and_json(
     found: list[dict[str, Any]], capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off=math.inf)
-    rows = (*at_speed()[:2], fault)
+    heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
+    splines = replace(at_speed()[1], form="spline")
+    rows = (heard, at_speed()[1], fault, splines)
     monkeypatch.setattr(benefit, "benefit_rows", lambda *_, **__: rows)
     call(SETZHUB, "--speed", "600")
     lines = capsys.readouterr().out.splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("written  "))
-    assert lines[start + 1].split() == ["arcs", "0.01", "50", "50", "%", "16", "1", "716"]
+    cells = ["arcs", "0.01", "50", "50", "%", "16", "1", "716", "2-3", "30"]
+    assert lines[start + 1].split() == cells
     assert lines[start + 3].endswith("cannot be reached")
-    assert lines[-1].startswith("at 600 rev/min: arcs within 0.001 mm")
+    assert lines[-2].startswith("at 600 rev/min: arcs within 0.001 mm")
+    assert lines[-1].startswith("at 600 rev/min: spline within 0.001 mm")
     call(SETZHUB, "--speed", "600", "--json")
     document = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-    first, _, last = document["benefits"]
+    first, _, last, _ = document["benefits"]
+    assert (first["octaves"], first["strongest_harmonic"]) == ([20.0, 30.0, 10.0], 3)
     assert first["speed_rpm"] == pytest.approx(600.0)
     assert (first["acceleration"], first["ripple"], first["force_N"]) == (50.0, 0.5, 16.0)
     assert first["lift_off_rpm"] == pytest.approx(75.0 / RPM)
     assert (last["acceleration"], last["lift_off_rpm"]) == (None, None)
     assert last["fault"] == "cannot be reached"
-    assert "0.001 mm" in document["enough"]
+    assert [each[16:27] for each in document["enough"]] == ["arcs within", "spline with"]
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:

@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from camgeo.accuracy import survey as surveys
+from camgeo.accuracy.bill import ENTITIES
 from camgeo.accuracy.knee import advice
 from camgeo.accuracy.survey import TOLERANCES, Survey
 from camgeo.answers.answer import Answer
+from camgeo.contour.contour import Form
 from camgeo.design import Design
+from camgeo.formats.dxf import FORMAT
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, RPM
 
@@ -29,7 +32,7 @@ class Accuracy(Answer):
     survey : what was measured.
     ripple : whether contours were replayed too.
     turns : whether the positions of the motion are angles.
-    benefits : what arcs do at one speed; empty if none was asked for.
+    benefits : what each form does at one speed; empty if none was asked for.
     """
 
     command: ClassVar[str] = "accuracy"
@@ -46,13 +49,19 @@ class Accuracy(Answer):
         return advice(self.survey.knee)
 
     @property
-    def enough(self) -> str | None:
-        """Which of the tolerances of arcs is enough at the speed asked for, in words."""
+    def enough(self) -> tuple[str, ...]:
+        """Which of the tolerances is enough at the speed asked for, in words, for each form."""
         if not self.benefits:
-            return None
-        from camgeo.accuracy.enough import enough, words
+            return ()
+        from camgeo.accuracy.enough import of_each_form
 
-        return f"at {self.benefits[0].speed / RPM:g} rev/min: {words(enough(self.benefits))}"
+        speed = self.benefits[0].speed / RPM
+        return tuple(f"at {speed:g} rev/min: {each}" for each in of_each_form(self.benefits))
+
+    @property
+    def form(self) -> Form:
+        """Of the contour in the drawing of the scene."""
+        return ENTITIES[self.scene.output.options[FORMAT].entity]
 
     @property
     def unit(self) -> str:
@@ -80,7 +89,7 @@ class Accuracy(Answer):
 
     @property
     def written(self) -> tuple[dict[str, Any], ...]:
-        """What arcs do at one speed, with accelerations in that unit."""
+        """What each form does at one speed, with accelerations in that unit."""
         return tuple(
             {
                 "contour": row.form,
@@ -98,6 +107,9 @@ class Accuracy(Answer):
                 "exact_highest_force_N": row.exact_highest,
                 "lift_off_rpm": _finite(row.lift_off),
                 "exact_lift_off_rpm": _finite(row.exact_lift_off),
+                "octaves": [self.shown(value) for value in row.octaves],
+                "octave_error": self._shown(row.octave_error),
+                "strongest_harmonic": row.strongest,
                 "fault": row.fault,
             }
             for row in self.benefits
@@ -127,7 +139,7 @@ def accuracy(
     ----------
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
-    speed : of the cam [rad/s] at which arcs are judged by what they do; None for not.
+    speed : of the cam [rad/s] at which contours are judged by what they do; None for not.
     bill : whether the scene is also built within each of them.
     progress : called with the name of each step.
 
@@ -143,5 +155,5 @@ def accuracy(
     if speed is not None:
         from camgeo.accuracy.benefit import benefit_rows  # a survey without a speed needs none
 
-        benefits = benefit_rows(design, tolerances, (speed,), forms=("arcs",), progress=progress)
+        benefits = benefit_rows(design, tolerances, (speed,), progress=progress)
     return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", benefits)

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from camgeo.accuracy.bill import STAGES, BillRow
 from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
+from camgeo.accuracy.spectrum import harmonics
 from camgeo.answers.accuracy import Accuracy
 from camgeo.figure import accuracy
 from camgeo.figure.model import Figure
@@ -34,7 +35,8 @@ BENEFIT_COLUMNS: Final = """\
 written: the follower on the contour as written; acceleration, force: largest deviation from the
     exact motion; ripple: that of the acceleration as a share of its exact peak; least: contact
     force, negative where the follower would have to be pulled; lifts off: from this speed of the
-    cam on [rev/min]"""
+    cam on [rev/min]; octave: harmonics of the cam's speed in which most of the deviation of the
+    acceleration is, and its effective value in them"""
 """The same for the table of benefits."""
 
 EFFECT_COLUMNS: Final = """\
@@ -79,14 +81,20 @@ def text(answer: Accuracy) -> str:
     lines += [BENEFIT_COLUMNS] if answer.benefits else []
     lines += [EFFECT_COLUMNS] if found.effects else []
     lines.append(f"advice: {answer.advice}")
-    return "\n".join(lines if answer.enough is None else [*lines, answer.enough])
+    return "\n".join([*lines, *answer.enough])
 
 
 def figure(answer: Accuracy) -> Figure:
     """What was measured over the tolerance, a panel for each kind of cost."""
     buys = " and buys" if answer.benefits else ""
     title = f"{answer.scene.name}: what accuracy costs{buys}"
-    return accuracy.figure(answer.survey, title=title, benefits=answer.benefits)
+    return accuracy.figure(
+        answer.survey,
+        title=title,
+        benefits=answer.benefits,
+        form=answer.form,
+        unit="rad" if answer.turns else "mm",
+    )
 
 
 def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
@@ -145,7 +153,7 @@ def _bill_cells(row: BillRow) -> tuple[list[str], str]:
 def _benefits(answer: Accuracy) -> list[str]:
     """Heads of the table of benefits."""
     heads = ["written", "tolerance", f"acceleration [{answer.unit}/s^2]", "ripple"]
-    return [*heads, "force [N]", "least [N]", "lifts off"]
+    return [*heads, "force [N]", "least [N]", "lifts off", "octave", f"in it [{answer.unit}/s^2]"]
 
 
 def _benefit_cells(row: dict[str, Any]) -> tuple[list[str], str]:
@@ -158,6 +166,11 @@ def _benefit_cells(row: dict[str, Any]) -> tuple[list[str], str]:
         NONE if ripple is None else f"{100.0 * ripple:.3g} %",
         *map(_three, figures),
     ]
+    octaves = row["octaves"]
+    strongest = max(range(len(octaves)), key=octaves.__getitem__, default=None)
+    cells += [NONE] * 2 if strongest is None else [
+        harmonics(strongest), _three(octaves[strongest]),
+    ]  # fmt: skip
     return cells, row["fault"]
 
 

@@ -141,9 +141,8 @@ class _Search:
         pushed = own * self.behind.base(phi, side)
         if load is not None:
             pushed[0] += share * load.coefficients(phi, side)[0] + more
-        loads = self.flank.loads(phi, side)
-        for load, push in zip(loads, pushed, strict=True):
-            load -= self.flank.passed(phi, side, push)
+        passed = [self.flank.passed(phi, side, push) for push in pushed]
+        loads = self.flank.loads(phi, side) - np.stack(passed)
         rubbed = np.abs(self.flank.drag(phi, side)) * np.sum(np.abs(loads), axis=1)
         return self.flank.plain(phi, side)[0] + self.weight(phi, side) * pushed, rubbed
 

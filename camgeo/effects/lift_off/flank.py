@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from camgeo.effects.bearing_friction import unit_vectors
-from camgeo.effects.effect import Quantity, Subject
+from camgeo.effects.effect import Subject
 from camgeo.effects.force import rates_of, smooth_edges
 from camgeo.effects.results import ContactForce
 from camgeo.effects.touching import lowest_on_flank, outwards_of
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.motion.kept import Answers
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, read_only
 from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.rounding import SHARE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """What is the same at all speeds of n cam angles; read-only.
+
+    Attributes
+    ----------
+    outwards, drag, loads, needed, size : see `Flank`; the last two are those of `Flank.plain`.
+    per_far : (k, n) of the loads by one unit more of force on the far member of a linkage.
+    """
+
+    outwards: FloatArray
+    drag: FloatArray
+    loads: ComplexArray
+    needed: FloatArray
+    size: FloatArray
+    per_far: ComplexArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +51,7 @@ class Flank:
     contact: ContactForce
     sense: int
     margin: float
+    _recent: Answers[_Known] = field(default_factory=Answers, init=False, repr=False)
 
     @property
     def toucher(self) -> str:
@@ -54,24 +74,45 @@ class Flank:
         """(k,) cam angles [rad] between which all but the force of an elastic train is smooth."""
         return smooth_edges(self.subject.state.smooth_angles, self.contact.lasting)
 
+    def _known(self, phi: FloatArray, side: Side) -> _Known:
+        """Computed once for recent requests: a search over the speed asks again and again."""
+
+        def made() -> _Known:
+            outwards = outwards_of(self.subject, phi, side, self.sense)
+            bearings, still = self.contact.bearings, np.zeros(len(phi))
+            drag, per_far = still, np.zeros((0, len(phi)), dtype=np.complex128)
+            if bearings is not None:
+                drag = outwards * bearings.drag(phi, side)
+                per_far = bearings.per_far(phi, side)
+            needed, size = self._plain(phi, side, outwards, drag)
+            return _Known(
+                outwards=read_only(outwards),
+                drag=read_only(drag),
+                loads=read_only(self._loads(phi, side)),
+                needed=read_only(needed),
+                size=read_only(size),
+                per_far=read_only(per_far),
+            )
+
+        return self._recent.recall(made, side, phi)
+
     def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) direction of q in which the flank pushes, +1 or -1."""
-        return outwards_of(self.subject, phi, side, self.sense)
+        return self._known(phi, side).outwards
 
-    @property
-    def drag(self) -> Quantity:
+    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w [1 or mm], see `camgeo.effects.bearing_friction`, in the direction of the flank; 0
         without friction in pivot or guide.
         """
-        bearings = self.contact.bearings
-        if bearings is None:
-            return lambda phi, _side: np.zeros(len(phi))
-        return lambda phi, side: self.outwards(phi, side) * bearings.drag(phi, side)
+        return self._known(phi, side).drag
 
     def loads(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(3, k, n) coefficients l0, l1, l2 of the loads l0 + f l1 + f^2 l2 that rub in pivot or
         guide under the margin, with a rigid train; f as for `reserve`.
         """
+        return self._known(phi, side).loads
+
+    def _loads(self, phi: FloatArray, side: Side) -> ComplexArray:
         bearings = self.contact.bearings
         if bearings is None:
             return np.zeros((3, 0, len(phi)), dtype=np.complex128)
@@ -83,10 +124,7 @@ class Flank:
 
     def passed(self, phi: FloatArray, side: Side, push: FloatArray) -> ComplexArray:
         """(k, n) of these loads by a force `push` (n,) on the far member of a linkage."""
-        bearings = self.contact.bearings
-        if bearings is None:
-            return np.zeros((0, len(phi)), dtype=np.complex128)
-        return np.asarray(bearings.per_far(phi, side) * push)
+        return np.asarray(self._known(phi, side).per_far * push)
 
     def left(self, phi: FloatArray, side: Side, more: ComplexArray | None = None) -> FloatArray:
         """(n,) the reserve at the speed of the scene, with the train of its state; for `more` see
@@ -109,6 +147,12 @@ class Flank:
         """(3, n) the coefficients of `reserve` but for friction under the `loads`, and the sizes of
         their terms.
         """
+        known = self._known(phi, side)
+        return known.needed, known.size
+
+    def _plain(
+        self, phi: FloatArray, side: Side, outwards: FloatArray, drag: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         omega, alpha = rates_of(self.subject, phi, side)[:2]
         needed = np.zeros((3, len(phi)))
         size = np.zeros((3, len(phi)))
@@ -121,11 +165,11 @@ class Flank:
             bracket = self.margin * self.contact.bracket(phi, side, self.sense)
             needed[0] -= bracket
             size[0] += np.abs(bracket)
-        needed *= self.outwards(phi, side)
+        needed *= outwards
         bearings = self.contact.bearings
         if bearings is not None:  # the bracket has the friction of the margin alone
             per = bearings.rubbing.per_normal(phi, side, self.sense)
-            needed[0] -= self.margin * self.drag(phi, side) * np.sum(np.abs(per), axis=0)
+            needed[0] -= self.margin * drag * np.sum(np.abs(per), axis=0)
         return needed, size
 
     def reserve(
@@ -146,13 +190,14 @@ class Flank:
         loads have the directions that they have at f = `factor`, where value and derivative are
         exact. `more` (k, n) is added to the loads.
         """
-        (found, size), loads = self.plain(phi, side), self.loads(phi, side)
+        known = self._known(phi, side)
+        loads, drag = known.loads, known.drag
         if more is not None:
-            loads[0] += more
+            loads = np.concatenate((loads[:1] + more, loads[1:]))
         total = loads[0] + factor * (loads[1] + factor * loads[2])
-        d, drag = unit_vectors(total, np.ones_like(total)), self.drag(phi, side)
-        found += drag * np.sum((np.conj(d) * loads).real, axis=1)
-        size += np.abs(drag) * np.sum(np.abs(loads), axis=1)
+        d = unit_vectors(total, np.ones_like(total))
+        found: FloatArray = known.needed + drag * np.sum((np.conj(d) * loads).real, axis=1)
+        size = known.size + np.abs(drag) * np.sum(np.abs(loads), axis=1)
         found[np.abs(found) <= SHARE * size] = 0.0
         return found
 
