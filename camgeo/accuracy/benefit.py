@@ -30,7 +30,9 @@ from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import SIDES, FloatArray, Side, merged
 from camgeo.numeric.extremes import Extremes, piecewise_extremes
 from camgeo.outline.replay_result import AROUND, SEAM, SHIFT
-from camgeo.state.written import Writing, Written
+from camgeo.state.contours import Writing
+from camgeo.state.state import FIRST
+from camgeo.state.written import Written
 from camgeo.units import RPM, TURN
 
 LIFT_OFF: Final = "lift-off"
@@ -168,7 +170,7 @@ class Made:
 
     def written_as(self, writing: Writing) -> Made:
         """That of a contour of the same disc."""
-        return replace(self, subject=replace(self.subject, model="written", writing=writing))
+        return replace(self, subject=self.subject.written_as(writing, FIRST))
 
     @cached_property
     def effects(self) -> Effects:

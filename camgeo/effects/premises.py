@@ -17,8 +17,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import STATED, Finding
+from camgeo.effects.touching import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.effects.wording import angles, at, over
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, ToleranceError
 from camgeo.units import TURN
 from camgeo.wording import listed
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from camgeo.effects.effect import Effect, Subject
     from camgeo.effects.lost_contact import LostContact
     from camgeo.outline.replay_result import Replay
+    from camgeo.state.contours import Contours
 
 Range = tuple[float, float]
 """Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
@@ -75,7 +77,11 @@ def qualified(
     broken: list[Finding] = []
     crossed: list[Finding] = []
     if effect.premise == "contact" and lost:
-        broken.append(_without_contact(lost, subject, flown))
+        broken.append(
+            _on_other_side(lost, subject)
+            if holds_both_ways(subject)
+            else _without_contact(lost, subject, flown)
+        )
     elif effect.premise == "contact" and flown:
         crossed.append(_in_clearance(subject, flown))
     trimmed = tuple(trimming(effect, subject))
@@ -111,6 +117,31 @@ def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]
             " one that stays on it"
         ),
         value=None if low is None else low.value,
+        limit=0.0,
+        unit="N",
+        cam_angle=lost.leaps[0] if low is None else low.place,
+        cam_range=_only(ranges),
+    )
+
+
+def _on_other_side(lost: LostContact, subject: Subject) -> Finding:
+    """Where the other side carries than the one whose written contour makes the motion."""
+    sense, low = subject.state.sense, lost.lowest
+    names, noun = sides_of(subject)
+    ranges = [(each.start, each.end) for each in lost.ranges]
+    places = [over(ranges)] if ranges else []
+    if lost.leaps:
+        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from this one")
+    force = "" if low is None else f", with up to {-low.value:.6g} N {at(low.place)}"
+    return Finding(
+        name="other-side",
+        severity="warning",
+        sentence=(
+            f"the {names[-sense]} {noun} carries {listed(places)}{force}; these figures are for the"
+            f' motion on the {names[sense]} one, and flank = "{names[-sense]}" in [state] gives'
+            " those of the other"
+        ),
+        value=None if low is None else -low.value,
         limit=0.0,
         unit="N",
         cam_angle=lost.leaps[0] if low is None else low.place,
@@ -168,6 +199,13 @@ class _Trimmed:
             f" {over(self.dropped)}"
         )
 
+    def opposite(self, flank: str) -> str:
+        """That they are for the motion on the other side, where this one is missing."""
+        return (
+            f"these figures are for the motion of the other side, where the {flank} has lost what"
+            f" would hold the follower on it {over(self.dropped)}"
+        )
+
     def corners(self, *, included: bool) -> str:
         """What happens at the corners of the disc, and whether it is computed."""
         if not self.shocks:
@@ -185,20 +223,59 @@ def _follows(effect: Effect, subject: Subject) -> bool:
 
 
 def _as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """That the figures are for the motion that the contour makes as it is written."""
-    writing = subject.writing
-    if writing is None or effect.premise == "disc" or effect.of_plan:
+    """That the figures are for the motion that the contour makes as it is written; of two, of
+    which, and how far the other one is.
+    """
+    contours = subject.contours
+    if contours is None or effect.premise == "disc" or effect.of_plan:
         return
+    writing, held = contours.writing, holds_both_ways(subject)
     _, unit = STATED["mm"]
+    whose = "the written contour makes"
+    names, noun = sides_of(subject)
+    if held:
+        whose = f"the written contour of the {names[contours.sense]} {noun} makes all round"
     yield Finding(
         name="written-motion",
         severity="ok",
         sentence=(
-            "these figures are for the motion that the written contour makes,"
+            f"these figures are for the motion that {whose},"
             f" {WORDS[writing.form]} within {writing.tolerance:g} {unit}"
         ),
         value=writing.tolerance,
         unit=unit,
+    )
+    if held:
+        yield _between(subject, contours)
+
+
+def _between(subject: Subject, contours: Contours) -> Finding:
+    """How far the other written contour is from the one whose motion it is."""
+    names, noun = sides_of(subject)
+    own, other = (f"the {names[each]} {noun}" for each in (contours.sense, -contours.sense))
+    try:
+        play = contours.play
+    except (GeometryError, ToleranceError) as error:
+        return Finding(
+            "other-contour", "warning", f"how far {other} is from {own} is not known: {error}"
+        )
+    factor, unit = STATED[subject.cam.lift_unit]
+    low, high = (factor * each.value for each in (play.lowest, play.highest))
+    who = "roller" if subject.returning is None else "follower"
+    sentence = (
+        f"the written contours of {own} and {other} leave the {who} {low:.4g} to {high:.4g} {unit}"
+        f" of lift, least {at(play.lowest.place)}"
+    )
+    if low < 0.0:
+        sentence += "; less than 0 is squeezed, which is not computed"
+    return Finding(
+        name="other-contour",
+        severity="warning" if low < 0.0 else "ok",
+        sentence=sentence,
+        value=low,
+        limit=0.0,
+        unit=unit,
+        cam_angle=play.lowest.place,
     )
 
 
@@ -217,11 +294,15 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
             loss = trimmed.replay.largest_loss
             flank = f"trimmed {which}{name} flank"
             follows = _follows(effect, subject)
+            told = trimmed.followed(flank) if follows else trimmed.left_out(flank)
+            if follows and holds_both_ways(subject) and not _is_of(subject, disc, name):
+                told = trimmed.opposite(flank)
+                follows = False
             yield Finding(
                 name="trimmed-motion",
                 severity="warning",
                 sentence=(
-                    f"{trimmed.followed(flank) if follows else trimmed.left_out(flank)}: up to"
+                    f"{told}: up to"
                     f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
                     f" {trimmed.corners(included=follows)}"
                 ),
@@ -231,6 +312,16 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
                 cam_angle=loss.place,
                 cam_range=_only(trimmed.dropped),
             )
+
+
+def _is_of(subject: Subject, disc: Disc, flank: str) -> bool:
+    """Whether the motion of the state is that of this flank, of a follower that is held both
+    ways.
+    """
+    first = subject.state.sense == INNER
+    if subject.returning is None:
+        return (flank == FLANKS[INNER]) == first
+    return (disc is subject.cam.disc) == first
 
 
 def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:

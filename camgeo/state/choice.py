@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Final
+
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError
 from camgeo.state.demanded import Demanded
-from camgeo.state.state import Model, State
+from camgeo.state.state import FIRST, SECOND, Carrier, Model, State
 
 
 def model_of(stated: Model | None, limits: Limits) -> Model:
     """What a scene states, or its default: a trimmed disc is meant to move the follower."""
     return stated or ("outline" if limits.undercut == "trim" else "demanded")
+
+
+SIDES: Final[Mapping[Carrier, int]] = {
+    "inner": FIRST,
+    "main": FIRST,
+    "outer": SECOND,
+    "return": SECOND,
+}
+
+
+def side_named(flank: Carrier | None) -> int:
+    """The side that a scene states, or its default, as `State.sense`."""
+    return FIRST if flank is None else SIDES[flank]
 
 
 def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> State:

@@ -40,6 +40,11 @@ class OfOutline:
         """See `State`."""
         return "outline"
 
+    @property
+    def sense(self) -> int:
+        """See `State`."""
+        return self.cam.contact.push
+
     @cached_property
     def motion(self) -> ReplayedMotion:
         """See `State`."""

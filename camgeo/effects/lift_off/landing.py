@@ -172,6 +172,11 @@ def crossed_by(
     why, course = _why_not(subject, contact, inertia), subject.state.course
     names, noun = sides_of(subject)
     told = Told("roller" if subject.returning is None else "follower", names, noun, clearance)
+    if subject.state.sense:
+        why = why or (
+            "the contours are given as they are written, and flights between these are not"
+            ' computed; [state] motion = "demanded" gives those between the exact ones'
+        )
     if why or inertia is None or course is None:
         return _none("impact-speed", why)
     jumps = subject.state.shocks
