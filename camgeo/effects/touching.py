@@ -161,8 +161,11 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 
 def require_convex(subject: Subject, what: str) -> None:
-    """Raise EffectError, that there is no `what`, if a flat face cannot touch the whole cam."""
-    if subject.cam.follower.has_pitch_curve:
+    """Raise EffectError, that there is no `what`, if a flat face cannot touch the whole cam.
+
+    One that has the motion of what is left of the disc touches that.
+    """
+    if subject.cam.follower.has_pitch_curve or subject.state.sense:
         return
     from camgeo.check.face import check_convexity  # few cams have a flat face
 
