@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from camgeo.product.product import Product
     from camgeo.product.value_table import TabulatedCam
     from camgeo.scene.scene import Scene
-    from camgeo.state.written import Writing
+    from camgeo.state.contours import Writing
     from camgeo.writing.write import Report
 
 
@@ -128,13 +128,11 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.effects.effect import Subject  # few scenes name an effect
         from camgeo.effects.graph import Effects
-        from camgeo.state.choice import model_of
+        from camgeo.state.choice import model_of, side_named
 
         scene = self.scene
         model = model_of(scene.model, scene.limits)
         moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model, scene.train)
-        if model == "written":
-            moved = replace(moved, writing=self.writing)
         subject = None
         for each in reversed(self.discs if scene.follower is not None else ()):
             subject = replace(moved, disc=each.drawn, returning=subject)
@@ -142,7 +140,10 @@ class Design(Pickled, Displayed):
             from camgeo.effects.opposite import astride  # few scenes have one
 
             subject = astride(subject)
-        return Effects(subject or moved, scene.effects, self.ledger, speed=scene.state_speed)
+        subject = subject or moved
+        if model == "written":
+            subject = subject.written_as(self.writing, side_named(scene.flank))
+        return Effects(subject, scene.effects, self.ledger, speed=scene.state_speed)
 
     @property
     def writing(self) -> Writing:
@@ -150,7 +151,7 @@ class Design(Pickled, Displayed):
         so.
         """
         from camgeo.formats.dxf import FORMAT, SINGLE
-        from camgeo.state.written import Writing
+        from camgeo.state.contours import Writing
 
         output = self.scene.output
         entity = self.scene.contour or output.options[FORMAT].entity

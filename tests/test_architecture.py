@@ -79,6 +79,7 @@ distributed a cluster."""
 
 EFFECT_FRAME = {
     "",
+    "as_written",
     "bearing_friction",
     "coupler",
     "catalogue",

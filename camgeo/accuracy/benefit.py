@@ -31,7 +31,9 @@ from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import SIDES, FloatArray, Side, merged
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.outline.replay_result import AROUND, SEAM, SHIFT
-from camgeo.state.written import Writing, Written
+from camgeo.state.contours import Writing
+from camgeo.state.state import FIRST
+from camgeo.state.written import Written
 from camgeo.units import RPM, TURN
 
 SAMPLES: Final = 41
@@ -182,7 +184,7 @@ class Made:
 
     def written_as(self, writing: Writing) -> Made:
         """That of a contour of the same disc."""
-        return replace(self, subject=replace(self.subject, model="written", writing=writing))
+        return replace(self, subject=self.subject.written_as(writing, FIRST))
 
     @property
     def elastic(self) -> bool:

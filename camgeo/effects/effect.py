@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar
 
 import numpy as np
 
@@ -25,10 +25,9 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.drive import Drive
     from camgeo.mechanism.slider_crank import SliderCrank
     from camgeo.motion.time_course import TimeCourse
-    from camgeo.part.part import Part
     from camgeo.part.spec import PartSpec
+    from camgeo.state.contours import Contours, HasPart, Writing
     from camgeo.state.state import Model, State, Train, Used
-    from camgeo.state.written import Writing
     from camgeo.units import LengthUnit, LiftUnit
 
 GROUP: Final = "camgeo.effects"
@@ -36,16 +35,6 @@ GROUP: Final = "camgeo.effects"
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
 """(n,) values at n cam angles [rad], approached from the given side."""
-
-
-class HasPart(Protocol):
-    """A disc that computes its part on demand."""
-
-    @property
-    def cam(self) -> Cam: ...
-
-    @property
-    def part(self) -> Part: ...
 
 
 @dataclass(frozen=True)
@@ -63,7 +52,7 @@ class Subject:
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, or the disc at the second side of a yoke, with
         the same motion; None without one.
-    writing : how the contour is written whose motion is meant by the model "written".
+    contours : those whose motion is meant by the model "written"; None for another model.
     course : how the cam turns, if not as `drive` says.
     """
 
@@ -75,21 +64,31 @@ class Subject:
     output: Train = "elastic"
     disc: HasPart | None = field(default=None, repr=False, compare=False)
     returning: Subject | None = None
-    writing: Writing | None = None
+    contours: Contours | None = None
     course: TimeCourse | None = None
 
     @cached_property
     def state(self) -> State:
         """The motion that the effects are computed for."""
-        if self.writing is not None:
-            from camgeo.state.written import written  # only if it is asked for
-
-            held_back = self.returning is not None
-            return written(self.cam, self.made.part, self.writing, paired=held_back)
+        if self.contours is not None:
+            return self.contours.state_of(self.cam)
         from camgeo.state.choice import state_of
 
         cam = None if self.disc is None else self.disc.cam
         return state_of(self.drive, cam, self.model, paired=self.returning is not None)
+
+    def written_as(self, writing: Writing, sense: int) -> Subject:
+        """The same design with the motion of its contours as they are written; on the side `sense`
+        if the follower is held both ways.
+        """
+        from camgeo.state.contours import Contours  # only if it is asked for
+
+        other = self.returning
+        discs = (self.disc, None if other is None else other.disc)
+        found = Contours(tuple(each for each in discs if each is not None), writing, sense)
+        if other is not None:
+            other = replace(other, model="written", contours=found)
+        return replace(self, model="written", contours=found, returning=other)
 
     def turning(self, course: TimeCourse) -> Subject:
         """The same design with the cam turning as `course` says."""

@@ -134,7 +134,8 @@ class Nodes:
         state, rough = self.subject.state, self._rough
         found = self._base is not None or name in FINDERS
         speed: Speed = "found" if found else "stated"
-        used = Used(state.model, speed if found or state.course is not None else None)
+        known = found or state.course is not None
+        used = Used(state.model, speed if known else None, state.sense)
         result = replace(result, state=used)
         others: list[Callable[[], Result]] = []
         if self._follows(name):

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
-    from camgeo.effects.effect import HasPart, Subject
+    from camgeo.effects.effect import Subject
     from camgeo.part.part import Part
+    from camgeo.state.contours import HasPart
 
 
 @dataclass(frozen=True)

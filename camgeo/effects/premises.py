@@ -17,7 +17,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import STATED, Finding
+from camgeo.effects.as_written import as_written
 from camgeo.effects.results import CONTACT_FORCE
+from camgeo.effects.touching import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.effects.wording import angles, at, over
 from camgeo.errors import GeometryError
 from camgeo.units import TURN
@@ -25,20 +27,12 @@ from camgeo.wording import listed
 
 if TYPE_CHECKING:
     from camgeo.cam.disc import Disc
-    from camgeo.contour.contour import Form
     from camgeo.effects.effect import Effect, Subject
     from camgeo.effects.lost_contact import LostContact
     from camgeo.outline.replay_result import Replay
 
 Range = tuple[float, float]
 """Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
-
-WORDS: Final[dict[Form, str]] = {
-    "arcs": "lines and arcs",
-    "polyline": "straight pieces",
-    "spline": "cubic splines",
-}
-"""Forms of a contour, in words."""
 
 OF_TRAIN: Final = Finding(
     "elastic-train",
@@ -76,14 +70,18 @@ def qualified(
     broken: list[Finding] = []
     crossed: list[Finding] = []
     if effect.premise == "contact" and lost:
-        broken.append(_without_contact(lost, subject, flown))
+        broken.append(
+            _on_other_side(lost, subject)
+            if holds_both_ways(subject)
+            else _without_contact(lost, subject, flown)
+        )
     elif effect.premise == "contact" and flown:
         crossed.append(_in_clearance(subject, flown))
     trimmed = tuple(trimming(effect, subject))
     uneven = tuple(_of_breadth(effect, subject))
     if broken or uneven or (trimmed and not _follows(effect, subject)):
         findings = tuple(_doubted(each, effect) for each in findings)
-    told = [*uneven, *_as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
+    told = [*uneven, *as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
     told += _simplified(effect, named, follows=follows)
     return (*broken, *crossed, *trimmed, *told, *findings)
 
@@ -113,6 +111,31 @@ def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]
             " one that stays on it"
         ),
         value=None if low is None else low.value,
+        limit=0.0,
+        unit="N",
+        cam_angle=lost.leaps[0] if low is None else low.place,
+        cam_range=_only(ranges),
+    )
+
+
+def _on_other_side(lost: LostContact, subject: Subject) -> Finding:
+    """Where the other side carries than the one whose written contour makes the motion."""
+    sense, low = subject.state.sense, lost.lowest
+    names, noun = sides_of(subject)
+    ranges = [(each.start, each.end) for each in lost.ranges]
+    places = [over(ranges)] if ranges else []
+    if lost.leaps:
+        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from this one")
+    force = "" if low is None else f", with up to {-low.value:.6g} N {at(low.place)}"
+    return Finding(
+        name="other-side",
+        severity="warning",
+        sentence=(
+            f"the {names[-sense]} {noun} carries {listed(places)}{force}; these figures are for the"
+            f' motion on the {names[sense]} one, and flank = "{names[-sense]}" in [state] gives'
+            " those of the other"
+        ),
+        value=None if low is None else -low.value,
         limit=0.0,
         unit="N",
         cam_angle=lost.leaps[0] if low is None else low.place,
@@ -195,6 +218,13 @@ class _Trimmed:
             f" {over(self.dropped)}"
         )
 
+    def opposite(self, flank: str) -> str:
+        """That they are for the motion on the other side, where this one is missing."""
+        return (
+            f"these figures are for the motion of the other side, where the {flank} has lost what"
+            f" would hold the follower on it {over(self.dropped)}"
+        )
+
     def corners(self, *, included: bool) -> str:
         """What happens at the corners of the disc, and whether it is computed."""
         if not self.shocks:
@@ -209,24 +239,6 @@ class _Trimmed:
 def _follows(effect: Effect, subject: Subject) -> bool:
     """Whether the figures of `effect` are for the motion that the trimmed disc makes."""
     return subject.state.model != "demanded" and not effect.of_plan
-
-
-def _as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """That the figures are for the motion that the contour makes as it is written."""
-    writing = subject.writing
-    if writing is None or effect.premise == "disc" or effect.of_plan:
-        return
-    _, unit = STATED["mm"]
-    yield Finding(
-        name="written-motion",
-        severity="ok",
-        sentence=(
-            "these figures are for the motion that the written contour makes,"
-            f" {WORDS[writing.form]} within {writing.tolerance:g} {unit}"
-        ),
-        value=writing.tolerance,
-        unit=unit,
-    )
 
 
 def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
@@ -244,11 +256,15 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
             loss = trimmed.replay.largest_loss
             flank = f"trimmed {which}{name} flank"
             follows = _follows(effect, subject)
+            told = trimmed.followed(flank) if follows else trimmed.left_out(flank)
+            if follows and holds_both_ways(subject) and not _is_of(subject, disc, name):
+                told = trimmed.opposite(flank)
+                follows = False
             yield Finding(
                 name="trimmed-motion",
                 severity="warning",
                 sentence=(
-                    f"{trimmed.followed(flank) if follows else trimmed.left_out(flank)}: up to"
+                    f"{told}: up to"
                     f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
                     f" {trimmed.corners(included=follows)}"
                 ),
@@ -258,6 +274,16 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
                 cam_angle=loss.place,
                 cam_range=_only(trimmed.dropped),
             )
+
+
+def _is_of(subject: Subject, disc: Disc, flank: str) -> bool:
+    """Whether the motion of the state is that of this flank, of a follower that is held both
+    ways.
+    """
+    first = subject.state.sense == INNER
+    if subject.returning is None:
+        return (flank == FLANKS[INNER]) == first
+    return (disc is subject.cam.disc) == first
 
 
 def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:

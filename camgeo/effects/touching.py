@@ -32,14 +32,15 @@ from camgeo.effects.ranges import ranges_below
 from camgeo.effects.results import Bearing
 from camgeo.errors import EffectError
 from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.state.state import FIRST, SECOND
 
 if TYPE_CHECKING:
     from camgeo.effects.effect import Quantity, Subject
     from camgeo.effects.results import ContactForce
     from camgeo.numeric.arrays import FloatArray, Side
 
-INNER: Final = 1
-OUTER: Final = -1
+INNER: Final = FIRST
+OUTER: Final = SECOND
 
 FLANKS: Final = {INNER: "inner", OUTER: "outer"}
 
@@ -75,9 +76,10 @@ def lost_contact(
     mass: Quantity | None,
     margin: float = 0.0,
 ) -> LostContact:
-    """Where less than `margin` [N] presses the follower on its only flank.
+    """Where less than `margin` [N] presses the follower on the flank that makes its motion.
 
-    Nothing is lost by a follower that is held in both directions.
+    A follower that is held in both directions stays on that of a written contour only where this
+    carries; the demanded motion is that of both sides, and nothing is lost.
 
     Parameters
     ----------
@@ -86,9 +88,9 @@ def lost_contact(
     extremes : of `normal`.
     mass : that a jump of the velocity strikes, reduced to the follower; None without any.
     """
-    if holds_both_ways(subject):
+    sense = subject.state.sense if holds_both_ways(subject) else subject.cam.contact.push
+    if sense == 0:
         return LostContact()
-    sense = subject.cam.contact.push
     lowest, limit = lowest_on_flank(extremes, sense), margin - TOUCH * extremes.magnitude
     ranges: tuple[Range, ...] = ()
     if lowest.value < limit:
@@ -112,7 +114,7 @@ def _leaps(subject: Subject, mass: Quantity | None, sense: int) -> tuple[float, 
     for angle in shocks(subject, mass):
         here = np.array([angle])
         jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
-        if jump[0] * outwards_of(subject, here, "right", sense)[0] < 0.0:
+        if jump[0] * leverage_of(subject, here, "right", sense)[0] < 0.0:
             found.append(angle)
     return tuple(found)
 
@@ -161,8 +163,11 @@ def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 
 def require_convex(subject: Subject, what: str) -> None:
-    """Raise EffectError, that there is no `what`, if a flat face cannot touch the whole cam."""
-    if subject.cam.follower.has_pitch_curve:
+    """Raise EffectError, that there is no `what`, if a flat face cannot touch the whole cam.
+
+    One that has the motion of what is left of the disc touches that.
+    """
+    if subject.cam.follower.has_pitch_curve or subject.state.sense:
         return
     from camgeo.check.face import check_convexity  # few cams have a flat face
 

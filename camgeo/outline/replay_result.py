@@ -287,7 +287,7 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
 
 
 def closing_error(main: Replay, other: Replay) -> Extremes:
-    """Smallest and largest `play` over the turn, between all places where a disc's piece changes.
+    """`extreme_play` between two discs.
 
     Raises
     ------
@@ -296,6 +296,13 @@ def closing_error(main: Replay, other: Replay) -> Extremes:
     """
     if main.lift.outward == other.lift.outward:
         raise GeometryError("the two discs push the follower in the same sense: they do not close")
+    return extreme_play(main, other)
+
+
+def extreme_play(main: Replay, other: Replay) -> Extremes:
+    """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
+    is on the inner one.
+    """
     ends = np.array([0.0, TURN])
     borders = (ends, main.lift.borders, other.lift.borders, main.lift.motion.borders)
     edges = ascending(np.clip(np.concatenate(borders), 0.0, TURN))

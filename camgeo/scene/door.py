@@ -279,6 +279,7 @@ class Builder:
             "part": self.kept("part", lambda own: own.part(effects)),
             "model": get("state", "motion"),
             "contour": get("state", "contour"),
+            "flank": get("state", "flank"),
             "train": get("state", "output") or "elastic",
             "state_speed": get("state", "speed"),
             "printing": self.kept("printing", Builder._printing),

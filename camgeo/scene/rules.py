@@ -20,7 +20,8 @@ from camgeo.scene.part_rules import (
     part_is_possible,
 )
 from camgeo.scene.print_rules import print_suits_the_part
-from camgeo.scene.schema import BY_DATA, EFFECTS, FINDERS, MILLING, NAMING, SHAPES, schema_for
+from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, NAMING, SHAPES, schema_for
+from camgeo.scene.state_rules import a_flank_is_one_of_two, a_found_speed_is_sought
 from camgeo.scene.tolerance_rules import tolerances_are_stated_once
 from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of, unchanged_reads
 
@@ -363,14 +364,6 @@ def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
             yield ("motion", index, "to"), end
 
 
-def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
-    """The speed is found by an effect that the scene names, and by one alone."""
-    named = [each for each in FINDERS if not values.lacks(EFFECTS, each)]
-    if values.get("state", "speed") == "found" and not named:
-        yield ("state", "speed"), f"needs [effects.{'] or [effects.'.join(FINDERS)}]"
-    yield from (((EFFECTS, each), f"contradicts [effects.{named[0]}]") for each in named[1:])
-
-
 RULES: Final[tuple[Rule, ...]] = (
     spans_add_up,
     motion_returns,
@@ -386,6 +379,7 @@ RULES: Final[tuple[Rule, ...]] = (
     linkage_drives_the_follower,
     effects_suit_the_machine,
     a_found_speed_is_sought,
+    a_flank_is_one_of_two,
     formats_have_what_they_need,
     milling_is_stated,
     contact_and_part_agree,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from camgeo.part.spec import PartSpec
     from camgeo.printing.spec import PrintSpec
     from camgeo.scene.valid_values import ValidValues
-    from camgeo.state.state import Model, Speed, Train
+    from camgeo.state.state import Carrier, Model, Speed, Train
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.units import LengthUnit, LiftUnit
 
@@ -66,6 +66,8 @@ class Scene:
     drawing : what the sheet states; the defaults if the scene has no `[drawing]`.
     model : whose motion the effects are computed for; None for the default of its `limits`.
     contour : form of the contour that the model "written" is of; None for that of the drawing.
+    flank : side on which a follower that is held both ways runs for the model "written"; None for
+        the main one.
     train : whether the forces are those of the elastic train, where the scene has one.
     effects : the table of each effect that the scene names, in its order, numbers in the units
         of `camgeo.effects.effect`.
@@ -100,6 +102,7 @@ class Scene:
     printing: PrintSpec | None
     model: Model | None
     contour: Form | None
+    flank: Carrier | None
     train: Train
     state_speed: Speed | None
 

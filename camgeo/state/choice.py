@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Final
+
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
 from camgeo.check.limits import Limits
 from camgeo.errors import GeometryError
 from camgeo.state.demanded import Demanded
-from camgeo.state.state import Model, State
+from camgeo.state.state import FIRST, SECOND, Carrier, Model, State
 
 
 def model_of(stated: Model | None, limits: Limits) -> Model:
@@ -15,16 +18,30 @@ def model_of(stated: Model | None, limits: Limits) -> Model:
     return stated or ("outline" if limits.undercut == "trim" else "demanded")
 
 
+SIDES: Final[Mapping[Carrier, int]] = {
+    "inner": FIRST,
+    "main": FIRST,
+    "outer": SECOND,
+    "return": SECOND,
+}
+
+
+def side_named(flank: Carrier | None) -> int:
+    """The side that a scene states, or its default, as `State.sense`."""
+    return FIRST if flank is None else SIDES[flank]
+
+
 def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> State:
     """The state of motion of `drive` and `cam`, None without a follower.
 
     The motion of the outline, if that is the `model`, follows from the disc where a single flank is
     trimmed. Otherwise the state is the demanded motion: where the flank is whole, where there is no
-    disc, and where the lift jumps. So it is, too, for a follower that is held both ways, as between
-    the discs of a pair (`paired`), behind a linkage, and with a flat face.
+    disc, where the lift jumps, and where the far end of a linkage cannot follow. So it is, too, for
+    a follower that is held both ways, in a groove, between the discs of a pair (`paired`) or by a
+    yoke.
     """
     demanded = Demanded(drive, cam, drive.time_course)
-    if cam is None or model == "demanded" or paired or not _on_one_flank(cam):
+    if cam is None or model == "demanded" or paired or _is_held_both_ways(cam):
         return demanded
     flank = cam.contact.main
     try:
@@ -37,10 +54,9 @@ def state_of(drive: Drive, cam: Cam | None, model: Model, *, paired: bool) -> St
         return demanded
     from camgeo.state.outline import OfOutline  # few discs are trimmed
 
-    return OfOutline(cam, replay, drive.time_course)
+    found = OfOutline(cam, replay, drive.time_course)
+    return found if found.is_followed else demanded
 
 
-def _on_one_flank(cam: Cam) -> bool:
-    """Whether a roller without linkage runs on a single flank."""
-    held_back = cam.contact.closed_by_form or cam.yoke is not None
-    return cam.follower.has_pitch_curve and cam.drive.linkage is None and not held_back
+def _is_held_both_ways(cam: Cam) -> bool:
+    return cam.contact.closed_by_form or cam.yoke is not None

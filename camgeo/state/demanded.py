@@ -39,6 +39,11 @@ class Demanded:
         return "demanded"
 
     @property
+    def sense(self) -> int:
+        """See `State`."""
+        return 0
+
+    @property
     def motion(self) -> Motion:
         """See `State`; GeometryError with key "linkage" if the linkage does not close."""
         return self.drive.motion

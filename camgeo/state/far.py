@@ -70,18 +70,17 @@ class FarMotion:
         own = self.follower.jet(phi, side, FULL_ORDER)
         x = self.demanded.jet(phi, side, 1)[0].copy()
         scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
+        sense = np.sign(self._along(x, 1)[1])
         for _ in range(STEPS):
             here, slope = self._along(x, 1)
+            if np.any(slope * sense <= 0.0):  # beyond a dead centre the far end moves the other way
+                raise _at_dead_centre()
             step = (own[0] - here) / slope
             x = x + step
             if np.max(np.abs(step), initial=0.0) <= SETTLED * scale:
                 break
         else:
-            raise GeometryError(
-                "the far end does not follow the motion on the written contour: the linkage is at"
-                " a dead centre",
-                key="linkage",
-            )
+            raise _at_dead_centre()
         _, first, second, third = self._along(x, FULL_ORDER)
         out = np.empty_like(own)
         out[0] = x
@@ -100,3 +99,11 @@ class FarMotion:
         """See `Motion`: without any bound."""
         jet = self.jet(0.5 * (low + high))
         return jet, np.full_like(jet, np.inf)
+
+
+def _at_dead_centre() -> GeometryError:
+    return GeometryError(
+        "the far end does not follow what the disc makes the follower do: the linkage is at a dead"
+        " centre",
+        key="linkage",
+    )

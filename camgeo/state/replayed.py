@@ -1,4 +1,4 @@
-"""The motion of a roller that is pressed against what remains of its flank."""
+"""The motion of a follower that is pressed against what remains of its flank."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ SEAM = 1e-9
 class ReplayedMotion:
     """The demanded motion where the flank is whole, and the motion over its corners; see `Motion`.
 
-    On a corner the roller turns about a point of the disc, so its lift and three derivatives are
-    known in closed form (`camgeo.mechanism.lift_jet.lift_jet`).
+    On a corner the roller turns about a point of the disc, over which a flat face rocks, so the
+    lift and three derivatives are known in closed form (`camgeo.mechanism.lift_jet.lift_jet`,
+    `camgeo.mechanism.face_path.FacePath.jet`).
 
     Attributes
     ----------
@@ -84,7 +85,7 @@ class ReplayedMotion:
             yield Dwell(start % TURN, end - start)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
-        """(n,) whether a corner of the disc holds the roller at `phi` (n,) [rad]."""
+        """(n,) whether a corner of the disc holds the follower at `phi` (n,) [rad]."""
         return np.asarray(self.lift.number(phi, side) != AS_DEMANDED)
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:

@@ -17,11 +17,21 @@ Model = Literal["demanded", "outline", "written"]
 makes, or the one that its contour makes as it is written.
 """
 
+Carrier = Literal["inner", "outer", "main", "return"]
+"""On which side a follower runs that is held both ways: the flank of a groove, or the disc of a
+conjugate pair.
+"""
+
 Train = Literal["elastic", "rigid"]
 """How the output follows the follower: by the elastic train of the effect `vibration`, where a
 scene names it, or as if that were rigid.
 """
 
+
+FIRST: Final = 1
+SECOND: Final = -1
+"""The sides of a follower: an inner flank or main disc, and an outer flank or return disc. So they
+have the sign of the contact force."""
 
 AT_REST: Final = 1e-12
 """Velocities s' [mm or rad] up to this are those of a rest, but for rounding."""
@@ -33,12 +43,18 @@ or `camshaft-windup` finds."""
 
 @dataclass(frozen=True, slots=True)
 class Used:
-    """What a result was computed for: whose motion, with which speed of the cam; None if there is
-    none.
+    """What a result was computed for.
+
+    Attributes
+    ----------
+    motion : whose.
+    speed : of the cam; None if there is none.
+    sense : the side that makes the motion, as `State.sense`.
     """
 
     motion: Model
     speed: Speed | None
+    sense: int = 0
 
 
 def order_with(output: Motion, course: TimeCourse | None) -> int:
@@ -59,6 +75,8 @@ class State(Protocol):
     Attributes
     ----------
     model : whose motion it is.
+    sense : the side on which the follower makes this motion, `FIRST` or `SECOND`; 0 if it is that
+        of no flank, as the demanded one, which is the same on both sides.
     motion : of the follower.
     output : of the member with the demanded motion; that of the follower without a linkage.
     course : how the cam turns in time; None if no speed is given.
@@ -72,6 +90,9 @@ class State(Protocol):
 
     @property
     def model(self) -> Model: ...
+
+    @property
+    def sense(self) -> int: ...
 
     @property
     def motion(self) -> Motion: ...

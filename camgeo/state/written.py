@@ -9,31 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import smooth_angles
-from camgeo.contour.contour import Contour, Effort, Form
-from camgeo.contour.spline import SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.errors import GeometryError
 from camgeo.motion.kept import Answers
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
 from camgeo.motion.time_course import TimeCourse, TimeExtremes, time_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, read_only
-from camgeo.outline.path import Flank
-from camgeo.outline.replay import replay_contour
 from camgeo.outline.replay_result import DiscLift, Replay
-from camgeo.part.boundary import fitted
 from camgeo.state.face_curve import FaceCurve
 from camgeo.state.far import FarMotion
 from camgeo.state.state import Model
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.part.part import Part
 
 KEY: Final = "state.motion"
 MODEL: Final = "written"
@@ -41,22 +32,6 @@ MODEL: Final = "written"
 RESTING = 1e-10
 """A piece over which the derivatives of the lift are below this share of the largest of the turn is
 an arc about the cam axis: the follower rests."""
-
-
-@dataclass(frozen=True, slots=True)
-class Writing:
-    """How a contour is written.
-
-    Attributes
-    ----------
-    form : of its pieces.
-    tolerance : within which it keeps to the exact curve [mm].
-    effort : of the fit.
-    """
-
-    form: Form
-    tolerance: float
-    effort: Effort = "fewest"
 
 
 @dataclass(frozen=True)
@@ -137,25 +112,29 @@ class WrittenMotion:
 
 @dataclass(frozen=True)
 class Written:
-    """The motion on the written contour of the only flank; see `camgeo.state.state.State`.
+    """The motion on a written contour; see `camgeo.state.state.State`.
 
     The roller touches a vertex of the contour as it does a piece, along the normal of the path of
     its centre. A flat face touches the convex hull of the contour, see `camgeo.outline.face_hull`.
 
     Attributes
     ----------
-    cam : whose flank it is.
+    cam : that sees the motion.
     replay : of the contour; the lift does not jump.
     deviation : proved, of the contour from the exact curve [mm].
     pieces : of the contour.
+    sense : see `State`.
     course : how the cam turns; None if that is not known.
+    touches : whether it is this cam's contour, not that of the other disc of a pair.
     """
 
     cam: Cam
     replay: Replay
     deviation: float
     pieces: int
+    sense: int
     course: TimeCourse | None
+    touches: bool = True
 
     @property
     def model(self) -> Model:
@@ -201,7 +180,9 @@ class Written:
         return kind(self.motion, self.cam.follower, self.cam.rotation)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
-        """See `State`."""
+        """See `State`; another contour than the one of the motion is taken to be whole."""
+        if not self.touches:
+            return np.zeros(len(phi), dtype=np.bool_)
         return self.motion.on_corner(phi, side)
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:
@@ -211,53 +192,3 @@ class Written:
     def turning(self, course: TimeCourse) -> Written:
         """See `State`."""
         return replace(self, course=course)
-
-
-def written(cam: Cam, part: Part, writing: Writing, *, paired: bool = False) -> Written:
-    """The motion of the follower of `cam` on the flank of `part`, written as `writing` says.
-
-    Raises
-    ------
-    GeometryError
-        With the key, if the follower does not run on a single flank, or drops off an
-        edge of the contour; from the replay, if it cannot be followed.
-    ToleranceError
-        If the tolerance cannot be reached.
-    UndercutError
-        If there is no disc.
-    """
-    _require_single_flank(cam, paired=paired)
-    side = Flank(cam.contact.main)
-    (boundary,) = (each for each in part.boundaries if each.name == "outline")
-    fit = fitted(boundary, writing.form, writing.effort, writing.tolerance)
-    contour = fit.contour
-    replay = _replayed(cam, contour, side)
-    if len(replay.drops):
-        raise GeometryError(
-            "the follower drops off an edge of the contour: its velocity is unbounded there",
-            key=KEY,
-            value=MODEL,
-        )
-    return Written(cam, replay, fit.deviation, len(contour), cam.drive.time_course)
-
-
-def _replayed(cam: Cam, contour: Contour | SplineContour, side: Flank) -> Replay:
-    if isinstance(contour, SplineContour):
-        if not cam.follower.has_pitch_curve:
-            raise GeometryError(
-                "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
-            )
-        from camgeo.contour.spline_replay import replay_spline  # few contours are splines
-
-        return replay_spline(cam.disc.pitch_curve, contour, side)
-    return replay_contour(cam.disc.pitch_curve, contour, side)
-
-
-def _require_single_flank(cam: Cam, *, paired: bool) -> None:
-    if cam.contact.closed_by_form or cam.yoke is not None or paired:
-        raise GeometryError(
-            "the follower is held both ways, and which contour moves it depends on the forces: its"
-            " motion is not computed",
-            key=KEY,
-            value=MODEL,
-        )

@@ -134,9 +134,10 @@ class LineContact:
         value = radius / self.scale
         what = "a cusp of the flank" if value >= -CUSP else "an undercut flank"
         what = CORNERS.get(self.subject.state.model, what)
+        touching = self.subject.cam.follower.touching
         raise EffectError(
-            f"the pressure is infinite {at(angle)}: {what} carries the roller there; 1 + d kappa is"
-            f" {value:.6g} and must be above 0",
+            f"the pressure is infinite {at(angle)}: {what} carries the {touching} there; 1 + d"
+            f" kappa is {value:.6g} and must be above 0",
             finding="infinite-contact-pressure",
             value=value,
             limit=0.0,
@@ -148,7 +149,7 @@ CORNERS: Final[dict[Model, str]] = {
     "outline": "a sharp corner of the trimmed flank",
     "written": "a vertex of the written contour",
 }
-"""What holds the roller where the pressure is infinite, by the motion of the state."""
+"""What holds the follower where the pressure is infinite, by the motion of the state."""
 
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 

@@ -177,6 +177,11 @@ def crossed_by(
     names, noun = sides_of(subject)
     who = "roller" if subject.returning is None else "follower"
     told = Told(who, names, noun, _clearance_in_words(subject, clearance))
+    if subject.state.sense:
+        why = why or (
+            "the contours are given as they are written, and flights between these are not"
+            ' computed; [state] motion = "demanded" gives those between the exact ones'
+        )
     if why or inertia is None or course is None:
         return _none("impact-speed", why)
     jumps = subject.state.shocks
