@@ -32,6 +32,8 @@ from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
 from camgeo.effects.lift_off.crossing import LISTED
+from camgeo.effects.lift_off.elastic_flight import MOST_PERIODS
+from camgeo.effects.lift_off.elastic_flight import MOST_TURNS as ELASTIC_TURNS
 from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
 from camgeo.effects.nodes import TOLERANCE
@@ -92,6 +94,8 @@ NUMBERS: Final[dict[str, Any]] = {
     "searched": f"{SEARCHED:g}",
     "steps": MOST_STEPS,
     "flight_turns": MOST_TURNS,
+    "elastic_turns": ELASTIC_TURNS,
+    "elastic_periods": MOST_PERIODS,
     "shear_share": SHEAR_SHARE,
     "shear_depth": SHEAR_DEPTH,
     "heavy": HEAVY,

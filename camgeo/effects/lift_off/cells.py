@@ -29,7 +29,23 @@ ORDERS: Final = (16, 24)
 ROUNDING: Final = 1e-12
 """An estimated error below this share is rounding, whatever the tolerance."""
 
+CLOSE: Final = 1e-14
+"""Change of the gap, as a share of its size, at which they end."""
+
+NOISE: Final = 2.0**-50
+"""Rounding of the forces, a share of the largest; it moves the gap, however small that is."""
+
+ROUNDED: Final = 2.0**-52
+"""Rounding of a lift, a share of the largest."""
+
+MOST_AT_ONCE: Final = 64
+"""Cells that are evaluated at a time at most."""
+
 Polynomial = np.polynomial.Chebyshev
+
+
+class StiffError(ArithmeticError):
+    """Picard's iteration does not converge in a cell; words say where shorter ones do not help."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,17 +56,28 @@ class Nodes:
     ----------
     places : (n,) of the nodes, from -1 to 1, ascending.
     fit : (n, n) from the values at the nodes to coefficients.
+    gain : (n, n) from these values to the integral from the start of the cell to each node, with
+        half the length of the cell as the unit.
     """
 
     places: FloatArray
     fit: FloatArray
+    gain: FloatArray
 
     @classmethod
     def of(cls, count: int) -> Self:
         """So many nodes."""
         places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
         matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
-        return cls(places, np.asarray(np.linalg.inv(matrix), dtype=np.float64))
+        fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+        grown = np.polynomial.chebyshev.chebint(fit, lbnd=-1.0)
+        return cls(places, fit, np.polynomial.chebyshev.chebvander(places, count) @ grown)
+
+    def over(self, ends: tuple[float, float], pace: FloatArray) -> FloatArray:
+        """(n, n) from values at the nodes of the cell with these `ends` to their integral over time
+        to each node, where the cell is passed with the `pace` (n,) [rad/s].
+        """
+        return np.asarray(0.5 * (ends[1] - ends[0]) * self.gain / pace)
 
     def function(self, values: FloatArray, ends: tuple[float, float]) -> Polynomial:
         """With these `values` (n,) at the nodes of the cell with these `ends`."""

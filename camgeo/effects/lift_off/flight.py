@@ -16,6 +16,10 @@ or where it meets the other wall. The impact speed is that along the normal of t
 with the velocity v of q relative to that of the wall; it goes on with -e v, with the restitution e
 (Newton's law), and loses (1 - e^2) M v^2 / 2.
 
+An elastic train that it carries adds a force to R and to the right, see
+`camgeo.effects.lift_off.carried`; M is then that of the follower in front of it. Where h' jumps, d'
+jumps the other way.
+
 In each cell of cam angle d solves the integral equation at Chebyshev nodes, by Picard's iteration
 (Clenshaw and Norton, The Computer Journal 6 (1963) 88-92). Between the places where a gap is
 evaluated, a bound of its second derivative excludes that it closes.
@@ -27,28 +31,37 @@ time, all that follows repeats.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Final
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
 from camgeo.effects.bearing_friction import BearingFriction
 from camgeo.effects.force import Force
 from camgeo.effects.lift_off.cells import (
+    CLOSE,
+    MOST_AT_ONCE,
     MOST_HALVINGS,
+    NOISE,
     ORDERS,
+    ROUNDED,
     ROUNDING,
     Nodes,
     Polynomial,
+    StiffError,
     cells_from,
 )
+from camgeo.effects.lift_off.closing import EARLY, EVEN, closes
 from camgeo.effects.lift_off.flown import (
+    MOST_FLIGHTS,
+    SAME,
     Cell,
     End,
     Flight,
     Flights,
     Leaving,
+    Off,
     apart,
     in_turns,
     next_leaving,
@@ -59,37 +72,16 @@ from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.motion.time_course import TimeCourse
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
 
+if TYPE_CHECKING:
+    from camgeo.effects.lift_off.carried import Carried
+
 MOST_ITERATIONS: Final = 60
 """Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
-
-CLOSE: Final = 1e-14
-"""Change of the gap, as a share of its size, at which they end."""
-
-NOISE: Final = 2.0**-50
-"""Rounding of the forces, a share of the largest; it moves the gap, however small that is."""
-
-ROUNDED: Final = 2.0**-52
-"""Rounding of a lift, a share of the largest."""
-
-EVEN: Final = np.linspace(0.0, 1.0, 65)
-EARLY: Final = np.append(0.0, np.geomspace(1e-9, 1.0, 128))
-"""Places in a cell at which the landing is searched for; early ones where a flight begins with a
-speed, which may last but a moment.
-"""
-
-FINER: Final = np.linspace(0.0, 1.0, 9)
-"""Places between two of them, where their gaps do not exclude that it closes in between."""
-
-FINEST: Final = 1e-10
-"""A gap that would close and open again within this share of a turn only touches 0."""
-
-MOST_AT_ONCE: Final = 64
-"""Cells that are evaluated at a time at most."""
 
 MOST_REBOUNDS: Final = 5
 """Rebounds of one flight that are followed; then it stays on the wall that it has hit."""
@@ -97,20 +89,10 @@ MOST_REBOUNDS: Final = 5
 MOST_TURNS: Final = 8
 """Turns after which all flights must repeat, and one flight must have ended."""
 
-MOST_FLIGHTS: Final = 256
-"""In these turns; more come from nodes that are too few."""
-
-SAME: Final = 1e-11
-"""Landings this close [rad], modulo a turn, are one place."""
-
 PULLING: Final = 1e-9
 """A played wall would have to pull where its force is below minus this share of the largest: the
 second derivative of a played lift is rounded more than that of the state.
 """
-
-
-class _StiffError(ArithmeticError):
-    """Picard's iteration does not converge in a cell; words say where shorter ones do not help."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +109,8 @@ class FreeFollower:
         the motion of the state, and against that motion; None without any.
     edges : (k,) [rad] from 0 to 2 pi, between which everything is smooth.
     least : smallest gap [mm or rad]; less is rounding of the lift.
+    jumps : cam angles [rad] in [0, 2 pi) at which the velocity of the only wall jumps.
+    carried : the elastic train behind the follower; None without any.
     """
 
     forces: tuple[Force, ...]
@@ -136,6 +120,10 @@ class FreeFollower:
     bearings: BearingFriction | None
     edges: FloatArray
     least: float
+    jumps: FloatArray = field(default_factory=lambda: np.empty(0))
+    carried: Carried | None = None
+
+    most_turns: ClassVar[int] = MOST_TURNS
 
     def leavings(self) -> tuple[Leaving, ...]:
         """Where the walls would have to pull."""
@@ -143,7 +131,7 @@ class FreeFollower:
         for number, wall in enumerate(self.walls):
 
             def push(phi: FloatArray, side: Side, wall: Wall = wall) -> FloatArray:
-                needed = self._on_wall(wall, phi, side)[3]
+                needed = self.on_wall(wall, phi, side)[3]
                 return np.asarray(np.sign(wall.leverage(phi, side)) * needed)
 
             extremes = piecewise_extremes(push, self.edges)
@@ -179,7 +167,7 @@ class FreeFollower:
                     self._chain(leavings, restitution, Nodes.of(count), halvings)
                     for count in ORDERS
                 )
-            except _StiffError as stiff:
+            except StiffError as stiff:
                 why = str(stiff)
                 continue
             why = ""
@@ -218,21 +206,33 @@ class FreeFollower:
                 if each is leaving and turns and abs(start - before - turns * TURN) <= SAME:
                     return Flights(in_turns(flown[count:], turns), turns)
             begun.append((leaving, start, len(flown)))
-            angle, rate = start, leaving.rate
-            for number in range(MOST_REBOUNDS + 1 if restitution else 1):
-                end = self._flight(wall, angle, rate, nodes, halvings)
-                if end is None:
-                    return Flights(tuple(flown), 0, angle % TURN)
-                if end.gap == 0.0:
-                    break
-                flown.append(self._landed(end, restitution, (wall, angle), number > 0))
-                wall, angle, rate = end.wall, end.angle, -restitution * end.rate
-            else:
-                continue
+            off = Off(0.0, leaving.rate)
+            flights, end = self.flown_from(wall, start, off, restitution, nodes, halvings)
+            flown += flights
+            if end is None:
+                return Flights(tuple(flown), 0, (flights[-1].landing if flights else start) % TURN)
+            wall, angle = end.wall, end.angle
             if angle == start:  # nothing has opened: it has not left
                 ahead = (leaving.end - start) % TURN
                 angle = max(start + ahead, float(np.nextafter(start, np.inf)))
         return Flights(tuple(flown), 0)
+
+    def flown_from(
+        self, wall: int, angle: float, off: Off, restitution: float, nodes: Nodes, halvings: int
+    ) -> tuple[list[Flight], End | None]:
+        """The flight that leaves the `wall` at `angle` [rad], with its rebounds, and the end of the
+        last: None if it lasts longer than `MOST_TURNS`, where that began if nothing opens.
+        """
+        flown: list[Flight] = []
+        end = None
+        for number in range(MOST_REBOUNDS + 1 if restitution else 1):
+            end = self._flight(wall, angle, off, nodes, halvings)
+            if end is None or end.gap == 0.0:
+                break
+            flown.append(self._landed(end, restitution, (wall, angle), number > 0))
+            wall, angle = end.wall, end.angle
+            off = Off(0.0, -restitution * end.rate, end.memory)
+        return flown, end
 
     def _landed(
         self, end: End, restitution: float, begin: tuple[int, float], rebound: bool
@@ -256,53 +256,60 @@ class FreeFollower:
         )
 
     def _flight(
-        self, wall: int, leaving: float, rate: float, nodes: Nodes, halvings: int
+        self, wall: int, leaving: float, off: Off, nodes: Nodes, halvings: int
     ) -> End | None:
-        """The end of the flight that leaves the `wall` at `leaving` [rad] with the `rate` of d [per
-        s]; None if it lasts longer than `MOST_TURNS`.
+        """The end of the flight that leaves the `wall` at `leaving` [rad]; None if it lasts longer
+        than `MOST_TURNS`.
         """
         outwards = self.walls[wall].outwards(leaving % TURN)
-        way, most, flying, thrown = 0.0, 0.0, False, rate != 0.0
+        most, flying, thrown = 0.0, False, off.rate != 0.0
         for cell in self._sampled(wall, outwards, leaving, nodes, halvings):
             low, high = cell.ends
-            gap, speed = self._solved(cell, nodes, way, rate)
+            if low > leaving:
+                off = replace(off, rate=off.rate + self._leap(low))
+            gap, speed, memory = self._solved(cell, nodes, off)
             probes = low + (high - low) * (EVEN if flying or not thrown else EARLY)
             away = outwards * gap(probes)
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
             opened = np.maximum.accumulate(away > self.least) | flying
-            if thrown and not opened[-2]:
-                return End(leaving, wall, 0.0, 0.0, 0.0)
-            back = _closes(outwards * gap, probes[opened]) if opened[-2] else None
+            if not opened[-2] and (thrown or away[-1] < -self.least):
+                return End(leaving, wall, 0.0, 0.0, 0.0, off.memory)
+            back = closes(outwards * gap, probes[opened]) if opened[-2] else None
             across = None
             if cell.room is not None:
                 room = nodes.function(cell.room, cell.ends) - outwards * gap
-                across = _closes(room, probes)
+                across = closes(room, probes)
             stops = [each for each in (back, across) if each is not None]
             end = min(stops, default=high)
             turning = bracketed_roots(speed, *sign_changes(probes, speed(probes)))
             far = outwards * gap(np.append(turning[turning < end], [low, end]))
             most = max(most, float(np.max(far)))
+            last = Off(float(gap(end)), float(speed(end)), memory(end))
             if stops:
                 hit = wall if across is None or end == back else 1 - wall
-                return self._ended(wall, hit, end, (float(gap(end)), float(speed(end)), most))
-            way, rate, flying = float(gap(high)), float(speed(high)), bool(opened[-1])
+                return self._ended(wall, hit, end, last, most)
+            off, flying = last, bool(opened[-1])
         return None
 
-    def _ended(self, wall: int, hit: int, angle: float, found: tuple[float, float, float]) -> End:
-        """The end on the wall `hit`, with d, its rate and the largest gap `found`."""
-        gap, rate, most = found
+    def _leap(self, angle: float) -> float:
+        """What the rate of d gains at `angle` [rad], where the velocity of the wall may jump."""
+        apart = np.abs(np.mod(angle - self.jumps + 0.5 * TURN, TURN) - 0.5 * TURN)
+        return sum(self.jump(each) for each in self.jumps[apart <= SAME].tolist())
+
+    def _ended(self, wall: int, hit: int, angle: float, last: Off, most: float) -> End:
+        """The end on the wall `hit`, with the largest gap until then."""
         here = np.array([angle % TURN])
         own, met = (self.walls[each].motion(here, "left")[:, 0] for each in (wall, hit))
         omega = float(self.course.rates(here)[0, 0])
         place, pace = float(own[0]), omega * float(met[1] - own[1])
-        return End(angle, hit, place + gap, rate - pace, most)
+        return End(angle, hit, place + last.gap, last.rate - pace, most, last.memory)
 
-    def _on_wall(
+    def on_wall(
         self, wall: Wall, phi: FloatArray, side: Side
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The motion (3, n) on `wall` in time, and (n,) M, F and R there, see the module.
 
-        R has the friction of the bearings.
+        R has the friction of the bearings, and the force of an elastic train in its steady state.
         """
         jet, rates = wall.motion(phi, side), self.course.rates(phi, side)
         omega, alpha = rates[0], rates[1]
@@ -311,6 +318,8 @@ class FreeFollower:
         needed = mass * timed[2] - free
         if self.bearings is not None:
             needed = needed + self.bearings.alone(phi, side, rates)
+        if self.carried is not None:
+            needed = needed + self.carried.steady(phi, side)
         return timed, mass, free, needed
 
     def _free(
@@ -334,7 +343,7 @@ class FreeFollower:
             lows, highs = np.array(block).T[:, :, None]
             angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * nodes.places
             phi = np.mod(angles, TURN).ravel()
-            timed, *forces = self._on_wall(own, phi, "right")
+            timed, *forces = self.on_wall(own, phi, "right")
             found = [phi, self.course.rates(phi)[0], *timed, *forces]
             if len(self.walls) > 1:
                 other = self.walls[1 - wall].motion(phi, "right")[0]
@@ -345,55 +354,47 @@ class FreeFollower:
             size = min(2 * size, MOST_AT_ONCE)
 
     def _solved(
-        self, cell: Cell, nodes: Nodes, way: float, rate: float
-    ) -> tuple[Polynomial, Polynomial]:
-        """d and its rate in a cell; at its start they are `way` and `rate`."""
+        self, cell: Cell, nodes: Nodes, off: Off
+    ) -> tuple[Polynomial, Polynomial, Callable[[float], ComplexArray]]:
+        """d, its rate and the memory of the train in a cell, which at its start are those of
+        `off`.
+        """
         count = len(cell.phi)
         time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
-        size = np.max((np.abs(cell.free) + np.abs(cell.mass * cell.pull)) / cell.mass)
+        sizes = np.abs(cell.free) + np.abs(cell.mass * cell.pull)
+        size = np.max(np.maximum(sizes, np.abs(cell.needed)) / cell.mass)
         noise = NOISE * float(size) * time * time
-        d, v = np.full(count, way), np.full(count, rate)
+        over_time = nodes.over(cell.ends, cell.omega)
+        moved = None if self.carried is None else self.carried.moved(cell, over_time, off)
+        d, v = np.full(count, off.gap), np.full(count, off.rate)
         for _ in range(MOST_ITERATIONS):
             mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
             if not np.all(mass > 0.0):
-                raise _StiffError("the follower flies beyond the end of its linkage's motion")
-            push = (free - cell.free - cell.needed + (cell.mass - mass) * cell.pull) / mass
-            speed = nodes.integral(push / cell.omega, rate, cell.ends)
-            gap = nodes.integral(speed(cell.angles) / cell.omega, way, cell.ends)
-            last, d, v = d, gap(cell.angles), speed(cell.angles)
+                raise StiffError("the follower flies beyond the end of its linkage's motion")
+            push = free - cell.free - cell.needed + (cell.mass - mass) * cell.pull
+            push = push / mass if moved is None else moved.acceleration(push)
+            v = off.rate + over_time @ push
+            last, d = d, off.gap + over_time @ v
             if np.max(np.abs(d - last)) <= max(CLOSE * float(np.max(np.abs(d))), noise):
-                return gap, speed
-        raise _StiffError
+                speed = nodes.integral(push / cell.omega, off.rate, cell.ends)
+                gap = nodes.integral(v / cell.omega, off.gap, cell.ends)
+                kept = (lambda _: off.memory) if moved is None else moved.memory(nodes, v)
+                return gap, speed, kept
+        raise StiffError
 
 
 def free_of(
-    contact: ContactForce, inertia: Inertia, course: TimeCourse, walls: tuple[Wall, ...]
+    contact: ContactForce,
+    inertia: Inertia,
+    course: TimeCourse,
+    walls: tuple[Wall, ...],
+    jumps: Sequence[float] = (),
 ) -> FreeFollower:
-    """A follower with the forces of `contact`, inertia among them."""
+    """A follower with the forces of `contact`, inertia among them; for `jumps` see the class."""
     others = tuple(each for each in contact.forces if each is not inertia.force)
     cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
     lifts = np.abs(walls[0].motion(cuts, "right")[0])
     least = ROUNDED * float(np.max(lifts))
-    return FreeFollower(others, inertia, course, walls, contact.bearings, cuts, least)
-
-
-def _closes(gap: Polynomial, probes: FloatArray) -> float | None:
-    """The first place from the first to the last of `probes` at which the `gap`, above 0 at first,
-    falls to 0; None if there is none.
-    """
-    values = gap(probes)
-    width = np.diff(probes)
-    bend = float(np.sum(np.abs(gap.deriv(2).coef)))
-    least = np.minimum(values[:-1], values[1:])
-    doubtful = (least <= 0.0) | (least < 0.125 * bend * width * width)
-    for piece in np.flatnonzero(doubtful).tolist():
-        low, high = float(probes[piece]), float(probes[piece + 1])
-        if values[piece] <= 0.0:
-            return low
-        if high - low > FINEST * TURN:
-            found = _closes(gap, low + (high - low) * FINER)
-            if found is not None:
-                return found
-        elif values[piece + 1] <= 0.0:
-            return float(bracketed_roots(gap, np.array([low]), np.array([high]))[0])
-    return None
+    return FreeFollower(
+        others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps)
+    )

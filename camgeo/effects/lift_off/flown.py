@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Final
 
-from camgeo.numeric.arrays import FloatArray
+import numpy as np
+
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
+
+MOST_FLIGHTS: Final = 256
+"""In these turns; more come from nodes that are too few."""
+
+SAME: Final = 1e-11
+"""Landings this close [rad], modulo a turn, are one place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +85,32 @@ class Leaving:
     rate: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+def no_train() -> ComplexArray:
+    """The memory of a follower that carries no elastic train."""
+    return np.zeros(0, dtype=np.complex128)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Off:
+    """The state of a free follower.
+
+    Attributes
+    ----------
+    gap, rate : d [mm or rad] and its rate [per s].
+    memory : (m,) z of the modes of the train that it carries, see
+        `camgeo.effects.lift_off.carried`.
+    """
+
+    gap: float
+    rate: float
+    memory: ComplexArray = field(default_factory=no_train)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class End:
     """Where a flight ends [rad], on which wall, the coordinate and its rate relative to that wall
-    [per s], and the largest |d| until then; 0 if it does not open by more than rounding.
+    [per s], the largest |d| until then, 0 if it does not open by more than rounding, and the
+    memory of the train.
     """
 
     angle: float
@@ -87,6 +118,7 @@ class End:
     place: float
     rate: float
     gap: float
+    memory: ComplexArray = field(default_factory=no_train)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -18,15 +18,24 @@ from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS, FreeFollow
 from camgeo.effects.lift_off.flown import Flight, Leaving
 from camgeo.effects.lift_off.walls import of_state, with_clearance
 from camgeo.effects.results import ContactForce, Inertia
-from camgeo.effects.touching import FLANKS, sides_of
+from camgeo.effects.touching import FLANKS, holds_both_ways, sides_of
 from camgeo.effects.wording import N_M, at, between, degrees, placed
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.extremes import Extreme, piecewise_lowest
+from camgeo.numeric.extremes import Extreme, piecewise_highest, piecewise_lowest
 from camgeo.units import TURN
 from camgeo.wording import counted, listed
 
+if TYPE_CHECKING:
+    from camgeo.effects.lift_off.elastic_flight import ElasticFollower
+
 ANGLE_SHOWN: Final = math.radians(5e-5)
 """Half of the last digit with which sentences give cam angles [rad]."""
+
+RIGID: Final = '; [state] output = "rigid" gives the flights with a rigid train'
+
+NOTHING: Final = 1e-9
+"""A mass in front of an elastic train below this share of all masses is rounding of their
+difference."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,12 +160,21 @@ def flown_from(
     if why or inertia is None or course is None:
         return _none("flight", why)
     walls = (of_state(subject, flank.sense),)
-    free = free_of(contact, inertia, course, walls)
+    free = free_of(contact, inertia, course, walls, subject.state.shocks)
     found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
     for each in lost.ranges:
         length = (each.end - each.start) % TURN
         if length > 0.0:
             found.append(Leaving(0, each.start, each.start + length))
+    if contact.behind is not None:
+        from camgeo.effects.lift_off.elastic_flight import carrying  # few trains are elastic
+
+        leaps = tuple(each for each in found if each.begin == each.end)
+        try:
+            elastic = carrying(free, flank, leaps)
+        except EffectError as error:
+            return _none("flight", error.message + RIGID)
+        return _told(told, subject, elastic, tuple(found), restitution, tolerance)
     return _told(told, subject, free, tuple(found), restitution, tolerance)
 
 
@@ -211,15 +229,31 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
         return "it needs [effects.inertia]; without mass a landing is no impact"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, and its landing is no impact"
-    if contact.behind is not None:
-        return (
-            'the free motion of an elastic train is not computed; [state] output = "rigid" gives'
-            " that of a rigid one"
-        )
+    if contact.behind is not None and (why := _why_not_elastic(subject, contact, inertia)):
+        return why + RIGID
     unknown = [
-        each.name for each in contact.forces if each.off is None and each is not inertia.force
+        each.name
+        for each in contact.forces
+        if each.off is None and each is not inertia.force and not each.present
     ]
     return f"{listed(unknown)} off the cam is not known" if unknown else ""
+
+
+def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) -> str:
+    """The same for an elastic train."""
+    if holds_both_ways(subject):
+        return "the flights of an elastic train across a clearance are not computed"
+    if subject.drive.linkage is not None:
+        return "the flights of an elastic train behind a linkage are not computed"
+    assert contact.struck is not None  # there are masses
+    own = piecewise_lowest(contact.struck, contact.edges).value
+    if not own > NOTHING * piecewise_highest(inertia.to_follower, contact.edges).value:
+        return (
+            "all of its mass is behind the elastic train, and no impact is known without some in"
+            " front of it; [effects.vibration] masses or moments of less than [effects.inertia]"
+            " has in sum leave it some"
+        )
+    return ""
 
 
 def _none(name: str, why: str) -> Flown:
@@ -229,7 +263,7 @@ def _none(name: str, why: str) -> Flown:
 def _told(
     told: Told,
     subject: Subject,
-    free: FreeFollower,
+    free: FreeFollower | ElasticFollower,
     leavings: tuple[Leaving, ...],
     restitution: float,
     tolerance: float,
@@ -247,7 +281,7 @@ def _told(
             f" {counted(MOST_TURNS, 'turn')}"
         )
     if not steady.turns:
-        return none(f"the flights do not repeat within {counted(MOST_TURNS, 'turn')}")
+        return none(f"the flights do not repeat within {counted(free.most_turns, 'turn')}")
     flights, turns = steady.flights, steady.turns
     if not flights:
         return Flown()
