@@ -36,6 +36,5 @@ EFFECT: Final = Effect(
     needs=(CONTACT_FORCE,),
     keys=(SPEED,),
     tabled=True,
-    regardless=("largest-roller-spin", "smallest-roller-spin"),
     refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )
