@@ -184,12 +184,14 @@ class Friction(Acting):
         GeometryError at a cusp.
     bearing : at n cam angles, on the side `sense`.
     guide_length : between the ends of the guide [mm]; None if the scene does not state it.
+    on_roller : largest moments on the roller per unit of |N| [mm]: of its bearing, and of rolling.
     rubbing : Coulomb friction in guide or pivot; None without any.
     """
 
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
     bearing: Callable[[FloatArray, Side, int], Bearing]
     guide_length: float | None
+    on_roller: tuple[float, float]
     rubbing: Rubbing | None = None
 
 

@@ -424,7 +424,7 @@ def test_each_roller_has_a_spin_of_its_own_that_the_other_has_half_a_turn_later(
     for one, other in zip(first.spin(phi + HALF, RIGHT), second.spin(phi, RIGHT), strict=True):
         assert one == pytest.approx(other, rel=1e-12, abs=1e-9)
     normal = design.effect("contact-force").normal(phi, RIGHT)
-    assert first.normal(phi, RIGHT) - second.normal(phi, RIGHT) == pytest.approx(normal)
+    assert first.pressing(phi, RIGHT) - second.pressing(phi, RIGHT) == pytest.approx(normal)
     reserve = second.reserve(phi, RIGHT)[normal > 0.0]
     assert np.all(reserve <= 0.0)
     names = [each.name for each in spin.findings]

@@ -54,6 +54,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
         per_normal=statics.per_normal,
         bearing=statics.bearing,
         guide_length=data.guide_length,
+        on_roller=(0.5 * data.roller_pin * data.roller_pin_diameter, data.rolling),
         rubbing=statics.rubbing,
     )
 

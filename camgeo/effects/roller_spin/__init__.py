@@ -36,10 +36,5 @@ EFFECT: Final = Effect(
     needs=(CONTACT_FORCE,),
     keys=(SPEED,),
     tabled=True,
-    regardless=tuple(
-        f"{side}{name}"
-        for side in ("", "opposite-")
-        for name in ("largest-roller-spin", "smallest-roller-spin")
-    ),
     refined_by=(ELASTIC, GIVEN_SPEED, STIFF_SHAFT),
 )

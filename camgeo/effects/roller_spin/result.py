@@ -11,122 +11,57 @@ balance of moments about the pin is
     J d omega_R/dt = |N| (m_p + m_r) + s sigma r_R T.
 
 It rolls while |T| is at most mu_T |N|, with the coefficient of traction mu_T. Where the roller of a
-groove changes flanks, it must reverse its spin at once, and skids whatever the traction (Norton,
-Cam Design and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law
-for rotation). Each of the two rollers of a yoke keeps its sense of spin, but nothing drives it
-while the other one carries.
+groove changes flanks, it must reverse its spin, and skids whatever the traction (Norton, Cam Design
+and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law for
+rotation). Each of the two rollers of a yoke keeps its sense of spin, but nothing drives it while
+the other one carries. How far it skids is in `camgeo.effects.roller_spin.skid`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column, Quantity, Request, Result, Subject
+from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.effects.roller_spin import RollerData
-from camgeo.effects.touching import INNER, OUTER, bearing_of, sides_of
-from camgeo.effects.wording import angles, extreme_findings, over, placed
-from camgeo.motion.time_course import TimeCourse
-from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.extremes import piecewise_extremes, piecewise_lowest
+from camgeo.effects.roller_spin.rolling import Rolling
+from camgeo.effects.touching import INNER, OUTER, sides_of
+from camgeo.effects.wording import N_M, angles, extreme_findings, over, placed
+from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
 from camgeo.units import RPM, TURN
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rolling:
-    """The rolling roller.
-
-    Attributes
-    ----------
-    subject : the design, as the roller touches it.
-    course : how the cam turns.
-    normal : contact force [N], positive where the inner flank carries.
-    tangential : f_t.
-    data : of the roller.
-    """
-
-    subject: Subject
-    course: TimeCourse
-    normal: Quantity
-    tangential: Quantity
-    data: RollerData
-
-    def sense(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) s, the flank that carries."""
-        return np.where(self.normal(phi, side) >= 0.0, float(INNER), float(OUTER))
-
-    def spin(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """omega_R and that relative to the pin [rad/s], and d omega_R/dt [rad/s^2], (n,) each."""
-        subject = self.subject
-        relative = subject.state.curve.relative_jet(phi, side, order=2)
-        first, second = (relative.along[k] + 1j * relative.across[k] for k in (1, 2))
-        pace = np.abs(first)
-        gain = np.real(np.conj(first) * second) / pace
-        sigma = subject.cam.rotation
-        share = self.sense(phi, side) * sigma / subject.cam.follower.roller_radius
-        omega, alpha = self.course.rates(phi, side)[:2]
-        rate = sigma - share * pace
-        return (
-            np.asarray(rate * omega),
-            np.asarray((rate - relative.turning) * omega),
-            np.asarray(rate * alpha - share * gain * omega**2),
-        )
-
-    def traction(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) T [N]."""
-        sense, radius = self.sense(phi, side), self.subject.cam.follower.roller_radius
-        lever = sense * self.subject.cam.rotation / radius
-        needed = lever * self.data.moment_of_inertia * self.spin(phi, side)[2]
-        needed += self.tangential(phi, side) * np.abs(self.normal(phi, side))
-        return np.asarray(needed)
-
-    def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) mu_T |N| - |T| [N]."""
-        there = self.data.traction * np.abs(self.normal(phi, side))
-        return np.asarray(there - np.abs(self.traction(phi, side)))
+if TYPE_CHECKING:
+    from camgeo.effects.roller_spin.skid import Skid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RollerSpin(Result):
-    """The spin of the roller, as if it never skidded.
+    """The spin of the roller.
 
     Attributes
     ----------
-    rolling : the roller.
+    rolling : the roller, as if it never skidded.
+    skid : how it turns instead; None if it rolls all round, or nothing turns it.
     opposite : the same of the second roller of a yoke; None without one.
     """
 
     rolling: Rolling
+    skid: Skid | None
     opposite: RollerSpin | None = None
 
 
 def compute(request: Request[RollerData]) -> RollerSpin:
     """The spin at the speed of the scene, of both rollers of a yoke."""
-    subject, contact = request.subject, request.results[CONTACT_FORCE]
-    if subject.returning is None:
-
-        def shared(phi: FloatArray, side: Side) -> FloatArray:
-            return bearing_of(contact, phi, side).tangential
-
-        rolling = Rolling(subject, request.course, contact.normal, shared, request.data)
-        return _spin_of(rolling, contact.edges)
-    (names, noun), found = sides_of(subject), []
-    for sense, touched in ((INNER, subject), (OUTER, subject.returning)):
-        rolling = Rolling(
-            touched,
-            request.course,
-            partial(_pressing, contact, sense),
-            partial(_shared, contact, sense),
-            request.data,
-        )
-        found.append(_spin_of(rolling, contact.edges))
-    main, other = found
+    main, *others = (_spin_of(each) for each in Rolling.each(request))
+    if not others:
+        return main
+    (names, noun), (other,) = sides_of(request.subject), others
     second, words = names[OUTER], f"{names[OUTER]} {noun}"
     told = [
         replace(each, name=f"{second}-{each.name}", sentence=f"{words}: {each.sentence}")
@@ -141,48 +76,51 @@ def compute(request: Request[RollerData]) -> RollerSpin:
     return replace(main, findings=findings, columns=tuple(columns), opposite=other)
 
 
-def _pressing(contact: ContactForce, sense: int, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) [N] on the side `sense` alone."""
-    return np.maximum(sense * contact.normal(phi, side), 0.0)
+def _spin_of(rolling: Rolling) -> RollerSpin:
+    """The spin of one roller."""
+    edges = rolling.contact.edges
+    lowest = piecewise_lowest(rolling.reserve, edges)
+    skids = bool(lowest.value < 0.0 or len(rolling.reversals))
+    skid = None
+    if skids:
+        from camgeo.effects.roller_spin.skid import steady  # most rollers roll
 
-
-def _shared(contact: ContactForce, sense: int, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) f_t on the side `sense`."""
-    if contact.friction is None:
-        return np.zeros(len(phi))
-    return contact.friction.bearing(phi, side, sense).tangential
-
-
-def _spin_of(rolling: Rolling, edges: FloatArray) -> RollerSpin:
-    """The spin of one roller; all is smooth between neighbouring `edges` (k,) [rad]."""
+        skid = steady(rolling)
 
     def on_pin(phi: FloatArray, side: Side) -> FloatArray:
-        return rolling.spin(phi, side)[1] / RPM
+        return (rolling.spin(phi, side) if skid is None else skid.spin(phi, side))[1] / RPM
+
+    def slip(phi: FloatArray, side: Side) -> FloatArray:
+        return np.zeros(len(phi)) if skid is None else skid.slip(phi, side)
 
     inside = edges[(edges > 0.0) & (edges < TURN)]
+    turning = inside if skid is None else merged(np.concatenate((inside, skid.borders)))
     return RollerSpin(
         findings=(
             *extreme_findings(
                 "roller-spin",
                 "speed of the roller on its pin",
-                piecewise_extremes(on_pin, edges),
+                piecewise_extremes(on_pin, edges if skid is None else skid.edges),
                 "rev/min",
                 ", positive counter-clockwise",
             ),
-            _of_reserve(rolling, edges),
-            *_reversals(rolling, edges),
+            _of_reserve(rolling, edges, lowest),
+            *_of_drag(rolling),
+            *_of_reversals(rolling.reversals),
+            *(_of_undriven() if skids and skid is None else _of_skid(skid)),
         ),
         columns=(
-            Column("roller spin", "rev/min", on_pin, borders=inside),
+            Column("roller spin", "rev/min", on_pin, borders=turning),
             Column("roller traction", "N", rolling.traction, borders=inside),
             Column("traction reserve", "N", rolling.reserve, 0.0, inside),
+            Column("roller slip", "mm/s", slip, borders=turning),
         ),
         rolling=rolling,
+        skid=skid,
     )
 
 
-def _of_reserve(rolling: Rolling, edges: FloatArray) -> Finding:
-    lowest = piecewise_lowest(rolling.reserve, edges)
+def _of_reserve(rolling: Rolling, edges: FloatArray, lowest: Extreme) -> Finding:
     sentence = (
         f"smallest reserve of traction {lowest.value:.6g} N"
         f" {angles([lowest.place])}, with a coefficient of {rolling.data.traction:g}"
@@ -192,15 +130,31 @@ def _of_reserve(rolling: Rolling, edges: FloatArray) -> Finding:
     found = ranges_below(rolling.reserve, edges, 0.0, lowest)
     where = over([(each.start, each.end) for each in found])
     return placed(
-        "traction-reserve", f"{sentence}: the roller skids {where}", lowest, "N", 0.0, "warning"
+        "traction-reserve",
+        f"{sentence}: too little for the roller to roll {where}",
+        lowest,
+        "N",
+        0.0,
+        "warning",
     )
 
 
-def _reversals(rolling: Rolling, edges: FloatArray) -> Iterator[Finding]:
-    """Where the roller changes flanks."""
-    middle = 0.5 * (edges[:-1] + edges[1:])
-    sense = rolling.sense(middle, "right")
-    places = edges[:-1][sense != np.roll(sense, 1)]
+def _of_drag(rolling: Rolling) -> Iterator[Finding]:
+    """Where friction of bearing and rolling is more than the traction, even at constant speed."""
+    drag = float(np.sum(rolling.levers[1:])) / rolling.subject.cam.follower.roller_radius
+    if drag <= rolling.data.traction:
+        return
+    yield Finding(
+        "roller-drag",
+        "warning",
+        f"to keep rolling against the friction of its bearing and of rolling, the roller needs a"
+        f" coefficient of traction of {drag:.4g}; it has {rolling.data.traction:g}",
+        drag,
+        rolling.data.traction,
+    )
+
+
+def _of_reversals(places: FloatArray) -> Iterator[Finding]:
     if not len(places):
         return
     yield Finding(
@@ -211,4 +165,30 @@ def _reversals(rolling: Rolling, edges: FloatArray) -> Iterator[Finding]:
         float(len(places)),
         0.0,
         cam_angle=float(places[0]),
+    )
+
+
+def _of_skid(skid: Skid | None) -> Iterator[Finding]:
+    """How far the roller skids; all 0 if it rolls all round."""
+    if skid is None:
+        yield Finding("largest-slip", "ok", "the roller does not slip", 0.0, unit="mm/s")
+        yield Finding("slip-distance", "ok", "path of the slip 0 mm a turn", 0.0, unit="mm")
+        yield Finding("slip-work", "ok", "work of the slip 0 J a turn", 0.0, unit="J")
+        return
+    fastest = piecewise_highest(lambda phi, side: np.abs(skid.slip(phi, side)), skid.edges)
+    text = f"the roller slips on its flank at up to {fastest.value:.6g} mm/s"
+    yield placed("largest-slip", f"{text} {angles([fastest.place])}", fastest, "mm/s")
+    distance, work, ranges = skid.distance, N_M * skid.work, skid.ranges
+    where = f", {over(ranges)}" if ranges else ""
+    text = f"path of the slip {distance:.6g} mm a turn{where}"
+    yield Finding("slip-distance", "ok", text, distance, unit="mm")
+    yield Finding("slip-work", "ok", f"work of the slip {work:.6g} J a turn", work, unit="J")
+
+
+def _of_undriven() -> Iterator[Finding]:
+    yield Finding(
+        "roller-undriven",
+        "warning",
+        "nothing turns the roller, neither traction nor friction, so it is not known how it turns;"
+        " the speed on its pin is that of one that rolls",
     )
