@@ -81,6 +81,12 @@ def rubbing(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, F
     return found
 
 
+def behind_time(subject: Any, phi: FloatArray) -> FloatArray:
+    """(n,) time [s] since cam angle 0."""
+    course = subject.state.course
+    return np.asarray(course.time(phi) - course.time(np.zeros(1)))
+
+
 def powers(made: Design, table: dict[str, Any], phi: FloatArray) -> tuple[Any, dict[str, Any]]:
     """(n,) power of the camshaft, and what each force and each loss takes of it [N mm/s]."""
     result: Any = made.effect("drive-torque")
@@ -91,6 +97,12 @@ def powers(made: Design, table: dict[str, Any], phi: FloatArray) -> tuple[Any, d
         each.name: -at_rates(each.coefficients(phi, "right"), rates) * rate
         for each in result.contact.forces
     }
+    behind = result.contact.behind
+    if behind is not None and behind.load is not None:  # it moves with the output, not the base
+        pressed = behind.load.coefficients(phi, "right")[0]
+        beyond = pressed * behind.response.states(behind_time(subject, phi), "right")[1]
+        taken["load"] -= beyond
+        taken["the elastic train"] += beyond
     return result.torque(phi, "right") * rates[0], {**taken, **rubbing(made, table, phi)}
 
 
