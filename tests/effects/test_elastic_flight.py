@@ -38,7 +38,9 @@ TOTAL: Final = 1.5e-3
 
 @dataclass(frozen=True)
 class Bodies:
-    """A follower of `own` [t] with masses in a row: m [t], k [N/mm], c [N s/mm]."""
+    """A follower of `own` [t] with masses in a row: m [t], k [N/mm], c [N s/mm]; the `load` [N] is
+    on the last one.
+    """
 
     of: Design
     omega: float
@@ -46,6 +48,7 @@ class Bodies:
     rows: tuple[tuple[float, float, float], ...]
     restitution: float
     ground: tuple[float, float] = (0.0, 0.0)
+    load: float = 0.0
 
     def cam(self, t: float) -> tuple[float, float, float]:
         """h, h', h'': 20 mm up and down in 90 degrees each, by s = 10 z^3 - 15 z^4 + 6 z^5."""
@@ -70,7 +73,7 @@ class Bodies:
         pulls = [
             k * (x[i] - x[i + 1]) + c * (v[i] - v[i + 1]) for i, (_, k, c) in enumerate(self.rows)
         ]
-        pulls.append(self.ground[0] * x[-1] + self.ground[1] * v[-1])
+        pulls.append(self.ground[0] * x[-1] + self.ground[1] * v[-1] + self.load)
         moved = [(pulls[i] - pulls[i + 1]) / m for i, (m, _, _) in enumerate(self.rows)]
         return [*v[1:], *moved], pulls[0]
 
@@ -135,7 +138,7 @@ class Bodies:
 
 def bodies(
     speed: float, rows: tuple[tuple[float, float, float], ...], restitution: float = 0.0,
-    ground: tuple[float, float] = (0.0, 0.0),
+    ground: tuple[float, float] = (0.0, 0.0), load: float = 0.0,
 ) -> Bodies:  # fmt: skip
     """Of lift_off_elastic, with a train of masses [t]."""
     table = [{"mass": 1e3 * m, "stiffness": k, "viscous": c} for m, k, c in rows]
@@ -144,10 +147,11 @@ def bodies(
         "lift_off_elastic",
         cam__speed=speed,
         effects__vibration={"masses": table},
+        effects__load={"constant": load},
         **{"effects__lift-off": {"restitution": restitution}},
     )
     own = TOTAL - sum(m for m, _, _ in rows)
-    return Bodies(of, speed * RPM, own, rows, restitution, ground)
+    return Bodies(of, speed * RPM, own, rows, restitution, ground, load)
 
 
 def row(mass: float, stiffness: float, damping: float) -> tuple[float, float, float]:
@@ -159,7 +163,7 @@ ONE: Final = (row(1.2e-3, 2000.0, 0.2),)
 TWO: Final = (row(0.8e-3, 2600.0, 0.3), row(0.4e-3, 3000.0, 0.3))
 
 CASES: Final = {
-    "rebounds": lambda: bodies(450.0, TWO, 0.2, (1.0, 0.002)),
+    "rebounds": lambda: bodies(450.0, TWO, 0.2, (1.0, 0.002), 25.0),
     "one mass": lambda: bodies(400.0, ONE),
     "weakly damped": lambda: bodies(400.0, (row(1.2e-3, 2000.0, 0.05),)),
     "without rebounds": lambda: bodies(520.0, TWO, 0.0, (4.0, 0.002)),

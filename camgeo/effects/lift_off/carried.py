@@ -58,8 +58,13 @@ class Carried:
         return np.zeros(len(self.behind.train.rates), dtype=np.complex128)
 
     def steady(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) force of the steady state, which the follower has to overcome [N or N mm]."""
-        return self.behind.pushes(self.behind.response, phi, side) + self.more
+        """(n,) force of the steady state, which the follower has to overcome [N or N mm], without
+        the load on the output, which counts among the forces on the follower itself.
+        """
+        push = self.behind.pushes(self.behind.response, phi, side) + self.more
+        if self.behind.load is not None:
+            push = push + self.behind.load.coefficients(phi, side)[0]
+        return np.asarray(push)
 
     def left(self, memory: ComplexArray, start: float, angles: FloatArray) -> ComplexArray:
         """(m, n) z at `angles` (n,) [rad], on the flank from `start` on, where it is `memory`."""
