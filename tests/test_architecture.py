@@ -103,6 +103,8 @@ EFFECT_FRAME = {
     "results",
     "rules",
     "shaft",
+    "sought",
+    "tangent",
     "touching",
     "turning_disc",
     "wording",

@@ -316,12 +316,12 @@ def with_force(
     phi: FloatArray,
     side: Side,
 ) -> FloatArray:
-    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force`, all c0, besides."""
-    rows[0] -= force.coefficients(phi, side)[0]
+    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force` besides."""
+    rows[:4] -= force.coefficients(phi, side)
     if bearings is None or force.far is None:
         return rows
     law = RubbingLaw.of(rows)
-    law.own[0] += bearings.per_far(phi, side) * force.far(phi, side)[0]
+    law.own[:] += bearings.per_far(phi, side) * force.far(phi, side)[:, np.newaxis]
     return law.rows
 
 

@@ -3,7 +3,7 @@
 Where the scene names `speed-fluctuation` or `camshaft-windup`, all effects that depend on the speed
 of the cam are computed for the speed that this one finds. What this is found from, the forces on
 the follower as functions of speed and acceleration, holds for any speed, and is computed for the
-one that the scene gives.
+one that the scene gives. An elastic train acts back on it (`camgeo.effects.feedback`).
 """
 
 from __future__ import annotations
@@ -130,10 +130,10 @@ class Effects:
             If its speed is neither found nor given.
         """
         if self._stated is None:
-            feeds = self._finder == SPEED_FLUCTUATION and self.catalogue.followed(self._finder)
+            feeds = self._finder is not None and self.catalogue.followed(self._finder)
             kind = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
             self._stated = kind(self._given, self.catalogue, self.ledger)
-        if self._finder is None and name == SPEED_FLUCTUATION and self.catalogue.followed(name):
+        if self._finder is None and name in FINDERS and self.catalogue.followed(name):
             return self._of_rigid
         if self._finder is None or not self.catalogue.moved(name):
             return self._stated
@@ -143,7 +143,7 @@ class Effects:
 
     @property
     def _of_rigid(self) -> Nodes:
-        """Where `speed-fluctuation` is computed if no other effect follows its speed."""
+        """Where what finds a speed is computed if no other effect follows that."""
         if self._rigid is None:
             ledger = self.ledger.named(OF_RIGID)
             self._rigid = Nodes(self._given, self.catalogue.rigid(), ledger)
@@ -224,17 +224,16 @@ class Effects:
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
-        finder = effect.name == SPEED_FLUCTUATION
         return self.catalogue.followed(effect.name) and (
-            self._finder == SPEED_FLUCTUATION or not finder
+            self._finder is not None or effect.name not in FINDERS
         )
 
     def _is_elastic(self, effect: Effect) -> bool:
         """Whether the figures of `effect` are for an elastic train that has mass."""
         if not self._follows(effect):
             return False
-        if effect.name == SPEED_FLUCTUATION:
-            return self.result(SPEED_FLUCTUATION).feedback is not None
+        if effect.name in FINDERS:
+            return self.result(effect.name).feedback is not None
         return self.result(CONTACT_FORCE).behind is not None
 
     def _at_speed(self, name: str, findings: tuple[Finding, ...]) -> Iterator[Finding]:
@@ -249,13 +248,7 @@ class Effects:
                 f"these figures are for the speed that {self._finder} finds, {mean:.6g}"
                 " rev/min in the mean"
             )
-            # what the speed was found from: at the found speed there may be no contact force
-            stated = None if self._finder == SPEED_FLUCTUATION else self._stated
-            if stated is not None and stated.result(CONTACT_FORCE).behind is not None:
-                rigid = ", where the train is taken as rigid"
-                yield Finding("found-speed", "warning", sentence + rigid)
-            else:
-                yield Finding("found-speed", "ok", sentence)
+            yield Finding("found-speed", "ok", sentence)
 
     def _flown(self) -> tuple[tuple[float, float], ...]:
         """The ranges [rad] over which the follower flies, if the scene names what computes them."""

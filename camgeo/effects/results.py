@@ -6,19 +6,22 @@ The result class of an effect that no other effect uses is in the package of tha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from camgeo.effects.effect import Key, Result
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
+    from camgeo.check.finding import Finding
     from camgeo.effects.bearing_friction import BearingFriction, Rubbing
-    from camgeo.effects.effect import Bound, Quantity
+    from camgeo.effects.effect import Quantity
     from camgeo.effects.elastic import ElasticTrain
     from camgeo.effects.force import Force
     from camgeo.effects.helical import HelicalSpring
     from camgeo.effects.lost_contact import LostContact
+    from camgeo.effects.shaft.mesh import Mesh
+    from camgeo.effects.sought import Feedback, Sought
     from camgeo.motion.time_course import TimeCourse
     from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
     from camgeo.numeric.extremes import Extremes
@@ -207,24 +210,6 @@ class Touching(Result):
     lost_contact: LostContact
 
 
-@dataclass(frozen=True, slots=True)
-class Feedback:
-    """The last of the rounds in which speed and elastic train are computed for each other.
-
-    Attributes
-    ----------
-    rounds : their number.
-    residual : the largest change of the speed in the last one [rad/s].
-    ratio : what is left of a change after a round, estimated from the last two.
-    error : that is left of the speed [rad/s], beside its own in one round.
-    """
-
-    rounds: int
-    residual: float
-    ratio: float
-    error: float
-
-
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Turning(Touching):
     """A result that includes how the cam turns.
@@ -233,29 +218,39 @@ class Turning(Touching):
     ----------
     course : in the steady state, to the tolerance.
     rough_course : less accurate; `course` is off by less than the two differ.
+    mesh : cells of the turn for which it is solved.
+    feedback : how an elastic train acts back on it; None if none does.
     """
 
     course: TimeCourse
     rough_course: TimeCourse
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class MotorTurning(Turning):
-    """How a motor turns the cam.
-
-    Attributes
-    ----------
-    places : (k,) cam angles [rad], those for which the speed is solved.
-    speed : its error [rad/s].
-    feedback : how an elastic train acts back on it; None if none does.
-    """
-
-    places: FloatArray
-    speed: Bound
+    mesh: Mesh
     feedback: Feedback | None = None
 
-    def fed_back(self, feedback: Feedback, rough_course: TimeCourse) -> MotorTurning:
-        """The same with the error that is left by rounds of `feedback`."""
+    @property
+    def sought(self) -> tuple[Sought, ...]:
+        """The d quantities that it is solved for, the speed of the cam [rad/s] first."""
+        raise NotImplementedError
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """(n, d, d) the derivatives of the rates over the cam angle of `sought` by these, and
+        (n, d) by how much a torque law with the rows `other` changes the rates from those with
+        `rows` (r, n), at n cam angles.
+        """
+        raise NotImplementedError
+
+    def fed_back(
+        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
+    ) -> Self:
+        """The same as the last of rounds with `feedback`, which the finding `told` reports.
+
+        Parameters
+        ----------
+        beside : errors of `sought` besides those of their bounds.
+        rough : of another round, farther from the fixed point than this is.
+        """
         raise NotImplementedError
 
 
@@ -367,7 +362,7 @@ VIBRATION: Final = Key[Elastic]("vibration")
 LIFT_OFF: Final = Key[Leaving]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
-SPEED_FLUCTUATION: Final = Key[MotorTurning]("speed-fluctuation")
+SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
 CAMSHAFT_WINDUP: Final = Key[Turning]("camshaft-windup")
 FINDERS: Final = (SPEED_FLUCTUATION, CAMSHAFT_WINDUP)
 """The effects that find how the cam turns, of which a scene names at most one."""

@@ -17,8 +17,11 @@ from scipy.optimize import brentq
 
 from camgeo.accuracy.effects import TIGHTER, compared
 from camgeo.design import Design
+from camgeo.effects.elastic import ElasticTrain
 from camgeo.effects.registry import find_effect
 from camgeo.effects.results import CAMSHAFT_WINDUP, DRIVE_TORQUE
+from camgeo.effects.shaft.spread import spread
+from camgeo.effects.tangent import Passed
 from camgeo.errors import EffectError, SceneError
 from camgeo.motion.time_course import period
 from camgeo.numeric.arrays import FloatArray
@@ -170,6 +173,140 @@ def test_the_motion_is_that_of_newtons_law(case: tuple[float, float, float]) -> 
     assert np.max(np.abs(speed - omega)) <= RPM * errors["cam speed"].error + 1e-9 * SPEED
     assert size > 0.001
     assert np.ptp(omega) > 0.01 * SPEED * RPM
+
+
+# Before an elastic train --------------------------------------------------------------------------
+
+
+def elastic(
+    case: tuple[float, float, float], frequency: float, damping: float, tolerance: str = "1e-8"
+) -> Design:
+    """The shaft with all the mass of its follower behind a spring."""
+    train = f"[effects.vibration]\nnatural_frequency = {frequency!r}\ndamping = {damping!r}\n"
+    stiffness, moment, own = case
+    return scene(
+        (f"stiffness = {STIFFNESS}\n", f"stiffness = {stiffness!r}\n"),
+        (f"moment_of_inertia = {MOMENT}", f"moment_of_inertia = {moment!r}"),
+        (f"damping = {DAMPING}", f"damping = {own!r}"),
+        ("tolerance = 1e-9", f"tolerance = {tolerance}\n{train}"),
+    )
+
+
+def coupled(
+    case: tuple[float, float, float], frequency: float, damping: float
+) -> tuple[FloatArray, FloatArray]:
+    """Windup and speed at `PHI` by `solve_ivp`, once all disturbances have died out.
+
+    J phi'' = k w + c (Omega - phi') - s' (F + P + K s), m v' = F = m (n^2 (s - x) + 2 D n (s' phi'
+    - v)), x' = v and w' = Omega - phi', over the cam angle, with the natural frequency n.
+    """
+    drive, k, j, mass = SPEED * RPM, 1e3 * case[0], 1e3 * case[1], 1e-3 * MASS
+    c, n = 2.0 * case[2] * math.sqrt(k * j), TURN * frequency
+
+    def rates(phi: float, state: Any) -> list[float]:
+        omega, w, x, v = state.tolist()
+        s, s1, _ = lift(min(phi, TURN))
+        force = mass * (n * n * (s - x) + 2.0 * damping * n * (s1 * omega - v))
+        moved = k * w + c * (drive - omega) - s1 * (force + PRELOAD + SPRING * s)
+        return [moved / j / omega, drive / omega - 1.0, v / omega, force / mass / omega]
+
+    state, ends = np.array([drive, 0.0, 0.0, 0.0]), [0.0, 0.5 * math.pi, math.pi, TURN]
+    for _ in range(40):
+        before, pieces = state, []
+        for span in itertools.pairwise(ends):
+            found = solve_ivp(
+                rates, span, state, "DOP853", dense_output=True, rtol=1e-11, atol=1e-12,
+                max_step=0.04,  # for the interpolant
+            )  # fmt: skip
+            pieces.append(found)
+            state = found.y[:, -1]
+        if np.max(np.abs(state - before) / [drive, 0.01, 1.0, 100.0]) < 1e-9:
+            break
+    values = [next(each for each in pieces if each.t[-1] >= phi).sol(phi) for phi in PHI]
+    return np.array(values)[:, 1], np.array(values)[:, 0]
+
+
+INTEGRATED = 3e-8
+"""Relative error of `solve_ivp` with its interpolant, and of what has not died out."""
+
+
+@pytest.mark.parametrize(
+    ("case", "frequency", "damping"),
+    [(CASES[0], 150.0, 0.05), ((600.0, 8e-4, 0.2), 60.0, 0.1)],
+)
+def test_before_an_elastic_train_the_motion_is_that_of_the_coupled_equations(
+    case: tuple[float, float, float], frequency: float, damping: float
+) -> None:
+    made = elastic(case, frequency, damping)
+    turn = made.effect(CAMSHAFT_WINDUP)
+    windup, omega = coupled(case, frequency, damping)
+    for own, each in zip((omega, windup), turn.sought, strict=True):
+        error = each.bound.error + INTEGRATED * np.max(np.abs(own))
+        assert np.max(np.abs(each.values(PHI) - own)) <= error, each.label
+        assert each.bound.share <= 1e-8
+    feedback = turn.feedback
+    assert feedback is not None
+    assert feedback.ratio < 1.0
+    found = figures(made, CAMSHAFT_WINDUP)
+    assert found["feedback"].value == feedback.residual / RPM
+    assert found["elastic-train"].severity == "ok"
+    assert "simplified" not in found
+    # A rigid train gives another motion.
+    rigid = shaft(*case).effect(CAMSHAFT_WINDUP)
+    assert np.max(np.abs(rigid.turn.windup(PHI) - windup)) > 0.01 * np.max(np.abs(windup))
+
+
+def test_the_error_of_the_force_of_the_train_is_in_that_of_the_motion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A force that is off by what the train states, with the swings of the shaft."""
+    case, off = (600.0, 8e-4, 0.2), 0.5
+    exact = elastic(case, 60.0, 0.1, "1e-5").effect(CAMSHAFT_WINDUP)
+    plain = Passed.on_base
+
+    def disturbed(self: Passed, phi: FloatArray, side: Any) -> FloatArray:
+        return plain(self, phi, side) + off * np.outer([1.0, 0.0, 0.0, 0.0], np.sin(16.0 * phi))
+
+    monkeypatch.setattr(Passed, "on_base", disturbed)
+    monkeypatch.setattr(ElasticTrain, "error", off)
+    found = elastic(case, 60.0, 0.1, "1e-1").effect(CAMSHAFT_WINDUP)
+    for one, other in zip(exact.sought, found.sought, strict=True):
+        change = np.max(np.abs(one.values(PHI) - other.values(PHI)))
+        error = other.bound.error + one.bound.error
+        assert 0.02 * error < change <= error, one.label
+
+
+def test_a_resonance_of_the_train_is_refused_with_the_keys_that_do_without_it() -> None:
+    made = elastic(CASES[0], 2.0 * SPEED / 60.0, 0.0)
+    with pytest.raises(
+        EffectError, match=r'resonance.*output = "rigid".*speed = "stated"'
+    ) as error:
+        made.effect(CAMSHAFT_WINDUP)
+    assert error.value.finding == "feedback"
+    told = figures(made, "kinematics")
+    assert "found-speed" not in told  # they are for the speed of the drive
+    assert "camshaft-windup" in told["simplified"].sentence
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.3])
+def test_the_spread_of_an_error_is_that_of_the_worst_one(damping: float) -> None:
+    """x' = -a x + d is off by d / a; x'' + 2 D n x' + n^2 x = d by coth(pi D / 2 / sqrt(1 - D^2))
+    d / n^2, the integral of the size of its answer to an impulse.
+    """
+    spans = np.full(100, TURN / 100)
+    ones = np.ones((100, 8, 1))
+    found = spread(spans, -3.0 * ones[..., np.newaxis], 0.5 * ones)
+    assert 0.5 / 3.0 <= found[0] * (1.0 + 1e-12) <= 0.55 / 3.0
+    n = 12.5
+    slopes = np.zeros((100, 8, 2, 2))
+    slopes[..., 0, :] = -2.0 * damping * n, -n * n
+    slopes[..., 1, 0] = 1.0
+    found = spread(spans, slopes, np.concatenate((ones, 0.0 * ones), axis=2))
+    worst = 1.0 / np.tanh(0.5 * math.pi * damping / math.sqrt(1.0 - damping**2)) / n**2
+    assert 0.9 * worst <= found[1] <= 6.0 * worst
+
+
+# Errors of the solution ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("tolerance", ["1e-2", "1e-4", "1e-6"])

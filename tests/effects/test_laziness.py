@@ -16,7 +16,7 @@ from camgeo.design import Design
 from camgeo.effects.graph import AT_FOUND
 from camgeo.effects.nodes import node_name
 from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.results import CAMSHAFT_WINDUP, FINDERS, SPEED_FLUCTUATION, VIBRATION
+from camgeo.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
 from camgeo.writing.write import CERTIFICATE, make_files
 from tests.effects.scenes import SCENES, design
 from tests.long_form import LONG
@@ -144,9 +144,8 @@ def nodes(of: Design, names: tuple[str, ...]) -> set[str]:
     stated = needed - moved
     rounds = set()
     if moved or finder in names:
-        rigid = finder == SPEED_FLUCTUATION
-        stated |= {finder} | (catalogue.rigid() if rigid else catalogue).behind(finder)
-        if rigid and VIBRATION in of.scene.effects:  # whose train has no mass here, says round 1
+        stated |= {finder} | catalogue.rigid().behind(finder)
+        if VIBRATION in of.scene.effects:  # whose train has no mass here, says round 1
             rounds = {f"{node_name(VIBRATION)} in round 1"}
     found = {node_name(name) + AT_FOUND for name in moved}
     return rounds | {node_name(name) for name in stated} | found

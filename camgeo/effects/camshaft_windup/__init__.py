@@ -6,7 +6,7 @@ from typing import Final
 
 from camgeo.declared import schema_beside
 from camgeo.effects.camshaft_windup.table import parse
-from camgeo.effects.effect import RIGID, Effect
+from camgeo.effects.effect import ELASTIC, Effect
 from camgeo.effects.results import CAMSHAFT_WINDUP, DRIVE_TORQUE
 
 EFFECT: Final = Effect(
@@ -19,5 +19,5 @@ EFFECT: Final = Effect(
     keys=(("cam.speed",),),
     tabled=True,
     numerical=True,
-    refined_by=(RIGID,),
+    refined_by=(ELASTIC,),
 )

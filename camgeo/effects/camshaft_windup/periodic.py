@@ -1,29 +1,19 @@
 """The periodic motion of a cam at the end of an elastic shaft, by collocation over the whole turn.
 
-Its drive turns at constant speed Omega. The windup w is the angle by which the cam lags behind the
-drive, the speed of the cam is omega. The shaft carries k w + c (Omega - omega), so that over the
-cam angle, with y = omega^2 / 2,
-
-    dy/dphi = alpha = (k w + c (Omega - omega) - T) / J,        dw/dphi = Omega / omega - 1,
-
-with the torque T of the cam solved for alpha as in `camgeo.effects.shaft.rate`. The unknowns are v,
-with y = Omega^2 (1/2 + v), and w: of a stiff shaft both are small, and keep their precision, as
-
-    Omega / omega - 1 = -2 v / (r (1 + r)),        r = omega / Omega = sqrt(1 + 2 v).
-
-The cell is that of `camgeo.effects.shaft.mesh`, and the error estimate is the change by one more
-Newton step on the mesh of all halves of the cells.
+The equations are in `camgeo.effects.camshaft_windup.wound`, the cell is that of
+`camgeo.effects.shaft.mesh`, and the error estimate is the change by one more Newton step on the
+mesh of all halves of the cells.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from camgeo.effects.camshaft_windup.table import ElasticShaft
+from camgeo.effects.camshaft_windup.wound import Twist, Wound
 from camgeo.effects.effect import Quantity
 from camgeo.effects.shaft.mesh import (
     NODES,
@@ -72,75 +62,6 @@ class NoConvergenceError(ArithmeticError):
     def __init__(self, reached: float | None) -> None:
         super().__init__("no periodic solution was found")
         self.reached = reached
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Twist:
-    """The torque of the shaft on the cam over its speed, at given windups.
-
-    Attributes
-    ----------
-    stiffness, viscosity : k [N mm/rad] and c [N mm s].
-    speed : Omega [rad/s].
-    windup : (...) w [rad].
-    """
-
-    stiffness: float
-    viscosity: float
-    speed: float
-    windup: FloatArray
-
-    def torque(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Torque [N mm] and its derivative [N mm s] at the speeds `omega` (...) [rad/s]."""
-        carried = self.stiffness * self.windup + self.viscosity * (self.speed - omega)
-        return carried, np.full(carried.shape, -self.viscosity)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Wound:
-    """The cam at the end of the shaft.
-
-    Attributes
-    ----------
-    shaft : the elastic shaft.
-    speed : Omega [rad/s] of its drive.
-    """
-
-    shaft: ElasticShaft
-    speed: float
-
-    def driven(self, windup: FloatArray) -> Shaft[Twist]:
-        """The cam with the shaft wound up by `windup` (...) [rad]."""
-        own = self.shaft
-        twist = Twist(own.stiffness, own.viscosity, self.speed, windup)
-        return Shaft(own.moment_of_inertia, twist)
-
-    def stiffened(self, factor: float) -> Wound:
-        """The same with a shaft stiffer by the `factor`."""
-        stiffness = factor * self.shaft.stiffness
-        return Wound(replace(self.shaft, stiffness=stiffness), self.speed)
-
-    def y(self, v: FloatArray) -> FloatArray:
-        """(...) omega^2 / 2 [rad^2/s^2]."""
-        return np.asarray(self.speed**2 * (0.5 + v))
-
-    def rates(self, laws: FloatArray, state: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(..., 2) derivatives of v and w by the cam angle, and theirs (..., 2, 2) by v and w.
-
-        Parameters
-        ----------
-        laws : (6 or more, ...) the torque law.
-        state : (..., 2) v and w.
-        """
-        v, w = state[..., 0], state[..., 1]
-        alpha, growth, per_torque = self.driven(w).response(laws, self.y(v))
-        r = np.sqrt(1.0 + 2.0 * v)
-        found = np.stack((alpha / self.speed**2, -2.0 * v / (r * (1.0 + r))), axis=-1)
-        slopes = np.zeros((*v.shape, 2, 2))
-        slopes[..., 0, 0] = growth
-        slopes[..., 0, 1] = self.shaft.stiffness / self.speed**2 * per_torque
-        slopes[..., 1, 0] = -1.0 / r**3
-        return found, slopes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -264,6 +185,22 @@ class WoundTurn:
     def omega(self, phi: FloatArray) -> FloatArray:
         """(n,) speed [rad/s]."""
         return np.sqrt(2.0 * self.wound.y(self.at(phi)[:, 0]))
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """See `camgeo.effects.results.Turning`: of omega and w, whose rates are alpha / omega and
+        Omega / omega - 1.
+        """
+        shaft, y = self.driven(phi)
+        omega = np.sqrt(2.0 * y)
+        alpha, growth, per_torque = shaft.response(rows, y)
+        slopes, off = np.zeros((len(phi), 2, 2)), np.zeros((len(phi), 2))
+        slopes[:, 0, 0] = growth - alpha / omega**2
+        slopes[:, 0, 1] = self.wound.shaft.stiffness * per_torque / omega
+        slopes[:, 1, 0] = -self.wound.speed / omega**2
+        off[:, 0] = (shaft.rate(other, y)[0] - alpha) / omega
+        return slopes, off
 
     def driven(self, phi: FloatArray) -> tuple[Shaft[Twist], FloatArray]:
         """The cam with its shaft wound up as at `phi` (n,) [rad], and y (n,) there."""

@@ -12,25 +12,27 @@ becomes T / k.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, Self
 
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.effects.camshaft_windup.periodic import Wound, WoundTurn
+from camgeo.effects.camshaft_windup.periodic import WoundTurn
 from camgeo.effects.camshaft_windup.solve import solve
 from camgeo.effects.camshaft_windup.table import ElasticShaft
+from camgeo.effects.camshaft_windup.wound import Wound
 from camgeo.effects.effect import Bound, Column, Quantity, Request
 from camgeo.effects.force import smooth_edges
 from camgeo.effects.ranges import ranges_below
 from camgeo.effects.results import DRIVE_TORQUE, Turning
 from camgeo.effects.shaft.course import course_of
 from camgeo.effects.shaft.obstacles import refuse_shocks
+from camgeo.effects.sought import Feedback, Sought
 from camgeo.effects.touching import lost_contact
-from camgeo.effects.wording import N_M, extreme_findings, over, placed
+from camgeo.effects.wording import N_M, Label, extreme_findings, over, placed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -60,6 +62,42 @@ class CamshaftWindup(Turning):
     """
 
     turn: WoundTurn
+
+    @property
+    def sought(self) -> tuple[Sought, ...]:
+        """See `Turning`."""
+        speed, windup = _bounds(self.turn)
+        return (
+            Sought(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, speed),
+            Sought(Label("windup", "deg", math.degrees(1.0)), self.turn.windup, windup),
+        )
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """See `Turning`."""
+        return self.turn.linearised(phi, rows, other)
+
+    def fed_back(
+        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
+    ) -> Self:
+        """See `Turning`."""
+        turn = replace(
+            self.turn,
+            speed_error=self.turn.speed_error + beside[0],
+            windup_error=self.turn.windup_error + beside[1],
+            multiplier_error=self.turn.multiplier_error
+            + abs(self.turn.multiplier - rough.turn.multiplier),
+        )
+        errors = errors_of(turn)
+        return replace(
+            self,
+            turn=turn,
+            rough_course=rough.rough_course,
+            feedback=feedback,
+            findings=(*self.findings, told),
+            errors={**errors, told.name: errors["cam speed"]},
+        )
 
 
 def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
@@ -126,6 +164,7 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
         turn=turn,
         course=course_of(turn, alpha, edges),
         rough_course=course_of(turn.rough, alpha, edges),
+        mesh=turn.mesh,
         findings=found,
         lost_contact=lost_contact(subject, normal, piecewise_extremes(normal, edges), edges, None),
         columns=(
@@ -193,14 +232,21 @@ def _swinging(turn: WoundTurn) -> Iterator[Finding]:
     yield Finding("settling", severity, sentence, left, unit="%")
 
 
+def _bounds(turn: WoundTurn) -> tuple[Bound, Bound]:
+    """The errors of speed [rad/s] and windup [rad]."""
+    speed, largest = turn.wound.speed, turn.pair.largest_windup
+    return (
+        Bound(turn.speed_error + BETWEEN_NODES * speed, speed),
+        Bound(turn.windup_error + BETWEEN_NODES * largest, largest),
+    )
+
+
 def errors_of(turn: WoundTurn) -> dict[str, Bound]:
     """The errors by the names of findings and columns."""
-    wound, largest = turn.wound, turn.pair.largest_windup
-    shaft = wound.shaft
-    speed = Bound(turn.speed_error + BETWEEN_NODES * wound.speed, wound.speed)
-    windup = Bound(turn.windup_error + BETWEEN_NODES * largest, largest)
+    shaft, (speed, windup) = turn.wound.shaft, _bounds(turn)
     torque = Bound(
-        shaft.stiffness * windup.error + shaft.viscosity * speed.error, shaft.stiffness * largest
+        shaft.stiffness * windup.error + shaft.viscosity * speed.error,
+        shaft.stiffness * windup.scale,
     )
     torques = ("shaft torque", "largest-shaft-torque", "smallest-shaft-torque", "torque-reversal")
     windups = ("windup", "largest-windup", "smallest-windup")

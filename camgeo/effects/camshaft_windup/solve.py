@@ -11,11 +11,11 @@ from camgeo.effects.bearing_friction import linear_law
 from camgeo.effects.camshaft_windup.periodic import (
     NoConvergenceError,
     Pair,
-    Wound,
     WoundTurn,
     newton,
     periodic,
 )
+from camgeo.effects.camshaft_windup.wound import Wound
 from camgeo.effects.effect import Quantity
 from camgeo.effects.shaft.mesh import DoubleMesh, Mesh, double_mesh
 from camgeo.effects.shaft.obstacles import jamming

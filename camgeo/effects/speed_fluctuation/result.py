@@ -9,34 +9,32 @@ that repeats after each turn.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 
 from camgeo.check.finding import Finding, held
 from camgeo.effects.effect import Column, Quantity, Request
 from camgeo.effects.force import all_borders, smooth_edges
-from camgeo.effects.results import DRIVE_TORQUE, Feedback, MotorTurning
+from camgeo.effects.results import DRIVE_TORQUE, Turning
 from camgeo.effects.shaft.course import course_of
 from camgeo.effects.shaft.obstacles import refuse_shocks
 from camgeo.effects.shaft.rate import Shaft
+from camgeo.effects.sought import Feedback, Sought
 from camgeo.effects.speed_fluctuation.errors import Steady, accurate
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.touching import lost_contact
-from camgeo.effects.wording import N_M, at, placed
+from camgeo.effects.wording import N_M, Label, at, placed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import RPM
 
-if TYPE_CHECKING:
-    from camgeo.motion.time_course import TimeCourse
-
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SpeedFluctuation(MotorTurning):
+class SpeedFluctuation(Turning):
     """The steady state.
 
     Attributes
@@ -57,16 +55,27 @@ class SpeedFluctuation(MotorTurning):
         """The speed over the cam angle."""
         return self.steady.turn
 
-    def fed_back(self, feedback: Feedback, rough_course: TimeCourse) -> SpeedFluctuation:
-        """See `MotorTurning`."""
-        steady = replace(self.steady, beside=feedback.error)
+    @property
+    def sought(self) -> tuple[Sought, ...]:
+        """See `Turning`."""
+        return (Sought(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, self.steady.speed),)
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """See `Turning`."""
+        return self.turn.linearised(phi, rows, other)
+
+    def fed_back(
+        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
+    ) -> Self:
+        """See `Turning`."""
+        steady = replace(self.steady, beside=beside[0])
         errors = steady.figures()
-        told = _of_feedback(feedback, steady)
         return replace(
             self,
             steady=steady,
-            speed=steady.speed,
-            rough_course=rough_course,
+            rough_course=rough.rough_course,
             feedback=feedback,
             findings=(*self.findings, told),
             errors={**errors, told.name: errors["cam speed"]},
@@ -143,8 +152,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         steady=steady,
         course=course_of(turn, alpha, kinks),
         rough_course=course_of(turn.rough, alpha, kinks),
-        places=turn.mesh.nodes.ravel(),
-        speed=steady.speed,
+        mesh=turn.mesh,
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,
@@ -156,17 +164,6 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         ),
         errors=steady.figures(),
     )
-
-
-def _of_feedback(feedback: Feedback, steady: Steady) -> Finding:
-    """How far the rounds with an elastic train have come."""
-    change, off = feedback.residual / RPM, steady.speed.error / RPM
-    sentence = (
-        f"the elastic train acts back on the speed: the last of {feedback.rounds} rounds from speed"
-        f" to vibration to torque to speed changes it by up to {change:.2g} rev/min, each leaves"
-        f" {100.0 * feedback.ratio:.2g} % of a change, and the speed is known to {off:.2g} rev/min"
-    )
-    return Finding("feedback", "ok", sentence, change, unit="rev/min")
 
 
 def _extremes(name: str, words: str, ends: Extremes, factor: float, unit: str) -> Iterator[Finding]:

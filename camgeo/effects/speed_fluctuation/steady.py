@@ -117,6 +117,7 @@ class SteadyTurn:
 
     Attributes
     ----------
+    shaft : the camshaft and its motor.
     mesh : the cells.
     state : y in them.
     rates : (m, n) alpha at the nodes [rad/s^2].
@@ -125,6 +126,7 @@ class SteadyTurn:
     rough : the steady state on cells twice as long, from which the error is estimated; None for it.
     """
 
+    shaft: Shaft[Motor]
     mesh: Mesh
     state: State
     rates: FloatArray
@@ -146,6 +148,17 @@ class SteadyTurn:
         coefficients = self.state.all_nodes @ collocation().fit.T
         z: FloatArray = np.sum(legendre(x, NODES) * coefficients[cell], axis=1)
         return self.state.base + z
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """See `camgeo.effects.results.Turning`: of omega, whose rate is alpha / omega."""
+        y = self.y(phi)
+        omega = np.sqrt(2.0 * y)
+        alpha, growth = self.shaft.rate(rows, y)
+        off = (self.shaft.rate(other, y)[0] - alpha) / omega
+        slopes = growth - alpha / omega**2
+        return slopes[:, np.newaxis, np.newaxis], off[:, np.newaxis]
 
     def mean(self, values: FloatArray) -> float:
         """Mean over the cam angle of `values` (m, n) at the nodes."""
@@ -193,8 +206,8 @@ def steady_turn(
             solved = (mesh.coarse, state), (mesh.fine, fine_state)
             rates = [shaft.rate(each.laws, own.base + own.nodes)[0] for each, own in solved]
             error = reached + last
-            rough = SteadyTurn(mesh.coarse, state, rates[0], step.slope, error, None)
-            return SteadyTurn(mesh.fine, fine_state, rates[1], step.slope, error, rough)
+            rough = SteadyTurn(shaft, mesh.coarse, state, rates[0], step.slope, error, None)
+            return SteadyTurn(shaft, mesh.fine, fine_state, rates[1], step.slope, error, rough)
         worst = np.max(step.defects.reshape(-1, 2), axis=1)
         split = worst >= 0.1 * np.max(worst)
         cells = len(split) + int(np.count_nonzero(split))
