@@ -18,6 +18,7 @@ from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import load_scene, parse_scene
+from tests.long_form import some
 from tests.reference import reference
 
 INCH = 25.4
@@ -427,6 +428,46 @@ def test_no_vibration_remains_after_a_versed_sine_pulse() -> None:
     assert left(lowest) <= 1e-9
     lower = lowest * np.arange(0.1, 1.0, 0.1)
     assert all(left(ratio) > 1e-2 for ratio in (*lower.tolist(), lowest - 0.05))
+
+
+# -- trains of many masses -----------------------------------------------------------------------
+
+
+def chain_on_a_cam_at_rest(case: dict[str, Any], frequency: float, folder: Path) -> Design:
+    """The first wall is the follower, which rests, the second one the frame. Between rows a tenth
+    of a degree apart the cosine loses 4e-7 of itself at most, (pi / 1800)^2 / 8.
+    """
+    mass, stiffness, viscous = (number(case, key) for key in ("mass", "stiffness", "viscous"))
+    spring = f"stiffness = {1e-3 * stiffness!r}, viscous = {1e-3 * viscous!r}"
+    masses = [f"{{mass = {mass!r}, {spring}}}"] * 7
+    held = spring.replace("stiffness", "ground_stiffness").replace("viscous", "ground_viscous")
+    masses.append(f"{{mass = {mass!r}, {spring}, {held}}}")
+    angles = np.linspace(0.0, 360.0, 3601)
+    loads = -number(case, "force") * np.cos(np.radians(angles))
+    rows = zip(angles.tolist(), loads.tolist(), strict=True)
+    (folder / "load.csv").write_text("".join(f"{a!r},{p!r}\n" for a, p in rows), "utf-8")
+    tables = f"""
+[effects.inertia]
+mass = {8 * mass!r}
+[effects.load]
+file = "load.csv"
+[effects.vibration]
+output = {case["loaded"]}
+masses = [{", ".join(masses)}]
+"""
+    file = folder / "example.toml"
+    file.write_text(scene(60.0 * frequency, PLATE, dwell(360.0), tables, DISC), "utf-8")
+    return Design(load_scene(file))
+
+
+@pytest.mark.parametrize("frequency", some(["5_5", "40", "5", "6", "10"], of=3))
+def test_a_chain_of_eight_masses_under_a_harmonic_force(frequency: str, tmp_path: Path) -> None:
+    """The displacement of the loaded mass, a cos(w t) - b sin(w t) with a + i b as printed."""
+    case = example("chain_of_eight")
+    design = chain_on_a_cam_at_rest(case, float(frequency.replace("_", ".")), tmp_path)
+    deflection = design.effect("vibration").output.deflection
+    assert_printed(case, f"real_{frequency}", 1e-3 * at(deflection, 0.0))
+    assert_printed(case, f"imaginary_{frequency}", -1e-3 * at(deflection, 90.0))
 
 
 # -- helical springs -----------------------------------------------------------------------------
