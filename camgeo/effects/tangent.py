@@ -104,10 +104,14 @@ class Passed:
         return 0.0 if np.all(self.resolved) else self.behind.mass
 
     def on_base(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(4, n) c0 to c3 on the base."""
+        """(4, n) c0 to c3 on the base, without a load on the output, which a rigid train has
+        there.
+        """
         behind = self.behind
         out = np.zeros((4, len(phi)))
         out[0] = -behind.pushes(behind.response, phi, side)
+        if behind.load is not None:
+            out -= behind.load.coefficients(phi, side)
         if self.kept:
             out[0] += self.kept * behind.base(phi, side)[2]
         else:
@@ -120,8 +124,9 @@ class Passed:
         def on_follower(phi: FloatArray, side: Side) -> FloatArray:
             return self.on_base(phi, side) * self.behind.per_lift(phi, side)
 
-        cuts = self.behind.edges(smooth)
-        return Force("the elastic train", on_follower, cuts=cuts, far=self.on_base)
+        load, cuts = self.behind.load, self.behind.edges(smooth)
+        borders = np.empty(0) if load is None else load.borders
+        return Force("the elastic train", on_follower, borders=borders, cuts=cuts, far=self.on_base)
 
 
 def tangent(passed: Passed, turn: Turning, law: Quantity, other: Quantity) -> Tangent:
