@@ -133,14 +133,17 @@ class Design(Pickled, Displayed):
         scene = self.scene
         model = model_of(scene.model, scene.limits)
         moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model, scene.train)
-        subject = None
-        for each in reversed(self.discs if scene.follower is not None else ()):
-            subject = replace(moved, disc=each.drawn, returning=subject)
-        if subject is not None and scene.yoke is not None:
-            from camgeo.effects.opposite import astride  # few scenes have one
+        subject = moved
+        if scene.follower is not None:
+            main, *others = self.discs
+            returning = None
+            for each in others:  # no outline alone moves a follower between two discs
+                returning = replace(moved, model="demanded", disc=each.drawn)
+            subject = replace(moved, disc=main.drawn, returning=returning)
+            if scene.yoke is not None:
+                from camgeo.effects.opposite import astride  # few scenes have one
 
-            subject = astride(subject)
-        subject = subject or moved
+                subject = astride(subject)
         if model == "written":
             subject = subject.written_as(self.writing, side_named(scene.flank))
         return Effects(subject, scene.effects, self.ledger, speed=scene.state_speed)

@@ -294,3 +294,20 @@ def test_the_force_is_the_same_however_a_turn_is_sampled() -> None:
     piece = np.searchsorted(contact.edges, phi, "right")
     for each in np.unique(piece):
         assert len(set(sign[piece == each]) - {0.0}) <= 1
+
+
+def test_a_trimmed_return_disc_does_not_have_a_motion_of_its_own() -> None:
+    """Both sides move as demanded: what one of two discs has lost, the other one still holds."""
+    limits, larger = ("[output]", '[limits]\nundercut = "trim"\n\n[output]'), "roller_radius = 46"
+    made = design(
+        "conjugate_lever",
+        "[effects.load]\nconstant = 3\n[effects.contact-force]\n",
+        limits,
+        ("arm_angle = 84\narm = 70\nroller_radius = 12", f"arm_angle = 84\narm = 70\n{larger}"),
+    )
+    subject = made.effects.subject
+    assert subject.returning is not None
+    assert subject.returning.cam.disc.outline("inner").is_trimmed
+    assert subject.returning.state.model == subject.state.model == "demanded"
+    told = {each.name for each in made.effects.findings("contact-force")}
+    assert "trimmed-motion" in told
