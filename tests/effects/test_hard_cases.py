@@ -226,7 +226,10 @@ def test_a_cam_that_never_moves_its_follower(name: str) -> None:
     smooth = made(head + REST + tail, re.sub(r"\[effects.friction\][^[]*", "", every(text)))
     assert not np.any(smooth.effect("drive-torque").torque(phi, "right"))
     assert np.all(design.effect("drive-torque").torque(phi, "right") > 0.0)
-    assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
+    # The load is constant, too: it deflects its train, and nothing vibrates.
+    bent = design.effect("vibration").output.deflection(phi, "right")
+    assert np.ptp(bent) <= ROUNDING * np.max(np.abs(bent))
+    assert np.all(bent < 0.0)
 
 
 def test_a_rest_of_no_length_changes_nothing() -> None:
