@@ -14,8 +14,15 @@ MAKER = page_maker("milling_page")
 PAGE = (ROOT / "docs" / "milling.md").read_text(encoding="utf-8")
 
 
+def without_sizes(page: str) -> str:
+    """Without the bytes of files: processors round the last digits of coordinates differently, and
+    a trailing 0 is not written.
+    """
+    return re.sub(r" +[\d,]+ bytes", " bytes", page)
+
+
 def test_the_page_is_made_by_its_script() -> None:
-    assert MAKER.page() == PAGE, "run python docs/milling_page.py"
+    assert without_sizes(MAKER.page()) == without_sizes(PAGE), "run python docs/milling_page.py"
 
 
 def test_every_job_stands_on_it_with_its_pictures_and_readme_names_it() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from camgeo.effects.catalogue import Catalogue
 from camgeo.effects.effect import Column, Effect, Request, Result, Results, Subject, machine_of
 from camgeo.effects.inherited import InheritedErrors
-from camgeo.effects.results import CONTACT_FORCE, FINDERS, VIBRATION, Elastic
+from camgeo.effects.results import CONTACT_FORCE, FINDERS, LIFT_OFF, VIBRATION, Elastic
 from camgeo.effects.rules import Table
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -150,8 +150,8 @@ class Nodes:
     def _follows(self, name: str) -> bool:
         """Whether the effect `name` was computed here from the force of an elastic train."""
         train = self._results.get(VIBRATION)
-        if train is None or train.behind is None or name in FINDERS:
-            return False  # those that find the speed state their errors themselves
+        if train is None or train.behind is None or name in (*FINDERS, LIFT_OFF):
+            return False  # they state the errors of the speeds that they find themselves
         return VIBRATION in self.catalogue.behind(name)
 
     def _with_train(self, number: int, name: str) -> Any:
