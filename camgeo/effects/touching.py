@@ -22,7 +22,8 @@ from it. `lost_contact` is the definition of this for all effects.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
@@ -35,9 +36,11 @@ from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.state.state import FIRST, SECOND
 
 if TYPE_CHECKING:
-    from camgeo.effects.effect import Quantity, Subject
+    from camgeo.effects.effect import Quantity, Result, Subject
     from camgeo.effects.results import ContactForce
     from camgeo.numeric.arrays import FloatArray, Side
+
+Answer = TypeVar("Answer", bound="Result")
 
 INNER: Final = FIRST
 OUTER: Final = SECOND
@@ -151,6 +154,30 @@ def sides_of(subject: Subject) -> tuple[dict[int, str], str]:
     if subject.returning is None:
         return OF_GROOVE
     return OF_PAIR if subject.paired else OF_YOKE
+
+
+def with_other_side(subject: Subject, main: Answer, other: Result) -> Answer:
+    """The result on the `main` side with findings, columns and errors of the `other` one besides,
+    by their names.
+    """
+    names, noun = sides_of(subject)
+    second = names[OUTER]
+    told = [
+        replace(each, name=f"{second}-{each.name}", sentence=f"{second} {noun}: {each.sentence}")
+        for each in other.findings
+    ]
+    columns = [
+        replace(column, name=f"{names[sense]} {column.name}")
+        for sense, of in ((INNER, main), (OUTER, other))
+        for column in of.columns
+    ]
+    errors = {f"{second}-{name}": bound for name, bound in other.errors.items()}
+    return replace(
+        main,
+        findings=(*main.findings, *told),
+        columns=tuple(columns),
+        errors={**main.errors, **errors},
+    )
 
 
 def sliding(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:

@@ -19,7 +19,7 @@ from camgeo.effects.contact_pressure.line_contact import SHEAR_SHARE, LineContac
 from camgeo.effects.contact_pressure.table import PressureRequirements
 from camgeo.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
 from camgeo.effects.results import CONTACT_FORCE
-from camgeo.effects.touching import FLANKS, INNER, OUTER, sides_of
+from camgeo.effects.touching import FLANKS, OUTER, sides_of, with_other_side
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
@@ -70,26 +70,9 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
         return -force.normal(phi, side)
 
     names, noun = sides_of(subject)
-    second = names[OUTER]
-    words = f"{second} {noun}"
+    words = f"{names[OUTER]} {noun}"
     other = _of_return(request, subject.returning, on_return, force.edges, words)
-    found = [
-        replace(each, name=f"{second}-{each.name}", sentence=f"{words}: {each.sentence}")
-        for each in other.findings
-    ]
-    columns = [
-        replace(column, name=f"{names[sense]} {column.name}")
-        for sense, of in ((INNER, main), (OUTER, other))
-        for column in of.columns
-    ]
-    errors = {f"{second}-{name}": bound for name, bound in other.errors.items()}
-    return replace(
-        main,
-        findings=(*main.findings, *found),
-        columns=tuple(columns),
-        errors={**main.errors, **errors},
-        returning=other,
-    )
+    return replace(with_other_side(subject, main, other), returning=other)
 
 
 def _of_disc(

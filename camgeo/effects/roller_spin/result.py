@@ -30,7 +30,7 @@ from camgeo.effects.effect import Column, Request, Result
 from camgeo.effects.ranges import ranges_below
 from camgeo.effects.roller_spin import RollerData
 from camgeo.effects.roller_spin.rolling import Rolling
-from camgeo.effects.touching import INNER, OUTER, sides_of
+from camgeo.effects.touching import with_other_side
 from camgeo.effects.wording import N_M, angles, extreme_findings, over, placed
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
@@ -61,19 +61,8 @@ def compute(request: Request[RollerData]) -> RollerSpin:
     main, *others = (_spin_of(each) for each in Rolling.each(request))
     if not others:
         return main
-    (names, noun), (other,) = sides_of(request.subject), others
-    second, words = names[OUTER], f"{names[OUTER]} {noun}"
-    told = [
-        replace(each, name=f"{second}-{each.name}", sentence=f"{words}: {each.sentence}")
-        for each in other.findings
-    ]
-    columns = [
-        replace(column, name=f"{names[sense]} {column.name}")
-        for sense, each in ((INNER, main), (OUTER, other))
-        for column in each.columns
-    ]
-    findings = (*main.findings, *told)
-    return replace(main, findings=findings, columns=tuple(columns), opposite=other)
+    (other,) = others
+    return replace(with_other_side(request.subject, main, other), opposite=other)
 
 
 def _spin_of(rolling: Rolling) -> RollerSpin:
