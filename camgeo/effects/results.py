@@ -185,6 +185,8 @@ class Friction(Acting):
         friction of guide and pivot is in [0] only, as of a contact force that is their only load,
         and is 0 during dwells; the roller still turns, and a face still slides, during dwells.
         GeometryError at a cusp.
+    at_contact : (n,) torque on the cam per unit of |N| [mm] that friction of the roller or face
+        takes, on the side `sense`; not below 0.
     bearing : at n cam angles, on the side `sense`.
     guide_length : between the ends of the guide [mm]; None if the scene does not state it.
     on_roller : largest moments on the roller per unit of |N| [mm]: of its bearing, and of rolling.
@@ -192,6 +194,7 @@ class Friction(Acting):
     """
 
     per_normal: Callable[[FloatArray, Side, int], FloatArray]
+    at_contact: Callable[[FloatArray, Side, int], FloatArray]
     bearing: Callable[[FloatArray, Side, int], Bearing]
     guide_length: float | None
     on_roller: tuple[float, float]

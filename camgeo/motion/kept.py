@@ -1,8 +1,8 @@
 """What is computed once and kept with the immutable object that it depends on.
 
-`Answers` keep the values of a motion at the cam angles of the latest requests. `kept_with_owner`
-keeps the last result of a function of an object with the object, `kept_with_each` what is computed
-for many objects at once with each of them.
+`Answers` keep the values of a motion at the cam angles of the latest requests, `recalling` those of
+a quantity. `kept_with_owner` keeps the last result of a function of an object with the object,
+`kept_with_each` what is computed for many objects at once with each of them.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from functools import wraps
 from threading import Lock
 from typing import Any, Concatenate, Final, Generic, ParamSpec, Protocol, TypeVar
 
-from camgeo.numeric.arrays import FloatArray
+from numpy.typing import NDArray
+
+from camgeo.numeric.arrays import FloatArray, Number, Side, read_only
 
 P = ParamSpec("P")
 Out = TypeVar("Out")
@@ -63,6 +65,18 @@ class Answers(Generic[Out]):
             while self._angles > MOST_KEPT:
                 self._angles -= self._kept.pop(next(iter(self._kept)))[1]
         return made
+
+
+def recalling(
+    quantity: Callable[[FloatArray, Side], NDArray[Number]],
+) -> Callable[[FloatArray, Side], NDArray[Number]]:
+    """The same `quantity`, whose values at the latest cam angles are kept: read-only."""
+    answers: Answers[NDArray[Number]] = Answers()
+
+    def values(phi: FloatArray, side: Side) -> NDArray[Number]:
+        return answers.recall(lambda: read_only(quantity(phi, side)), side, phi)
+
+    return values
 
 
 def kept_with_owner(

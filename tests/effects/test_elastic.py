@@ -226,8 +226,7 @@ def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
 
 def own_error(of: Design) -> float:
     """Of the lift-off speed, by the search itself."""
-    errors: Any = of.effect("lift-off").errors
-    found: float = errors.result.errors["lift-off-speed"].error
+    found: float = of.effect("lift-off").errors["lift-off-speed"].error
     return found
 
 

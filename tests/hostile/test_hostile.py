@@ -21,7 +21,7 @@ from tests.long_form import examples
 
 ROOT: Final = Path(__file__).parents[2]
 
-SECONDS: Final = examples(1.0, long=2.0)
+SECONDS: Final = examples(2.0, long=4.0)
 """Of a file; what takes time to read is four times as long in the long form."""
 
 MEGABYTES: Final = 300.0

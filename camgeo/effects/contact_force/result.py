@@ -39,6 +39,7 @@ from camgeo.effects.touching import (
     sides_of,
 )
 from camgeo.effects.wording import angles, at, by_place, placed
+from camgeo.motion.kept import recalling
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 
@@ -72,9 +73,11 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     refuse_jamming(balance, edges)
     edges = load_edges(balance, edges)
 
+    @recalling  # all effects of the scene ask for it, most of them at the same angles
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         return balance.normal(phi, side, balance.rates(phi, side))
 
+    @recalling
     def demand(phi: FloatArray, side: Side) -> FloatArray:
         return balance.demand(phi, side, balance.rates(phi, side))
 
@@ -143,7 +146,9 @@ def bearings_of(request: Request[ForceLimit], forces: tuple[Force, ...]) -> Bear
             coupler = coupler_of(subject, subject.drive.linkage, forces, inertia, gravity)
     loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
     return BearingFriction(
-        friction.rubbing, partial(loads.on_bearings, friction), partial(loads.per_far, friction)
+        friction.rubbing,
+        recalling(partial(loads.on_bearings, friction)),
+        partial(loads.per_far, friction),
     )
 
 

@@ -52,6 +52,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
         columns=(column(statics, borders),),
         force=_force(subject, data, borders),
         per_normal=statics.per_normal,
+        at_contact=statics.at_contact,
         bearing=statics.bearing,
         guide_length=data.guide_length,
         on_roller=(0.5 * data.roller_pin * data.roller_pin_diameter, data.rolling),

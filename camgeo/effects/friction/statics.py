@@ -228,6 +228,14 @@ class Statics:
         torque -= turning * at.pin_moment + at.against_cam * at.rolling_moment
         return np.stack((force, torque))
 
+    def at_contact(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+        """(n,) torque on the cam [mm], see `Friction`: each moment or force by the velocity with
+        which its parts move on each other, -f_t g - omega_rf m_p - omega_rc m_r.
+        """
+        at = self.state(phi, side, sense)
+        lost = at.tangential * at.slip + at.spin * at.pin_moment
+        return np.asarray(-(lost + at.against_cam * at.rolling_moment))
+
     def bearing(self, phi: FloatArray, side: Side, sense: int) -> Bearing:
         """See `Friction`."""
         at = self.state(phi, side, sense)

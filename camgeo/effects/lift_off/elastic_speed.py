@@ -49,7 +49,13 @@ from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.load_swing import SLOWEST, drifting, pressed, struck, swings
 from camgeo.effects.touching import TOUCH
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.numeric.extremes import Extreme, piecewise_extremes, piecewise_highest, piecewise_lowest
+from camgeo.numeric.extremes import (
+    Extreme,
+    ceiling,
+    piecewise_extremes,
+    piecewise_highest,
+    piecewise_lowest,
+)
 from camgeo.numeric.oscillator.steady import SOFT
 
 SEARCHED: Final = 4.0
@@ -203,7 +209,7 @@ class _Search:
             each = [np.abs(v) * np.abs(unit_vectors(v, d) - d) ** 2 for v in both]
             return np.asarray(0.5 * helping * np.max(np.sum(each, axis=1), axis=0))
 
-        return piecewise_highest(lacking, self.edges).value
+        return ceiling(lacking, self.edges)
 
     def sag(self, one: _Point, other: _Point) -> float:
         """How far g may be below its chord between both."""

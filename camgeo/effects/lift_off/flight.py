@@ -83,6 +83,10 @@ if TYPE_CHECKING:
 MOST_ITERATIONS: Final = 60
 """Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
 
+SURE: Final = 3
+"""Successive halvings of the cells that fail for a reason: more will not help. Cells that are much
+too long may fail for it too, because the iteration diverges."""
+
 MOST_REBOUNDS: Final = 5
 """Rebounds of one flight that are followed; then it stays on the wall that it has hit."""
 
@@ -160,7 +164,7 @@ class FreeFollower:
         EffectError
             If they cannot be computed to the `tolerance`.
         """
-        error, why = 1.0, ""
+        error, whys = 1.0, [""]
         for halvings in range(MOST_HALVINGS + 1):
             try:
                 rough, fine = (
@@ -168,9 +172,11 @@ class FreeFollower:
                     for count in ORDERS
                 )
             except StiffError as stiff:
-                why = str(stiff)
+                whys.append(str(stiff))
+                if whys[-1] and whys[-SURE:] == SURE * whys[-1:]:
+                    break
                 continue
-            why = ""
+            whys.append("")
             alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
             pairs = tuple(zip(rough.flights, fine.flights, strict=False))
             error = max((apart(*both) for both in pairs), default=0.0) if alike else 1.0
@@ -184,8 +190,8 @@ class FreeFollower:
                     for worse, better in pairs
                 )
                 return replace(fine, flights=tuple(told))
-        if why:
-            raise EffectError(why)
+        if whys[-1]:
+            raise EffectError(whys[-1])
         raise missed("the impact speed of a flight", error, "itself", tolerance)
 
     def _chain(

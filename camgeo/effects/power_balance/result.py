@@ -26,7 +26,7 @@ from camgeo.effects.power_balance import PowerData
 from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE, LOAD, ContactForce, Friction
 from camgeo.effects.touching import INNER, OUTER
 from camgeo.effects.wording import N_M, extreme_findings, missed
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.quadrature import Integral, piecewise_integral
 from camgeo.numeric.rounding import resolved
@@ -160,21 +160,10 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
     """Friction at the contact, and in pivot or guide."""
     follower, rubbing = subject.cam.follower, friction.rubbing
 
-    def rubbed(phi: FloatArray, side: Side) -> ComplexArray:
-        """(k, n) loads of the contact on pivot or guide per unit of |N|."""
-        if rubbing is None:
-            return np.zeros((1, len(phi)), dtype=np.complex128)
-        inner, outer = (rubbing.per_normal(phi, side, sense) for sense in (INNER, OUTER))
-        return np.where(contact.normal(phi, side) >= 0.0, inner, outer)
-
     def at_contact(phi: FloatArray, side: Side) -> FloatArray:
         normal = contact.normal(phi, side)
-        inner, outer = (friction.per_normal(phi, side, sense) for sense in (INNER, OUTER))
-        force, moment = np.where(normal >= 0.0, inner, outer)
-        if rubbing is not None:  # in the pivot or guide it is counted under all that loads them
-            loads = np.sum(np.abs(rubbed(phi, side)), axis=0)
-            force = force + rubbing.lever * rubbing.senses(phi, side) * loads
-        return np.asarray(np.abs(normal) * (moment - force * _velocity(subject, phi, side)))
+        inner, outer = (friction.at_contact(phi, side, sense) for sense in (INNER, OUTER))
+        return np.abs(normal) * np.where(normal >= 0.0, inner, outer)
 
     yield Taker(
         "work-contact-friction",
@@ -188,7 +177,9 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
 
     def in_bearings(phi: FloatArray, side: Side) -> FloatArray:
         own = at_rates(bearings.own(phi, side), rates_of(subject, phi, side))
-        loads = own + rubbed(phi, side) * np.abs(contact.normal(phi, side))
+        normal = contact.normal(phi, side)
+        inner, outer = (rubbing.per_normal(phi, side, sense) for sense in (INNER, OUTER))
+        loads = own + np.where(normal >= 0.0, inner, outer) * np.abs(normal)
         lost = rubbing.lever * np.sum(np.abs(loads), axis=0)
         return np.asarray(lost * np.abs(_velocity(subject, phi, side)))
 

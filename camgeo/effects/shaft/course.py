@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final, Protocol
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from camgeo.effects.effect import Quantity
 from camgeo.effects.shaft.mesh import Mesh, State, collocation, legendre
-from camgeo.numeric.arrays import FloatArray, IntArray, Side, frozen
+from camgeo.motion.kept import Answers
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, frozen, read_only
 from camgeo.units import TURN
 
 JUMP: Final = 1e-9
@@ -58,6 +59,7 @@ class SteadyCourse:
     turn: SteadyTurn
     borders: FloatArray
     jumps: FloatArray
+    _answers: Answers[FloatArray] = field(default_factory=Answers, init=False, repr=False)
 
     @cached_property
     def _series(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -83,27 +85,37 @@ class SteadyCourse:
         cell = np.searchsorted(low, inside, side) - 1
         return np.clip(cell, 0, len(low) - 1), inside
 
-    def _y(self, cell: IntArray, phi: FloatArray, series: FloatArray) -> FloatArray:
-        """(n,) the `series` of the cells at `phi` (n,) [rad] in them."""
+    def _values(
+        self, cell: IntArray, phi: FloatArray, *series: FloatArray
+    ) -> tuple[FloatArray, ...]:
+        """(n,) each of the `series` of the cells at `phi` (n,) [rad] in them."""
         mesh = self.turn.mesh
         x = 2.0 * (phi - mesh.low[cell]) / mesh.spans[cell] - 1.0
-        found: FloatArray = np.sum(legendre(x, series.shape[1] - 1) * series[cell], axis=1)
-        return found
+        p = legendre(x, max(each.shape[1] for each in series) - 1)
+        return tuple(np.sum(p[:, : each.shape[1]] * each[cell], axis=1) for each in series)
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """See `TimeCourse`."""
-        cell, inside = self._placed(np.asarray(phi, dtype=np.float64), side)
-        z, alpha, rate = (self._y(cell, inside, each) for each in self._series)
-        omega = np.sqrt(2.0 * (self.turn.state.base + z))
-        return np.stack((omega, alpha, omega * rate))
+        """See `TimeCourse`. Read-only, and kept for the latest requests."""
+        phi = np.asarray(phi, dtype=np.float64)
+
+        def made() -> FloatArray:
+            z, alpha, rate = self._values(*self._placed(phi, side), *self._series)
+            omega = np.sqrt(2.0 * (self.turn.state.base + z))
+            return read_only(np.stack((omega, alpha, omega * rate)))
+
+        return self._answers.recall(made, side, phi)
 
     def time(self, phi: FloatArray) -> FloatArray:
-        """See `TimeCourse`; 0 at cam angle 0."""
+        """See `TimeCourse`; 0 at cam angle 0. Read-only, and kept as the rates are."""
         phi = np.asarray(phi, dtype=np.float64)
-        turns = np.floor(phi / TURN)
-        cell, inside = self._placed(phi - TURN * turns, "right")
-        whole = turns * self._starts[-1]
-        return np.asarray(whole + self._starts[cell] + self._since(cell, inside))
+
+        def made() -> FloatArray:
+            turns = np.floor(phi / TURN)
+            cell, inside = self._placed(phi - TURN * turns, "right")
+            whole = turns * self._starts[-1]
+            return read_only(whole + self._starts[cell] + self._since(cell, inside))
+
+        return self._answers.recall(made, "time", phi)
 
     def _since(self, cell: IntArray, phi: FloatArray) -> FloatArray:
         """(n,) time [s] from the starts of the cells to `phi` (n,) [rad] in them."""
@@ -111,7 +123,7 @@ class SteadyCourse:
         low = self.turn.mesh.low[cell]
         half = 0.5 * (phi - low)
         places = low[:, np.newaxis] + half[:, np.newaxis] * (nodes + 1.0)
-        z = self._y(np.repeat(cell, len(nodes)), places.ravel(), self._series[0])
+        (z,) = self._values(np.repeat(cell, len(nodes)), places.ravel(), self._series[0])
         slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
         found: FloatArray = half * (slowness.reshape(places.shape) @ weights)
         return found

@@ -39,8 +39,9 @@ from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
 from camgeo.effects.wording import FORCES, MASSES, Label
 from camgeo.errors import EffectError, GeometryError
+from camgeo.motion.kept import Answers
 from camgeo.motion.time_course import in_time
-from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.oscillator.chain import SeparationError, Stage, chain
 from camgeo.numeric.oscillator.steady import ResonanceError, Response, steady_state
@@ -201,9 +202,13 @@ def _behind(
             return np.ones(len(phi))
         return subject.drive.linkage.per_follower(clock.motion.jet(phi, side)[0])
 
+    pushes: Answers[FloatArray] = Answers()
+
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
-        found: FloatArray = Output(clock, response).forces([0], phi, side)[0]
-        return found
+        def made() -> FloatArray:
+            return read_only(Output(clock, response).forces([0], phi, side)[0])
+
+        return pushes.recall(made, (response, side), phi)
 
     def base(phi: FloatArray, side: Side) -> FloatArray:
         return in_time(clock.motion.jet(phi, side), clock.course, phi)[:3]

@@ -31,8 +31,12 @@ TOKEN: Final = re.compile(
     r"|(?P<word>!?[A-Z_][A-Z0-9_-]*+)"
     r'|(?P<binary>"[0-9A-F]*+")'
     r"|(?P<mark>[()=;,$*])"
+    r"|(?P<wrong>.)",
+    re.DOTALL,
 )
-"""Blanks and comments between tokens, or one token; no text is searched twice."""
+"""Blanks and comments between tokens, or one token, or a character that begins none: wherever it
+begins there is a match, and no text is searched twice.
+"""
 
 CODED: Final = re.compile(
     r"\\X2\\((?:[0-9A-F]{4})++)\\X0\\|\\X4\\((?:[0-9A-F]{8})++)\\X0\\"
@@ -111,14 +115,12 @@ class _Parser:
 
     def _tokens(self) -> Iterator[tuple[str, str]]:
         for found in TOKEN.finditer(self.text):
-            if found.start() != self.end:
-                break
-            self.end = found.end()
             kind = found.lastgroup
+            if kind == "wrong":
+                self.fail(f"{self.text[self.end : self.end + 20]!r} is nothing that STEP knows")
+            self.end = found.end()
             if kind != "space":
                 yield str(kind), found.group()
-        if self.end < len(self.text):
-            self.fail(f"{self.text[self.end : self.end + 20]!r} is nothing that STEP knows")
 
     def fail(self, what: str) -> NoReturn:
         line = 1 + self.text.count("\n", 0, self.end)
