@@ -15,6 +15,7 @@ from camgeo.numeric.extremes import (
     INSET,
     MOST_POINTS,
     SAMPLES,
+    ceiling,
     grid_of,
     piecewise_extremes,
     piecewise_highest,
@@ -256,3 +257,18 @@ def test_pieces_next_to_each_other(
 ) -> None:
     cuts = np.linspace(0.0, TURN, 5)
     assert stretch_around(cuts, np.array(inside), place) == expected
+
+
+@given(a=st.floats(-1.2, 1.2), b=st.floats(-1.2, 1.2), inner=st.lists(st.floats(-0.9, 0.9)))
+@some
+def test_a_ceiling_is_not_below_the_largest_value(a: float, b: float, inner: list[float]) -> None:
+    edges = np.unique(np.array([-1.0, *inner, 1.0]))
+    found = ceiling(lambda x, _: cubic(a, b, x), edges)
+    assert found >= piecewise_highest(lambda x, _: cubic(a, b, x), edges).value - 8.0 * EPS
+
+
+def test_a_ceiling_counts_both_sides_of_a_jump() -> None:
+    def jumping(x: FloatArray, side: Side) -> FloatArray:
+        return np.where(x < 1.0 if side == "right" else x <= 1.0, x, 0.0)
+
+    assert ceiling(jumping, np.array([0.0, 1.0, 2.0])) >= 1.0
