@@ -176,12 +176,15 @@ class Request(Generic[Data]):
     results : by key, of the effects that it needs, and of those it uses if the scene names them.
     tolerance : largest permitted error of each figure, relative to the scale of its `Bound`; only
         numerical effects use it.
+    near : what the effect has found for almost the same input, for which a search may look beside
+        it; None if nothing is known.
     """
 
     subject: Subject
     data: Data
     results: Results
     tolerance: float
+    near: Any = None
 
     @property
     def course(self) -> TimeCourse:

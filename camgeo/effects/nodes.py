@@ -13,7 +13,7 @@ import numpy as np
 from camgeo.effects.catalogue import Catalogue
 from camgeo.effects.effect import Column, Effect, Request, Result, Results, Subject, machine_of
 from camgeo.effects.inherited import InheritedErrors
-from camgeo.effects.results import CONTACT_FORCE, FINDERS, LIFT_OFF, VIBRATION, Elastic
+from camgeo.effects.results import CONTACT_FORCE, FINDERS, VIBRATION, Elastic
 from camgeo.effects.rules import Table
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
@@ -67,6 +67,7 @@ class Nodes:
         self._base = base
         self._rough = rough
         self._off: tuple[Nodes, ...] | None = None
+        self._near: dict[str, Any] = {}
         self._results: dict[str, Any] = dict(known or {})
         self._failures: dict[str, EffectError] = {}
 
@@ -93,6 +94,13 @@ class Nodes:
             self._results[name] = found
             return found
 
+    def beside(self, name: str, near: Any) -> Any:
+        """The result of the effect `name`, which is known to be `near` another; raises as
+        `result`.
+        """
+        self._near[name] = near
+        return self.result(name)
+
     def inputs(self, name: str) -> dict[str, Any]:
         """The results that the effect `name` receives; raises as `result`."""
         return {each: self.result(each) for each in self.catalogue.received(name)}
@@ -115,7 +123,8 @@ class Nodes:
         except GeometryError as error:
             raise GeometryError(error.message, _place(name, error.key), error.value) from error
         compute = pkgutil.resolve_name(effect.compute)
-        return self._stated(name, compute(Request(self.subject, data, results, tolerance)))
+        near = self._near.get(name)
+        return self._stated(name, compute(Request(self.subject, data, results, tolerance, near)))
 
     def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
         """Raise GeometryError with the key if the effect or one of its keys does not fit."""
@@ -139,24 +148,24 @@ class Nodes:
         result = replace(result, state=used)
         others: list[Callable[[], Result]] = []
         if self._follows(name):
-            others += [partial(self._with_train, number, name) for number in range(2)]
+            others += [partial(self._with_train, number, name, result) for number in range(2)]
         if rough is not None and state.course is not None:
             jumps = state.course.jumps
             columns = tuple(_also_jumping(each, jumps) for each in result.columns)
             result = replace(result, columns=columns)
-            others.append(lambda: rough.result(name))
+            others.append(partial(rough.beside, name, result))
         return replace(result, errors=InheritedErrors(result, others)) if others else result
 
     def _follows(self, name: str) -> bool:
         """Whether the effect `name` was computed here from the force of an elastic train."""
         train = self._results.get(VIBRATION)
-        if train is None or train.behind is None or name in (*FINDERS, LIFT_OFF):
+        if train is None or train.behind is None or name in FINDERS:
             return False  # they state the errors of the speeds that they find themselves
         return VIBRATION in self.catalogue.behind(name)
 
-    def _with_train(self, number: int, name: str) -> Any:
+    def _with_train(self, number: int, name: str, near: Any) -> Any:
         """The result of the effect `name` with one of the trains that are off by the error of their
-        force, see `camgeo.effects.elastic.ElasticTrain.off`.
+        force, see `camgeo.effects.elastic.ElasticTrain.off`; `near` is that with the train itself.
         """
         if self._off is None:
             train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
@@ -164,7 +173,7 @@ class Nodes:
                 WithTrain(self, replace(train, behind=each))
                 for each in train.behind.off(contact.demand)
             )
-        return self._off[number].result(name)
+        return self._off[number].beside(name, near)
 
 
 class WithTrain(Nodes):

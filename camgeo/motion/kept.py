@@ -22,6 +22,9 @@ Out = TypeVar("Out")
 MOST_KEPT: Final = 65_536
 """Total number of cam angles of whose values `Answers` keep those of the latest requests [3 MB]."""
 
+MOST_VALUES: Final = 1 << 19
+"""The same where each has one number [8 MB], as forces have: a stiff train takes as many."""
+
 Kept = dict[Callable[..., Any], tuple[Any, Any]]
 """By function: the arguments of its last call, and the result."""
 
@@ -37,9 +40,12 @@ Owner = TypeVar("Owner", bound=HasKept)
 
 
 class Answers(Generic[Out]):
-    """A cache of the values at the latest cam angles, by request; safe for concurrent threads."""
+    """A cache of the values at the latest cam angles, `most` in total or MOST_KEPT, by request;
+    safe for concurrent threads.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, most: int | None = None) -> None:
+        self._most = most
         self._kept: dict[Hashable, tuple[Out, int]] = {}
         self._angles = 0
         self._lock = Lock()
@@ -48,8 +54,8 @@ class Answers(Generic[Out]):
         """The result of `make`, which depends on `way` and `angles` (n,) [rad] alone: read-only,
         and while it is kept the same object for equal arguments.
         """
-        count = len(angles[0])
-        if count > MOST_KEPT:
+        count, most = len(angles[0]), MOST_KEPT if self._most is None else self._most
+        if count > most:
             return make()
         question = way, *(each.tobytes() for each in angles)
         with self._lock:
@@ -62,16 +68,18 @@ class Answers(Generic[Out]):
             if question not in self._kept:
                 self._kept[question] = made, count
                 self._angles += count
-            while self._angles > MOST_KEPT:
+            while self._angles > most:
                 self._angles -= self._kept.pop(next(iter(self._kept)))[1]
         return made
 
 
 def recalling(
-    quantity: Callable[[FloatArray, Side], NDArray[Number]],
+    quantity: Callable[[FloatArray, Side], NDArray[Number]], most: int = MOST_VALUES
 ) -> Callable[[FloatArray, Side], NDArray[Number]]:
-    """The same `quantity`, whose values at the latest cam angles are kept: read-only."""
-    answers: Answers[NDArray[Number]] = Answers()
+    """The same `quantity`, read-only, with its values at the latest cam angles, `most` in total,
+    kept.
+    """
+    answers: Answers[NDArray[Number]] = Answers(most)
 
     def values(phi: FloatArray, side: Side) -> NDArray[Number]:
         return answers.recall(lambda: read_only(quantity(phi, side)), side, phi)

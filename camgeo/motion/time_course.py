@@ -18,7 +18,7 @@ from camgeo.errors import GeometryError
 from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan, Move, SplineMove
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, Side, ascending
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending
 from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.pickled import Pickled
@@ -287,10 +287,14 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     roots = bracketed_roots(timed, low, high, rows + 1)
     velocity, acceleration = (extremes(row, roots[rows == row]) for row in SMOOTH)
 
-    *turning, which = tops(inside, grid[list(SHARP)])
+    sign, low, high, which = tops(inside, grid[list(SHARP)])
     rows = np.array(SHARP)[which]
-    each = np.arange(len(rows))
-    places = climbed(lambda phi: timed(phi).reshape(5, len(rows), -1)[rows, each].ravel(), *turning)
+
+    def sharp(phi: FloatArray, bracket: IntArray) -> FloatArray:
+        found: FloatArray = timed(phi)[rows[bracket], np.arange(len(phi))]
+        return found
+
+    places = climbed(sharp, sign, low, high, which)
     jerk, torque = (extremes(row, places[rows == row]) for row in SHARP)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 

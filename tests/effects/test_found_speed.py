@@ -361,8 +361,11 @@ def assert_true(own: Result, best: Result, what: str) -> None:
         assert each.holds, (what, each)
 
 
-@pytest.mark.parametrize("tolerance", some(("1e-2", "1e-4", "1e-6", "1e-8", "1e-10"), of=3))
-@pytest.mark.parametrize("name", DRIVEN)
+ASKED = tuple(itertools.product(("1e-2", "1e-4", "1e-6", "1e-8", "1e-10"), DRIVEN))
+"""Tolerances and scenes: in the usual form three of them, with each scene once."""
+
+
+@pytest.mark.parametrize(("tolerance", "name"), some(ASKED, of=4, first=2))
 def test_errors_are_true(name: str, tolerance: str) -> None:
     """Of each figure of each effect that depends on the speed."""
     rough, fine = (loaded(name, f"{float(tolerance) / each:g}") for each in (1.0, TIGHTER))

@@ -39,7 +39,7 @@ from camgeo.effects.touching import (
     sides_of,
 )
 from camgeo.effects.wording import angles, at, by_place, placed
-from camgeo.motion.kept import recalling
+from camgeo.motion.kept import MOST_KEPT, recalling
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 
@@ -147,7 +147,7 @@ def bearings_of(request: Request[ForceLimit], forces: tuple[Force, ...]) -> Bear
     loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
     return BearingFriction(
         friction.rubbing,
-        recalling(partial(loads.on_bearings, friction)),
+        recalling(partial(loads.on_bearings, friction), MOST_KEPT),
         partial(loads.per_far, friction),
     )
 

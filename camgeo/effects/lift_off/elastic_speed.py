@@ -74,6 +74,9 @@ ROOT: Final = 1e-13
 BESIDE: Final = 1e-6
 """Relative distance at which the slope of g is taken."""
 
+APART: Final = (1e-6, 1e-4, 1e-2)
+"""Relative distances at which a crossing is looked for beside a known one."""
+
 GROWTH: Final = 4.0
 """Factor between a step and the next one at most."""
 
@@ -279,7 +282,11 @@ class _Search:
 
 
 def elastic_speed(
-    flank: Flank, behind: ElasticTrain, edges: FloatArray, rigid: float
+    flank: Flank,
+    behind: ElasticTrain,
+    edges: FloatArray,
+    rigid: float,
+    near: float | None = None,
 ) -> ElasticSpeed:
     """The smallest speed at which the force on `flank` falls below its margin.
 
@@ -287,6 +294,8 @@ def elastic_speed(
     ----------
     edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
     rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
+    near : the speed at which a train that hardly differs leaves the flank: a crossing beside it is
+        the first one too. None if none is known.
     """
     rates, period = behind.train.rates, behind.response.base.period
     if np.max(rates.real) >= 0.0:
@@ -306,6 +315,9 @@ def elastic_speed(
         return ElasticSpeed(Extreme(0.0, swung.place))
     widest = piecewise_highest(search.share, edges).value
     search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
+    beside = _beside(search, 1.0 / near) if near else None
+    if beside is not None:
+        return beside
     fastest = float(np.min(np.abs(rates))) * period / SOFT
     end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
     start = search.start(rest.lowest.value)
@@ -342,6 +354,15 @@ def _first(search: _Search, start: float, end: float) -> ElasticSpeed:
         step = apart - min(max(near, 0.5 * CLOSE * lost.s), 0.5 * apart)
     why = "its damping is so small that its resonances are too narrow to be searched one by one"
     return ElasticSpeed(kept=1.0 / kept.s, why=why)
+
+
+def _beside(search: _Search, s: float) -> ElasticSpeed | None:
+    """The crossing beside `s`; None if there is none."""
+    for apart in APART:
+        kept, lost = (search.at(s * (1.0 + sign * apart)) for sign in (1.0, -1.0))
+        if kept.g > 0.0 >= lost.g:
+            return _found(search, kept, _crossing(search, kept, lost))
+    return None
 
 
 def _crossing(search: _Search, kept: _Point, lost: _Point) -> _Point:

@@ -54,8 +54,10 @@ class ForceClosed(Leaving):
     flights: tuple[Flight, ...] = ()
 
 
-def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
-    """The findings for `flank`, with the spring of the scene if it has one."""
+def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = None) -> ForceClosed:
+    """The findings for `flank`, with the spring of the scene if it has one; `near` those of one
+    that hardly differs.
+    """
     edges, course = flank.contact.edges, flank.subject.state.course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
     contact = flank.contact
@@ -79,7 +81,8 @@ def of_flank(flank: Flank, spring: Spring | None) -> ForceClosed:
                 elastic_speed,  # few trains are elastic
             )
 
-            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value)
+            beside = None if near is None or near.speed is None else near.speed.value
+            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value, beside)
             speed = searched.speed
             found.append(_elastic(flank, searched, rigid, course, bool(lost)))
             if speed is not None:

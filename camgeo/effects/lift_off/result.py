@@ -53,7 +53,7 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
             value=f"{data.backlash:g}",
         )
     flank = Flank(subject, contact, subject.cam.contact.push, data.margin)
-    closed = of_flank(flank, request.results.get(SPRING))
+    closed = of_flank(flank, request.results.get(SPRING), request.near)
     if not contact.lost_contact:
         return closed
     from camgeo.effects.lift_off.landing import flown_from  # few followers leave the flank

@@ -39,7 +39,7 @@ from camgeo.effects.vibration.output import Clock, Output, clock_of
 from camgeo.effects.vibration.table import TrainData
 from camgeo.effects.wording import FORCES, MASSES, Label
 from camgeo.errors import EffectError, GeometryError
-from camgeo.motion.kept import Answers
+from camgeo.motion.kept import MOST_VALUES, Answers
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import piecewise_extremes
@@ -202,7 +202,7 @@ def _behind(
             return np.ones(len(phi))
         return subject.drive.linkage.per_follower(clock.motion.jet(phi, side)[0])
 
-    pushes: Answers[FloatArray] = Answers()
+    pushes: Answers[FloatArray] = Answers(MOST_VALUES)
 
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
         def made() -> FloatArray:
