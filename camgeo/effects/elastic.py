@@ -38,6 +38,10 @@ MOST_PERIODS: Final = 4096
 lasting vibration cover all its phases, and a decaying one is searched where it begins.
 """
 
+RUNGS: Final = 8
+"""In an octave: numbers of periods between two rungs have the edges of the upper one, so that those
+of neighbouring speeds are the same."""
+
 BEGINNING: Final = np.array([1.0, 2.0])
 """Periods after each border that are then searched separately."""
 
@@ -49,7 +53,8 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
     periods = float(np.max(train.rates.imag)) * period / TURN
     if not periods > 1.0:
         return smooth
-    count = math.ceil(min(periods, MOST_PERIODS))
+    rung = math.ceil(RUNGS * math.log2(min(periods, MOST_PERIODS)))
+    count = math.ceil(2.0 ** (rung / RUNGS))
     edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
     if periods > MOST_PERIODS:
         begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()

@@ -14,7 +14,7 @@ from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document, explained
 
-SPRUNG = FIXTURES / "effects" / "press.toml"
+SPRUNG = FIXTURES / "effects" / "tappet.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
 MILLED = FIXTURES / "scenes" / "ring.toml"
 REFUSED = sorted((FIXTURES / "refused").glob("*.toml"))

@@ -39,6 +39,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -105,17 +106,28 @@ class ElasticSpeed:
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """g at one s, |u| and |v| of each mode, and the V_i (k, n)."""
+    """A number below g at one s, |u| and |v| of each mode, the V_i (k, n), and what finds g."""
 
     s: float
-    lowest: Extreme
+    floor: float
     sizes: FloatArray
     loaded: FloatArray
     loads: Callable[[FloatArray, Side], ComplexArray]
+    find: Callable[[], Extreme]
+
+    @property
+    def lowest(self) -> Extreme:
+        """g, with its place."""
+        return self.find()
 
     @property
     def g(self) -> float:
         return self.lowest.value
+
+    @property
+    def lost(self) -> bool:
+        """Whether g is not above 0."""
+        return self.floor <= 0.0 and self.g <= 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,11 +203,13 @@ class _Search:
             passed = self.flank.passed(phi, side, found.beyond_base(phi, side))
             return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
-        lowest = piecewise_lowest(reserve, found.edges(self.edges))
+        edges = found.edges(self.edges)
+        floor = -ceiling(lambda phi, side: -reserve(phi, side), edges)
+        find = cache(lambda: piecewise_lowest(reserve, edges))
         sizes = np.array([mode.largest for mode in found.response.modes])
         # driven by s^2 f
         loaded = np.array([mode.largest for mode in found.response.loaded]) / s**2
-        return _Point(s, lowest, sizes, loaded, loads)
+        return _Point(s, floor, sizes, loaded, loads, find)
 
     def turned(self, one: _Point, other: _Point) -> float:
         """What the loads lack of their sizes in the direction of their sum at most, where that
@@ -332,11 +346,13 @@ def _first(search: _Search, start: float, end: float) -> ElasticSpeed:
     step = 0.5 * (start - end)
     for _ in range(MOST_STEPS):
         trial = search.at(max(kept.s - step, end))
-        if trial.g <= 0.0:
+        if trial.lost:
             lost = _crossing(search, kept, trial)
             step = 0.5 * (kept.s - lost.s)
             continue
-        least, sag = min(kept.g, trial.g), search.sag(kept, trial)
+        least, sag = min(kept.floor, trial.floor), search.sag(kept, trial)
+        if sag >= least:
+            least = min(kept.g, trial.g)
         step = (kept.s - trial.s) * min(SAFE * math.sqrt(least / sag), GROWTH)
         if sag >= least:
             continue
