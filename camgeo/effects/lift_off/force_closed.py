@@ -78,11 +78,12 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
             found.append(_speed(flank, rigid, course, bool(lost or leaps)))
         else:
             from camgeo.effects.lift_off.elastic_speed import (
+                NONE,
                 elastic_speed,  # few trains are elastic
             )
 
-            beside = None if near is None or near.speed is None else near.speed.value
-            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value, beside)
+            known = None if near is None else near.speed or NONE
+            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value, known)
             speed = searched.speed
             found.append(_elastic(flank, searched, rigid, course, bool(lost)))
             if speed is not None:
