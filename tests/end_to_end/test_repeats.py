@@ -36,12 +36,12 @@ SCENES = [ROOT / "fixtures" / "scenes" / f"{name}.toml" for name in ("querhub", 
 SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv", ".asc", ".json", *PICTURES}
 
 SWEEP: Final = [
-    "sweep", str(ROOT / "fixtures" / "effects" / "linked_press.toml"),
-    "--vary", "follower.base_radius=48:60:3",
+    "sweep", str(ROOT / "fixtures" / "effects" / "four_bar.toml"),
+    "--vary", "follower.base_radius=66:74:3",
     "--vary", "motion.2.law=polynomial-345,modified-sine",
-    "--ask", "transmission-angle,peak:a,min:mu,peak:kappa,peak:contact-force,diameter",
+    "--ask", "transmission-angle,peak:alpha_chi,min:mu,peak:kappa,peak:contact-force,diameter",
 ]  # fmt: skip
-"""Designs of the Setzhub mechanism with forces: some answers are computed for several at once."""
+"""Designs of a four-bar with forces: some answers are computed for several at once."""
 
 
 @pytest.fixture(scope="module")
