@@ -171,7 +171,8 @@ def _of_skid(skid: Skid | None) -> Iterator[Finding]:
     where = f", {over(ranges)}" if ranges else ""
     text = f"path of the slip {distance:.6g} mm a turn{where}"
     yield Finding("slip-distance", "ok", text, distance, unit="mm")
-    yield Finding("slip-work", "ok", f"work of the slip {work:.6g} J a turn", work, unit="J")
+    text = f"work of the slip {work:.6g} J a turn; the roller of other effects rolls, and takes none"
+    yield Finding("slip-work", "ok", text, work, unit="J")
 
 
 def _of_undriven() -> Iterator[Finding]:
