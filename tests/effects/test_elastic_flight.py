@@ -22,8 +22,9 @@ from camgeo.effects.lift_off import elastic_flight
 from camgeo.effects.lift_off.cells import Nodes
 from camgeo.effects.lift_off.elastic_flight import ElasticFollower, carrying
 from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS, free_of
+from camgeo.effects.lift_off.flight import MOST_REBOUNDS
 from camgeo.effects.lift_off.flown import Leaving, Off
+from camgeo.effects.lift_off.free_follower import free_of
 from camgeo.effects.lift_off.walls import of_state
 from camgeo.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError

@@ -31,7 +31,7 @@ time, all that follows repeats.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -45,7 +45,6 @@ from camgeo.effects.lift_off.cells import (
     MOST_HALVINGS,
     NOISE,
     ORDERS,
-    ROUNDED,
     ROUNDING,
     Nodes,
     Polynomial,
@@ -68,11 +67,11 @@ from camgeo.effects.lift_off.flown import (
 )
 from camgeo.effects.lift_off.walls import Wall
 from camgeo.effects.ranges import ranges_below
-from camgeo.effects.results import ContactForce, Inertia
+from camgeo.effects.results import Inertia
 from camgeo.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.motion.time_course import TimeCourse
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
@@ -387,20 +386,3 @@ class FreeFollower:
                 kept = (lambda _: off.memory) if moved is None else moved.memory(nodes, v)
                 return gap, speed, kept
         raise StiffError
-
-
-def free_of(
-    contact: ContactForce,
-    inertia: Inertia,
-    course: TimeCourse,
-    walls: tuple[Wall, ...],
-    jumps: Sequence[float] = (),
-) -> FreeFollower:
-    """A follower with the forces of `contact`, inertia among them; for `jumps` see the class."""
-    others = tuple(each for each in contact.forces if each is not inertia.force)
-    cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
-    lifts = np.abs(walls[0].motion(cuts, "right")[0])
-    least = ROUNDED * float(np.max(lifts))
-    return FreeFollower(
-        others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps)
-    )

@@ -14,8 +14,9 @@ from camgeo.check.finding import STATED, Finding
 from camgeo.effects.effect import Bound, Subject
 from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS, FreeFollower, free_of
+from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS, FreeFollower
 from camgeo.effects.lift_off.flown import Flight, Leaving
+from camgeo.effects.lift_off.free_follower import free_of
 from camgeo.effects.lift_off.walls import of_state, with_clearance
 from camgeo.effects.results import ContactForce, Inertia
 from camgeo.effects.touching import FLANKS, holds_both_ways, sides_of

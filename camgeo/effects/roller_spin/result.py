@@ -171,7 +171,9 @@ def _of_skid(skid: Skid | None) -> Iterator[Finding]:
     where = f", {over(ranges)}" if ranges else ""
     text = f"path of the slip {distance:.6g} mm a turn{where}"
     yield Finding("slip-distance", "ok", text, distance, unit="mm")
-    text = f"work of the slip {work:.6g} J a turn; the roller of other effects rolls, and takes none"
+    text = (
+        f"work of the slip {work:.6g} J a turn; the roller of other effects rolls, and takes none"
+    )
     yield Finding("slip-work", "ok", text, work, unit="J")
 
 
