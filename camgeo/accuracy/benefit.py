@@ -25,6 +25,7 @@ from camgeo.design import Design
 from camgeo.effects.effect import Subject
 from camgeo.effects.graph import Effects
 from camgeo.effects.results import CONTACT_FORCE, LIFT_OFF, VIBRATION, ContactForce
+from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
 from camgeo.lazy import Ledger
 from camgeo.motion.time_course import ConstantSpeed
@@ -210,8 +211,13 @@ class Made:
         Raises
         ------
         EffectError
-            As the effects; with an elastic train on more than `MOST_PIECES`.
+            As the effects; with an elastic train on more than `MOST_PIECES`; if the follower is
+            held both ways, which no flank alone does.
         """
+        if holds_both_ways(self.subject):
+            raise EffectError(
+                "forces and lift-off speed are compared for followers on one flank only"
+            )
         if self.elastic and len(self.subject.state.smooth_angles) > MOST_PIECES:
             raise EffectError(
                 "forces with an elastic train are computed on contours of up to"

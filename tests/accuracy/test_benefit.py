@@ -173,6 +173,16 @@ def test_an_elastic_train_on_too_many_pieces_is_refused(monkeypatch: pytest.Monk
     assert "up to 20 pieces" in row.fault
 
 
+@pytest.mark.parametrize("name", ["groove_lever", "conjugate_lever"])
+def test_of_a_follower_that_is_held_both_ways_no_force_is_compared(name: str) -> None:
+    """Its acceleration is, and the row says why there is no more."""
+    made = camgeo.load(FIXTURES / "effects" / f"{name}.toml")
+    (row,) = benefit_rows(made, (1e-1,), (5.0,), forms=("arcs",))
+    assert row.acceleration is not None
+    assert row.force is row.lowest is row.lift_off is None
+    assert "one flank only" in row.fault
+
+
 def test_a_flat_face_on_splines_says_that_its_motion_is_not_computed() -> None:
     (row,) = benefit_rows(design("tappet", ""), (1e-2,), (5.0,), forms=("spline",))
     assert "flat face on splines" in row.fault
