@@ -36,9 +36,13 @@ from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.state.state import FIRST, SECOND
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
     from camgeo.effects.effect import Quantity, Result, Subject
     from camgeo.effects.results import ContactForce
-    from camgeo.numeric.arrays import FloatArray, Side
+    from camgeo.numeric.arrays import FloatArray, Number, Side
 
 Answer = TypeVar("Answer", bound="Result")
 
@@ -69,6 +73,12 @@ def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
     """
     other = subject.returning
     return (subject, sense) if other is None or sense == INNER else (other, INNER)
+
+
+def on_carrier(normal: FloatArray, of: Callable[[int], NDArray[Number]]) -> NDArray[Number]:
+    """(..., n) the values `of` the side that carries the contact force `normal` (n,)."""
+    inner, outer = of(INNER), of(OUTER)
+    return np.where(normal >= 0.0, inner, outer)
 
 
 def lost_contact(

@@ -31,7 +31,7 @@ from camgeo.effects.bearing_friction import BearingFriction, directions, with_re
 from camgeo.effects.effect import Subject
 from camgeo.effects.force import Force, at_rates, rates_of, smooth_edges, total
 from camgeo.effects.results import Friction
-from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of
+from camgeo.effects.touching import INNER, OUTER, carrier, leverage_of, on_carrier
 from camgeo.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
@@ -186,8 +186,7 @@ class ForceBalance:
         bearings, rates = self.bearings, self.rates(phi, side)
         assert bearings is not None
         normal = self.normal(phi, side, rates)
-        inner, outer = (bearings.rubbing.per_normal(phi, side, each) for each in (INNER, OUTER))
-        per = np.where(normal >= 0.0, inner, outer)
+        per = on_carrier(normal, lambda sense: bearings.rubbing.per_normal(phi, side, sense))
         return np.asarray(at_rates(bearings.own(phi, side), rates) + per * np.abs(normal))
 
     def refuse(

@@ -38,9 +38,6 @@ ROOT: Final = 1e-13
 BESIDE: Final = 1e-6
 """Relative distance at which the slope of g is taken."""
 
-NONE: Final = Extreme(math.inf, 0.0)
-"""No speed at which a train is known to leave its flank."""
-
 APART: Final = (1e-6, 1e-4, 1e-2)
 """Relative distances at which a crossing is looked for beside a known one."""
 
@@ -84,7 +81,7 @@ def elastic_speed(
     edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
     rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
     near : the speed at which a train that hardly differs leaves the flank: a crossing beside it is
-        the first one too; NONE if that one is not known to leave it, which is then so for this one.
+        the first one too. None if none is known.
     """
     rates, period = behind.train.rates, behind.response.base.period
     if np.max(rates.real) >= 0.0:
@@ -104,8 +101,6 @@ def elastic_speed(
         return ElasticSpeed(Extreme(0.0, swung.place))
     widest = piecewise_highest(search.share, edges).value
     search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
-    if near is NONE:
-        return ElasticSpeed(why="nor is one given for a train that hardly differs")
     beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
     if beside is not None:
         return beside

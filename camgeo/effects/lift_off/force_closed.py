@@ -78,12 +78,17 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
             found.append(_speed(flank, rigid, course, bool(lost or leaps)))
         else:
             from camgeo.effects.lift_off.elastic_speed import (
-                NONE,
+                ElasticSpeed,
                 elastic_speed,  # few trains are elastic
             )
 
-            known = None if near is None else near.speed or NONE
-            searched = elastic_speed(flank, contact.behind, flank.base_edges, rigid.value, known)
+            if near is not None and near.speed is None:  # so no more is known of this one
+                searched = ElasticSpeed(why="nor is one given for a train that hardly differs")
+            else:
+                beside = None if near is None else near.speed
+                searched = elastic_speed(
+                    flank, contact.behind, flank.base_edges, rigid.value, beside
+                )
             speed = searched.speed
             found.append(_elastic(flank, searched, rigid, course, bool(lost)))
             if speed is not None:

@@ -24,7 +24,7 @@ from camgeo.effects.effect import Bound, Column, Quantity, Request, Result, Subj
 from camgeo.effects.force import Force, at_rates, rates_of
 from camgeo.effects.power_balance import PowerData
 from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE, LOAD, ContactForce, Friction
-from camgeo.effects.touching import INNER, OUTER
+from camgeo.effects.touching import on_carrier
 from camgeo.effects.wording import N_M, extreme_findings, missed
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
@@ -162,8 +162,8 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
 
     def at_contact(phi: FloatArray, side: Side) -> FloatArray:
         normal = contact.normal(phi, side)
-        inner, outer = (friction.at_contact(phi, side, sense) for sense in (INNER, OUTER))
-        return np.abs(normal) * np.where(normal >= 0.0, inner, outer)
+        lost = on_carrier(normal, lambda sense: friction.at_contact(phi, side, sense))
+        return np.abs(normal) * lost
 
     yield Taker(
         "work-contact-friction",
@@ -178,8 +178,8 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
     def in_bearings(phi: FloatArray, side: Side) -> FloatArray:
         own = at_rates(bearings.own(phi, side), rates_of(subject, phi, side))
         normal = contact.normal(phi, side)
-        inner, outer = (rubbing.per_normal(phi, side, sense) for sense in (INNER, OUTER))
-        loads = own + np.where(normal >= 0.0, inner, outer) * np.abs(normal)
+        per = on_carrier(normal, lambda sense: rubbing.per_normal(phi, side, sense))
+        loads = own + per * np.abs(normal)
         lost = rubbing.lever * np.sum(np.abs(loads), axis=0)
         return np.asarray(lost * np.abs(_velocity(subject, phi, side)))
 
