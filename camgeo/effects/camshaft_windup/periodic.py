@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -115,23 +116,34 @@ def newton_step(wound: Wound, mesh: Mesh, pair: Pair) -> Step:
     # Radau's last node is the end of the cell.
     factors, own = solved[:, -1, :, :2], solved[:, -1, :, 2]
     offsets = own + pair.nodes[:, -1] - pair.starts[1:]
-    product, shift = np.eye(2), np.zeros(2)
-    products, shifts = np.empty((count + 1, 2, 2)), np.empty((count + 1, 2))
-    products[0], shifts[0] = product, shift
-    for k in range(count):
-        product, shift = factors[k] @ product, factors[k] @ shift + offsets[k]
-        products[k + 1], shifts[k + 1] = product, shift
+    products, shifts = _passed_on(factors, offsets)
     # Periodicity: the state at the end of the turn is that at its start.
     try:
-        first = np.linalg.solve(np.eye(2) - product, shift + pair.starts[-1] - pair.starts[0])
+        closing = shifts[-1] + pair.starts[-1] - pair.starts[0]
+        first = np.linalg.solve(np.eye(2) - products[-1], closing)
     except np.linalg.LinAlgError as error:
         raise NoConvergenceError(None) from error
     starts = products @ first + shifts
     nodes = np.einsum("mnij,mj->mni", solved[..., :2], starts[:-1]) + solved[..., 2]
-    return Step(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), product)
+    return Step(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), products[-1])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+def _passed_on(factors: FloatArray, offsets: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What passing all cells before the start of each makes of a change x at the start of the turn,
+    (m + 1, 2, 2) A and (m + 1, 2) b of A x + b, where one cell makes `factors` (m, 2, 2) x +
+    `offsets` (m, 2): of one cell each, then of 2, 4, 8, ... together.
+    """
+    maps = np.zeros((len(factors) + 1, 3, 3))
+    maps[:] = np.eye(3)
+    maps[1:, :2, :2], maps[1:, :2, 2] = factors, offsets
+    together = 1
+    while together < len(maps):
+        maps[together:] = maps[together:] @ maps[:-together]
+        together *= 2
+    return maps[:, :2, :2], maps[:, :2, 2]
+
+
+@dataclass(frozen=True, eq=False)
 class WoundTurn:
     """The steady state.
 
@@ -167,6 +179,11 @@ class WoundTurn:
         v = (self.pair.starts[:, 0], self.pair.nodes[..., 0])
         return State(0.5 * square, *(square * each for each in v))
 
+    @cached_property
+    def _series(self) -> FloatArray:
+        """(m, n + 1, 2) Legendre coefficients of v and w in each cell."""
+        return np.asarray(collocation().fit @ self.pair.all_nodes)
+
     def at(self, phi: FloatArray) -> FloatArray:
         """(n, 2) v and w at `phi` (n,) [rad], in any turn."""
         mesh = self.mesh
@@ -174,8 +191,7 @@ class WoundTurn:
         inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
         cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
         x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
-        series = np.einsum("ij,mjk->mik", collocation().fit, self.pair.all_nodes)
-        found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), series[cell])
+        found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), self._series[cell])
         return found
 
     def windup(self, phi: FloatArray) -> FloatArray:

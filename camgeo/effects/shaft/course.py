@@ -17,8 +17,8 @@ from camgeo.units import TURN
 JUMP: Final = 1e-9
 """A jump of alpha by less than this share of the largest is rounding."""
 
-GAUSS: Final = np.polynomial.legendre.leggauss(16)
-"""Nodes and weights of the integral of 1 / omega over a part of a cell."""
+TIMES: Final = 16
+"""Number of Gauss nodes of a cell at which 1 / omega gives the series of its time."""
 
 
 class SteadyTurn(Protocol):
@@ -70,11 +70,22 @@ class SteadyCourse:
         return z, alpha, scale * np.polynomial.legendre.legder(alpha, axis=1)
 
     @cached_property
+    def _times(self) -> FloatArray:
+        """(m, .) Legendre coefficients of the time since the start of each cell [s]: of the
+        integral of the polynomial through 1 / omega at the Gauss nodes.
+        """
+        x, weights = np.polynomial.legendre.leggauss(TIMES)
+        p = legendre(x, TIMES - 1)
+        z = self._series[0] @ p[:, : self._series[0].shape[1]].T
+        slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
+        to_series = (np.arange(TIMES) + 0.5)[:, np.newaxis] * p.T * weights
+        half = 0.5 * self.turn.mesh.spans[:, np.newaxis]
+        return half * np.polynomial.legendre.legint(slowness @ to_series.T, lbnd=-1.0, axis=1)
+
+    @cached_property
     def _starts(self) -> FloatArray:
         """(m + 1,) time at the ends of the cells [s]."""
-        mesh = self.turn.mesh
-        cells = np.arange(len(mesh.low))
-        return frozen(np.concatenate(([0.0], np.cumsum(self._since(cells, mesh.high)))), np.float64)
+        return frozen(np.concatenate(([0.0], np.cumsum(np.sum(self._times, axis=1)))), np.float64)
 
     def _placed(self, phi: FloatArray, side: Side) -> tuple[IntArray, FloatArray]:
         """(n,) cells and the angle in the turn [rad], 0 to 2 pi."""
@@ -112,21 +123,10 @@ class SteadyCourse:
         def made() -> FloatArray:
             turns = np.floor(phi / TURN)
             cell, inside = self._placed(phi - TURN * turns, "right")
-            whole = turns * self._starts[-1]
-            return read_only(whole + self._starts[cell] + self._since(cell, inside))
+            (since,) = self._values(cell, inside, self._times)
+            return read_only(turns * self._starts[-1] + self._starts[cell] + since)
 
         return self._answers.recall(made, "time", phi)
-
-    def _since(self, cell: IntArray, phi: FloatArray) -> FloatArray:
-        """(n,) time [s] from the starts of the cells to `phi` (n,) [rad] in them."""
-        nodes, weights = GAUSS
-        low = self.turn.mesh.low[cell]
-        half = 0.5 * (phi - low)
-        places = low[:, np.newaxis] + half[:, np.newaxis] * (nodes + 1.0)
-        (z,) = self._values(np.repeat(cell, len(nodes)), places.ravel(), self._series[0])
-        slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
-        found: FloatArray = half * (slowness.reshape(places.shape) @ weights)
-        return found
 
 
 def course_of(turn: SteadyTurn, alpha: Quantity, edges: FloatArray) -> SteadyCourse:
