@@ -164,7 +164,8 @@ class FedBack(Nodes):
             drive = _loaded(self.result(DRIVE_TORQUE), passed.force(subject.state.smooth_angles))
             drive = _loaded(drive, on_base(behind, more))
             with np.errstate(divide="ignore", invalid="ignore"):  # in rounds that diverge
-                turn = Nodes(self.subject, catalogue, ledger, {DRIVE_TORQUE: drive}).result(name)
+                nodes = Nodes(self.subject, catalogue, ledger, {DRIVE_TORQUE: drive})
+                turn = nodes.beside(name, last.turn)
             off = _spread(turn, _loaded(drive, on_base(behind, np.full(1, behind.error))))
         except (StuckError, np.linalg.LinAlgError):
             raise EffectError("and no step can be taken") from None

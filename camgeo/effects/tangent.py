@@ -15,6 +15,7 @@ but by how large it is.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -42,7 +43,7 @@ SHARPNESS: Final = 36.0
 1991, on filters of spectral methods)."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Tangent:
     """The derivatives at some speed.
 
@@ -55,22 +56,25 @@ class Tangent:
     follow: FloatArray
     answer: FloatArray
 
+    @cached_property
+    def _whole(self) -> FloatArray:
+        """(n, n) P = (1 - S'T')^-1."""
+        return np.asarray(np.linalg.inv(np.eye(len(self.follow)) - self.answer @ self.follow))
+
     def ahead(self, missing: FloatArray) -> FloatArray:
         """(n,) what is still missing of the force [N or N mm] once what is `missing` (n,) is added,
-        and what follows from it: T'S' (1 - T'S')^-1 of it.
+        and what follows from it: T'S' (1 - T'S')^-1 = T' P S' of it.
         """
-        whole = self.follow @ self.answer
-        return np.asarray(whole @ np.linalg.solve(np.eye(len(whole)) - whole, missing))
+        return np.asarray(self.follow @ (self._whole @ (self.answer @ missing)))
 
     @property
     def sizes(self) -> tuple[float, float]:
         """The largest changes of the speed per unit of a change that a round makes by itself, in
-        addition to this and in sum: the norms of (1 - S'T')^-1 - 1 and of (1 - S'T')^-1.
+        addition to this and in sum: the norms of P - 1 and of P.
         """
         one = np.eye(len(self.follow))
-        whole = np.linalg.inv(one - self.answer @ self.follow)
-        found = [float(np.max(np.sum(np.abs(each), axis=1))) for each in (whole - one, whole)]
-        return found[0], found[1]
+        found = [np.max(np.sum(np.abs(each), axis=1)) for each in (self._whole - one, self._whole)]
+        return float(found[0]), float(found[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

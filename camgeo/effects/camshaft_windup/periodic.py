@@ -101,18 +101,19 @@ class Step:
 
 def newton_step(wound: Wound, mesh: Mesh, pair: Pair) -> Step:
     """The Newton step from `pair`, on all cells of the turn together."""
-    at, count = collocation(), len(mesh.low)
     rates, slopes = wound.rates(mesh.laws, pair.nodes)
-    inner = mesh.spans[:, np.newaxis, np.newaxis] * at.integral
+    inner = mesh.spans[:, np.newaxis, np.newaxis] * collocation().integral
     residual = pair.starts[:-1, np.newaxis] + inner @ rates - pair.nodes
-    # (m, n, 2, n, 2): the change of a rate at one node by the state at another.
-    coupled = inner[:, :, np.newaxis, :, np.newaxis] * slopes.swapaxes(1, 2)[:, np.newaxis]
-    size = 2 * NODES
-    matrix = np.eye(size) - coupled.reshape(count, size, size)
-    sides = np.zeros((count, NODES, 2, 3))
-    sides[:, :, 0, 0] = sides[:, :, 1, 1] = 1.0
-    sides[..., 2] = residual
-    solved = np.linalg.solve(matrix, sides.reshape(count, size, 3)).reshape(sides.shape)
+    # The rate of w depends on v alone, so that dw is dv's consequence: the equations are solved for
+    # dv, from 1 at the start in v and in w, and from the residual.
+    by_v, by_w = (inner * slopes[:, np.newaxis, :, 0, each] for each in (0, 1))
+    w_by_v = inner * slopes[:, np.newaxis, :, 1, 0]
+    matrix = np.eye(NODES) - by_v - by_w @ w_by_v
+    solved = np.zeros((*residual.shape, 3))
+    solved[:, :, 0, 0] = solved[:, :, 1, 1] = 1.0
+    solved[..., 2] = residual
+    solved[:, :, 0] = np.linalg.solve(matrix, solved[:, :, 0] + by_w @ solved[:, :, 1])
+    solved[:, :, 1] += w_by_v @ solved[:, :, 0]
     # Radau's last node is the end of the cell.
     factors, own = solved[:, -1, :, :2], solved[:, -1, :, 2]
     offsets = own + pair.nodes[:, -1] - pair.starts[1:]
@@ -193,6 +194,12 @@ class WoundTurn:
         x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
         found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), self._series[cell])
         return found
+
+    def on(self, mesh: Mesh) -> Pair:
+        """v and w in the cells of another `mesh`."""
+        shape = mesh.nodes.shape
+        nodes = self.at(mesh.nodes.ravel()).reshape(*shape, 2)
+        return Pair(np.concatenate((self.at(mesh.low[:1]), nodes[:, -1])), nodes)
 
     def windup(self, phi: FloatArray) -> FloatArray:
         """(n,) w [rad]."""

@@ -115,7 +115,8 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
     refuse_shocks(subject, law)
     speed = float(request.course.rates(np.zeros(1))[0, 0])
     wound = Wound(data, speed)
-    turn, edges = _accurate(wound, law, edges, request.tolerance)
+    near = None if request.near is None else request.near.turn
+    turn, edges = _accurate(wound, law, edges, request.tolerance, near)
     assert turn.rough is not None  # only that one has none
 
     def omega(phi: FloatArray, _: Side) -> FloatArray:
@@ -177,14 +178,15 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
 
 
 def _accurate(
-    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float
+    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float, near: WoundTurn | None
 ) -> tuple[WoundTurn, FloatArray]:
     """As `solve`, with all figures to the tolerance unless rounding of the speed is larger."""
-    found = solve(wound, law, edges, tolerance)
+    found = solve(wound, law, edges, tolerance, near)
     worst = max(each.share for each in errors_of(found[0]).values())
     if worst > tolerance:
         with suppress(EffectError):
-            return solve(wound, law, edges, max(0.5 * tolerance * tolerance / worst, FINEST))
+            finer = max(0.5 * tolerance * tolerance / worst, FINEST)
+            return solve(wound, law, edges, finer, found[0])
     return found
 
 

@@ -51,10 +51,11 @@ SPURIOUS: Final = 0.1
 
 
 def solve(
-    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float
+    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float, near: WoundTurn | None
 ) -> tuple[WoundTurn, FloatArray]:
-    """The steady state, with speed and windup to the tolerance, and cam angles (k,) [rad] from 0 to
-    2 pi between which both are smooth and swing no more than `SWINGS` times.
+    """The steady state, of which one that is `near` may be known, with speed and windup to the
+    tolerance, and cam angles (k,) [rad] from 0 to 2 pi between which both are smooth and swing no
+    more than `SWINGS` times.
 
     Parameters
     ----------
@@ -77,23 +78,27 @@ def solve(
             value=ratio,
             limit=STIFFEST,
         )
-    turn = _solved(wound, law, edges, max(ROUGH[0], tolerance))
+    turn = near
+    if turn is None:
+        turn = _solved(wound, law, edges, max(ROUGH[0], tolerance), None)
     for rough in ROUGH:
         found = switches(law, edges, turn.mesh.laws, turn.driven)
         if not len(found):
             break
         edges = merged(np.concatenate((edges, found)))
-        turn = _solved(wound, law, edges, max(rough, tolerance))
-    turn = _solved(wound, law, edges, tolerance)
+        turn = _solved(wound, law, edges, max(rough, tolerance), turn)
+    turn = _solved(wound, law, edges, tolerance, turn)
     pieces = np.linspace(0.0, TURN, max(math.ceil(ratio / SWINGS), 1) + 1)
     return turn, merged(np.concatenate((edges, pieces)))
 
 
-def _solved(wound: Wound, law: Quantity, edges: FloatArray, tolerance: float) -> WoundTurn:
+def _solved(
+    wound: Wound, law: Quantity, edges: FloatArray, tolerance: float, near: WoundTurn | None
+) -> WoundTurn:
     longest = min(LONGEST, PHASE * wound.speed / wound.shaft.natural_frequency)
     mesh = double_mesh(law, edges, longest)
     try:
-        return periodic(wound, law, mesh, _guess(wound, mesh, tolerance), tolerance)
+        return periodic(wound, law, mesh, _guess(wound, mesh, tolerance, near), tolerance)
     except StuckError as error:
         raise jamming(wound.shaft.moment_of_inertia, mesh.fine) from error
     except NoConvergenceError as error:
@@ -102,11 +107,12 @@ def _solved(wound: Wound, law: Quantity, edges: FloatArray, tolerance: float) ->
         raise missed("the windup", error.reached, "the largest one", tolerance) from error
 
 
-def _guess(wound: Wound, mesh: DoubleMesh, tolerance: float) -> Pair:
+def _guess(wound: Wound, mesh: DoubleMesh, tolerance: float, near: WoundTurn | None) -> Pair:
     """Near the solution on the coarse mesh: by way of stiffer shafts, if it must be."""
     coarse = mesh.coarse
     try:
-        return newton(wound, coarse, _static(wound, coarse), tolerance)[0]
+        first = _static(wound, coarse) if near is None else near.on(coarse)
+        return newton(wound, coarse, first, tolerance)[0]
     except (NoConvergenceError, StuckError):
         pair = _static(wound.stiffened(STIFFER[0]), coarse)
         for factor in (*STIFFER, 1.0):

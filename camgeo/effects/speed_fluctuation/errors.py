@@ -107,25 +107,33 @@ class Steady:
         }
 
 
-def accurate(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: float) -> Steady:
-    """The steady state; raises as `solve`.
+def accurate(
+    shaft: Shaft[Motor],
+    law: Quantity,
+    edges: FloatArray,
+    tolerance: float,
+    near: SteadyTurn | None,
+) -> Steady:
+    """The steady state, of which one that is `near` may be known; raises as `solve`.
 
     The speed is found to the tolerance, and so is the torque of the motor unless rounding of the
     speed is larger: a stiff motor has almost no slip, from which its torque follows. The error of
     the torque shows this.
     """
+    turn = near
     for rough in ROUGH:
-        turn = solve(shaft, law, edges, max(rough, tolerance))
+        if turn is None or rough < ROUGH[0]:
+            turn = solve(shaft, law, edges, max(rough, tolerance), turn)
         found = _switches(shaft, law, edges, turn)
         if not len(found):
             break
         edges = merged(np.concatenate((edges, found)))
-    steady = _measured(shaft, solve(shaft, law, edges, tolerance), edges)
+    steady = _measured(shaft, solve(shaft, law, edges, tolerance, turn), edges)
     worst = _worst(steady)
     if worst > tolerance:
         speed = max(0.5 * tolerance * steady.turn.error / worst, FINEST)
         with suppress(EffectError):
-            steady = _measured(shaft, solve(shaft, law, edges, speed), edges)
+            steady = _measured(shaft, solve(shaft, law, edges, speed, steady.turn), edges)
     return steady
 
 

@@ -98,7 +98,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     edges = smooth_edges(subject.state.smooth_angles, contact.lasting)
     refuse_shocks(subject, law)
     shaft = Shaft(data.moment_of_inertia, data.motor)
-    steady = accurate(shaft, law, edges, request.tolerance)
+    near = None if request.near is None else request.near.turn
+    steady = accurate(shaft, law, edges, request.tolerance, near)
     switches = np.setdiff1d(steady.edges, edges)
     kinks = np.concatenate((subject.state.smooth_angles, all_borders(contact.lasting), switches))
     turn, mean, work = steady.turn, steady.mean, steady.work

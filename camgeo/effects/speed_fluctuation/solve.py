@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Final
 
 import numpy as np
@@ -31,8 +32,15 @@ tested.
 """
 
 
-def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: float) -> SteadyTurn:
-    """The steady state, starting from the power balance, or from single turns if that fails.
+def solve(
+    shaft: Shaft[Motor],
+    law: Quantity,
+    edges: FloatArray,
+    tolerance: float,
+    near: SteadyTurn | None = None,
+) -> SteadyTurn:
+    """The steady state, starting from one that is `near`; without it, or if that fails, from the
+    power balance, and if that fails from single turns.
 
     Raises
     ------
@@ -42,6 +50,10 @@ def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: floa
     """
     mesh = double_mesh(law, edges, LONGEST)
     try:
+        if near is not None:
+            y = near.y(mesh.coarse.nodes.ravel()).reshape(mesh.coarse.nodes.shape)
+            with suppress(NoConvergenceError):
+                return steady_turn(shaft, law, mesh, y, tolerance)
         guess = _balanced(shaft, mesh.coarse)
         if guess is not None:
             try:
@@ -52,8 +64,8 @@ def solve(shaft: Shaft[Motor], law: Quantity, edges: FloatArray, tolerance: floa
         found = outcome(shaft, law, edges)
         if found.y is None:
             raise _stall(shaft, found.stall)
-        near = np.interp(mesh.coarse.nodes, found.angles, found.y)
-        return steady_turn(shaft, law, mesh, np.maximum(near, 1e-6 * np.max(near)), tolerance)
+        y = np.interp(mesh.coarse.nodes, found.angles, found.y)
+        return steady_turn(shaft, law, mesh, np.maximum(y, 1e-6 * np.max(y)), tolerance)
     except StuckError as error:
         raise jamming(shaft.inertia, mesh.fine) from error
     except NoConvergenceError as error:
