@@ -69,10 +69,12 @@ class BenefitRow:
     jump : largest jump of the output's velocity [mm/s or rad/s].
     force : largest deviation of the contact force [N], jumps of the velocity apart; None if the
         scene has no forces.
-    lowest, highest : contact force on the flank [N], negative where that would have to pull.
+    lowest, highest : contact force on the flank [N], negative where that would have to pull; of a
+        follower that is held both ways as `camgeo.effects.results.ContactForce` has it, negative
+        where the other side carries.
     exact_lowest, exact_highest : the same for the exact motion.
     lift_off : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never is;
-        None also if it was not found for an elastic train.
+        None also if it was not found for an elastic train, and if the follower is held both ways.
     exact_lift_off : the same for the exact motion.
     fault : why values are missing; else empty.
     octaves : effective value of the deviation of the acceleration, jumps of the velocity included,
@@ -113,12 +115,17 @@ class BenefitRow:
         return int(np.argmax(self.octaves)) if self.octaves else None
 
     @property
+    def exact_force(self) -> float | None:
+        """The largest contact force of the exact motion, of either side; None if there is none."""
+        if self.exact_lowest is None or self.exact_highest is None:
+            return None
+        return max(self.exact_highest, -self.exact_lowest)
+
+    @property
     def force_share(self) -> float | None:
-        """The deviation of the contact force over its exact maximum; None if there is none."""
+        """The deviation of the contact force over `exact_force`; None if there is none."""
         return (
-            None
-            if self.force is None or not self.exact_highest
-            else self.force / self.exact_highest
+            self.force / self.exact_force if self.force is not None and self.exact_force else None
         )
 
     @property
@@ -145,7 +152,7 @@ def benefit_rows(
     computed, a tolerance that cannot be reached, forces without an answer.
     """
     first = exact_motion(design, min(speeds))
-    if not first.elastic:
+    if not first.of_one_speed:
         first = exact_motion(design, SLOW * first.speed)
     exact = {speed: first.known_at(speed) for speed in speeds}
     rows: list[BenefitRow] = []
@@ -189,12 +196,19 @@ class Made:
 
     @property
     def elastic(self) -> bool:
-        """Whether forces are those of an elastic train, known for this speed only."""
+        """Whether forces are those of an elastic train."""
         return VIBRATION in self.tables and self.subject.output == "elastic"
+
+    @property
+    def of_one_speed(self) -> bool:
+        """Whether forces are known for this speed only: those of an elastic train, and those on a
+        follower that is held both ways, on which the other side carries at another speed.
+        """
+        return self.elastic or holds_both_ways(self.subject)
 
     def known_at(self, speed: float) -> Made:
         """That of which the forces at `speed` [rad/s] are known."""
-        if not self.elastic or speed == self.speed:
+        if not self.of_one_speed or speed == self.speed:
             return self
         return replace(self, subject=self.subject.turning(ConstantSpeed(speed)), speed=speed)
 
@@ -211,13 +225,8 @@ class Made:
         Raises
         ------
         EffectError
-            As the effects; with an elastic train on more than `MOST_PIECES`; if the follower is
-            held both ways, which no flank alone does.
+            As the effects; with an elastic train on more than `MOST_PIECES`.
         """
-        if holds_both_ways(self.subject):
-            raise EffectError(
-                "forces and lift-off speed are compared for followers on one flank only"
-            )
         if self.elastic and len(self.subject.state.smooth_angles) > MOST_PIECES:
             raise EffectError(
                 "forces with an elastic train are computed on contours of up to"
@@ -231,12 +240,15 @@ class Made:
         return np.asarray(self.subject.state.output.jet(phi, side, 2)[2])
 
     def force(self, speed: float) -> Quantity:
-        """(n,) the force on the only flank [N] at a constant `speed` [rad/s], see `known_at`."""
-        contact, sense = self.contact, self.subject.cam.contact.push
+        """(n,) the contact force [N] at a constant `speed` [rad/s], see `known_at`: on the only
+        flank, or in the sense of `ContactForce`.
+        """
+        contact = self.contact
         assert contact is not None
+        sense = 1 if holds_both_ways(self.subject) else self.subject.cam.contact.push
 
         def found(phi: FloatArray, side: Side) -> FloatArray:
-            if contact.behind is not None:
+            if self.of_one_speed:
                 return sense * contact.normal(phi, side)
             rates = np.zeros((2, len(phi)))
             rates[0] = speed
@@ -247,8 +259,11 @@ class Made:
     @cached_property
     def lift_off(self) -> float | None:
         """Speed [rad/s] from which the force on the flank is 0 somewhere; infinite if it never is;
-        None if it was not found, see `camgeo.effects.lift_off.elastic_speed`.
+        None if it was not found, see `camgeo.effects.lift_off.elastic_speed`, and if the follower
+        is held both ways.
         """
+        if holds_both_ways(self.subject):
+            return None
         found = self.effects.result(str(LIFT_OFF)).speed
         return None if found is None else found.value * self.speed
 

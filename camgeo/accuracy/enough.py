@@ -54,7 +54,7 @@ def change(row: BenefitRow, other: BenefitRow) -> float:
     """The largest change of a benefit from one contour to another, relative to the exact motion."""
     figures = (
         (row.acceleration, other.acceleration, row.exact_acceleration),
-        (row.force, other.force, row.exact_highest),
+        (row.force, other.force, row.exact_force),
         (row.lift_off, other.lift_off, row.exact_lift_off),
     )
     found = [
