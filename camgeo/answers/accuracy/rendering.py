@@ -34,9 +34,9 @@ build: seconds of a whole build of the scene, from the loaded scene to the last 
 BENEFIT_COLUMNS: Final = """\
 written: the follower on the contour as written; acceleration, force: largest deviation from the
     exact motion; ripple: that of the acceleration as a share of its exact peak; least: contact
-    force, negative where the follower would have to be pulled; lifts off: from this speed of the
-    cam on [rev/min]; octave: harmonics of the cam's speed in which most of the deviation of the
-    acceleration is, and its effective value in them"""
+    force, negative where the follower would have to be pulled or, held both ways, where the other
+    side carries; lifts off: from this speed of the cam on [rev/min]; octave: harmonics of the cam's
+    speed in which most of the deviation of the acceleration is, and its effective value in them"""
 """The same for the table of benefits."""
 
 EFFECT_COLUMNS: Final = """\
