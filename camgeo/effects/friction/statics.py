@@ -47,7 +47,7 @@ due to the contact; whatever else loads guide and pivot is added to it in
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -57,7 +57,8 @@ from camgeo.effects.friction.table import FrictionCoefficients
 from camgeo.effects.loads import guide_ends
 from camgeo.effects.results import Bearing
 from camgeo.effects.touching import carrier, sliding
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.motion.kept import Answers
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, read_only
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ def senses_of(motion: Motion, edges: FloatArray) -> Senses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactState:
-    """The contact at n cam angles, per unit of |N|.
+    """The contact at n cam angles, per unit of |N|, read-only.
 
     Attributes
     ----------
@@ -138,6 +139,12 @@ class ContactState:
     tilt: FloatArray
     force: ComplexArray
 
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray):
+                read_only(value)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Statics:
@@ -155,6 +162,7 @@ class Statics:
     data: FrictionCoefficients
     senses: Senses
     start: float
+    _states: Answers[ContactState] = field(default_factory=Answers, init=False, repr=False)
 
     @property
     def swing(self) -> int:
@@ -162,13 +170,17 @@ class Statics:
         return self.subject.cam.follower.swing_sense
 
     def state(self, phi: FloatArray, side: Side, sense: int) -> ContactState:
-        """The contact on the side `sense`, see `camgeo.effects.touching`.
+        """The contact on the side `sense`, see `camgeo.effects.touching`; kept for the latest cam
+        angles, as forces, torques and loads follow from it one by one.
 
         Raises
         ------
         GeometryError
             Where the pitch curve has a cusp, Z' = 0.
         """
+        return self._states.recall(lambda: self._state(phi, side, sense), (side, sense), phi)
+
+    def _state(self, phi: FloatArray, side: Side, sense: int) -> ContactState:
         subject, sense = carrier(self.subject, sense)
         data = self.data
         follower, sigma = subject.cam.follower, subject.cam.rotation
