@@ -22,7 +22,7 @@ import numpy as np
 from camgeo.accuracy.effects import effect_rows
 from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import check
-from camgeo.answers.explain import explain
+from camgeo.answers.explain import Explanation, explain
 from camgeo.answers.explain.rendering import tree_lines
 from camgeo.design import Design
 from camgeo.effects.balance.holes import MOST_HOLES
@@ -174,9 +174,15 @@ def _number_of(match: re.Match[str]) -> str:
 
 
 @cache
+def explained(scene: str) -> tuple[Design, Explanation]:
+    """The example scene of that name, and what `camgeo explain` says of a check of it."""
+    found = Design(load_scene(str(SCENES / f"{scene}.toml")))
+    return found, explain(found)
+
+
 def design(scene: str) -> Design:
     """The example scene of that name."""
-    return Design(load_scene(str(SCENES / f"{scene}.toml")))
+    return explained(scene)[0]
 
 
 # What is put in ---------------------------------------------------------------------------------
@@ -251,8 +257,7 @@ def _check(_name: str, scene: str, *effects: str) -> str:
 
 def _explain(_name: str, scene: str) -> str:
     """The lines of `camgeo explain` for a scene that are about effects."""
-    fresh = Design(load_scene(str(SCENES / f"{scene}.toml")))
-    lines = [line for line in tree_lines(explain(fresh)) if "  effects." in line]
+    lines = [line for line in tree_lines(explained(scene)[1]) if "  effects." in line]
     return _block("\n".join((f"{'all':>10}{'own':>10}", *lines)))
 
 

@@ -24,6 +24,7 @@ SHARING: Final = {
     "answers/test_check.py": "answers",
     "answers/test_explain.py": "answers",
     "answers/test_table.py": "answers",
+    "test_docs_effects.py": "answers",
     "stability/test_suite.py": "stability",
     "test_docs_stability.py": "stability",
 }
