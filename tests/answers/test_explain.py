@@ -15,7 +15,7 @@ from camgeo.scene.load import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document, explained
 from tests.long_form import some
 
-SPRUNG = FIXTURES / "effects" / "tappet.toml"
+SPRUNG = FIXTURES / "effects" / "lift_off_elastic.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
 MILLED = FIXTURES / "scenes" / "ring.toml"
 REFUSED = sorted((FIXTURES / "refused").glob("*.toml"))
@@ -45,8 +45,7 @@ def test_text_and_document_are_of_one_result(goal: str, scene: Path) -> None:
 
 @pytest.mark.parametrize("scene", [SPRUNG, PAIR, MILLED, *REFUSED], ids=lambda path: path.stem)
 def test_each_finding_of_a_check_stands_at_what_made_it(scene: Path) -> None:
-    design = Design(load_scene(scene))
-    found = explain(design)
+    design, found = explained(scene)
     told = [each for own in found.findings.values() for each in own]
     assert sorted(told, key=repr) == sorted(check(design).everything, key=repr)
     runs = [each.name for each in found.computed if each.name in found.findings]
@@ -60,7 +59,7 @@ def test_a_command_that_judges_nothing_has_no_findings() -> None:
 
 
 def test_text_names_findings_with_severities_other_than_ok() -> None:
-    found = explain(Design(load_scene(SPRUNG)))
+    found = explained(SPRUNG)[1]
     (name, own), *_ = ((name, own) for name, own in found.findings.items() if len(own) > 1)
     changed = replace(own[0], name="the-moon", severity="broken")
     words = text(replace(found, findings={**found.findings, name: (changed, changed, *own[2:])}))

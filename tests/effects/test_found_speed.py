@@ -307,6 +307,7 @@ def test_a_motor_that_stalls_leaves_the_speed_of_the_scene_or_none() -> None:
 
 # The time course ---------------------------------------------------------------------------------
 
+
 @cache
 def loaded(name: str, tolerance: str, train: str = "elastic") -> Design:
     folder = SCENES.parent / "effects"

@@ -23,7 +23,11 @@ FOLDER = SCENES.parent / "effects"
 EFFECT_SCENES = sorted(FOLDER.glob("*.toml"))
 
 
-@pytest.fixture(scope="module", params=EFFECT_SCENES, ids=lambda path: path.stem)
+MEASURED = some(EFFECT_SCENES, of=3, first=1)
+"""Tests of answers compute all of them, and tables of the effects they have."""
+
+
+@pytest.fixture(scope="module", params=MEASURED, ids=lambda path: path.stem)
 def scene(request: pytest.FixtureRequest) -> Path:
     path: Path = request.param
     return path
@@ -84,14 +88,14 @@ def test_force_and_torque_of_the_table_keep_the_power_balance(subject: Design, t
     assert np.allclose(torque * 1e3, force * way, rtol=0.0, atol=8.0 * np.spacing(scale))
 
 
-@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=3), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=5), ids=lambda path: path.stem)
 def test_picture(path: Path, tmp_path: Path) -> None:
     target = tmp_path / "effects.png"
     assert main(["plot", str(path), "effects", "-o", str(target)]) == 0
     assert target.read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=2), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", some(EFFECT_SCENES, of=3, first=2), ids=lambda path: path.stem)
 def test_files_are_written_and_verified(path: Path, tmp_path: Path) -> None:
     code = main(["build", str(path), "-o", str(tmp_path), "--tolerance", "0.01"])
     assert code == (1 if any(f.severity == "broken" for f in load(path).findings) else 0)

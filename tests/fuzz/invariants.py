@@ -37,19 +37,18 @@ DOCUMENTED: Final = (0, 1, 2)
 
 HELP: Final = frozenset(("-h", "--help", "--version"))
 
-MOST_CPU: Final = 10.0
+MOST_CPU: Final = 40.0
 """Seconds of a command."""
 
 LONG: Final = {
-    "accuracy": 60.0,
-    "stability": 60.0,
-    "sweep": 60.0,
-    "optimise": 60.0,
-    "compare": 30.0,
-    "build": 20.0,
-    "verify": 20.0,
+    "accuracy": 120.0,
+    "stability": 120.0,
+    "sweep": 120.0,
+    "optimise": 120.0,
+    PYTHON: 80.0,
+    "compare": 80.0,
 }
-"""Seconds of those that compute many designs, and that write or read programs of any length."""
+"""Seconds of those that compute many designs, or all columns of all effects."""
 
 PATIENCE: Final = 5.0
 """Times that CPU, in which the step must have used `AWAKE` of it; else it sleeps.

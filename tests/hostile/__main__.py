@@ -17,6 +17,7 @@ import time
 import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -101,15 +102,15 @@ def mutants(reader: str, sample: bytes, seeds: range) -> Named:
         yield f"seed {seed}", data
 
 
-def work(reader: str, seeds: range) -> None:
-    """Read all inputs of a reader, or the mutations of these seeds."""
+def work(reader: str, seeds: range, every: int) -> None:
+    """Read one of each `every` inputs of a reader, or the mutations of these seeds."""
     resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
     limit = int(1e6 * memory("VmSize")) + MOST
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     sample = good(reader)
     READERS[reader](sample)  # what it imports, and what is computed once
     inputs = mutants(reader, sample, seeds) if seeds else INPUTS[reader](sample)
-    for name, data in inputs:
+    for name, data in islice(inputs, 0, None, every):
         sys.stdout.write(json.dumps(measured(reader, name, data)) + "\n")
         sys.stdout.flush()
 
@@ -118,6 +119,7 @@ def main(arguments: Sequence[str]) -> int:
     """Fork a process for each reader; 1 if one does not come to its end."""
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("readers", metavar="READER", nargs="*", help=f"of {', '.join(INPUTS)}")
+    parser.add_argument("--every", metavar="N", type=int, default=1, help="one of each N inputs")
     parser.add_argument("--mutations", metavar="N", type=int, default=0, help="of each good file")
     parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the first mutation")
     wanted = parser.parse_args(arguments)
@@ -130,7 +132,7 @@ def main(arguments: Sequence[str]) -> int:
         child = os.fork()
         if child == 0:
             try:
-                work(reader, seeds)
+                work(reader, seeds, wanted.every)
             except BaseException as error:
                 sys.stderr.write(f"{reader}: {error!r}\n")
                 os._exit(1)

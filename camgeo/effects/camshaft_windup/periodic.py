@@ -290,6 +290,8 @@ def newton(wound: Wound, mesh: Mesh, pair: Pair, tolerance: float) -> tuple[Pair
     target = max(1e-3 * tolerance, 16.0 * EPS)
     best = math.inf
     for count in range(MOST_STEPS):
+        if not min(np.min(pair.nodes[..., 0]), np.min(pair.starts[:, 0])) > -0.5:
+            raise NoConvergenceError(None)  # the speed has become 0, step by step
         step = newton_step(wound, mesh, pair)
         down = float(np.max(-step.nodes[..., 0] / (0.5 + pair.nodes[..., 0])))
         ends = float(np.max(-step.starts[:, 0] / (0.5 + pair.starts[:, 0])))

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -283,7 +284,7 @@ def _eliminated(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Mode:
     """u over the cells of one problem after the other, all with the same lambda.
 
@@ -309,7 +310,7 @@ class Mode:
         place = np.clip(place, 0, len(self.free) - 1)
         half = self.cells.half[place]
         way = (t - self.cells.start[place]) / half
-        series = self._needed().T[place].T
+        series = self._needed[place].T
         x = way - 1.0
         double = 2.0 * x
         last = series[-1].copy()
@@ -323,14 +324,13 @@ class Mode:
         u += self.free[place] * np.exp((self.cells.rate[0] * half) * way)
         return u
 
+    @cached_property
     def _needed(self) -> ComplexArray:
-        """The coefficients up to the last row that exceeds the rounding of the largest."""
+        """(c, .) the coefficients up to the last that exceeds the rounding of the largest."""
         rows = np.max(np.abs(self.cells.series), axis=1)
         counts = np.flatnonzero(rows > np.finfo(np.float64).eps * 0.125 * np.max(rows))
-        needed: ComplexArray = self.cells.series[
-            : max(int(counts[-1]) + 1 if len(counts) else 2, 2)
-        ]
-        return needed
+        count = max(int(counts[-1]) + 1 if len(counts) else 2, 2)
+        return np.ascontiguousarray(self.cells.series[:count].T)
 
 
 def gain_over(cells: Cells, jumps: FloatArray, end: float) -> complex:
