@@ -113,9 +113,9 @@ def programs_for(folder: Path, scene: Path, machine: str) -> list[tuple[Any, byt
 PAIRS: Final = [
     (scene, machine)
     for k, scene in enumerate(SCENES)
-    for machine in some(machines.names(), of=3, first=k % 3)
+    for machine in some(machines.names(), of=5, first=k % 5)
 ]
-"""Scenes and controllers: each has a third of the others, in the long form all."""
+"""Scenes and controllers: each has a fifth of the others, in the long form all."""
 
 
 @pytest.mark.parametrize(

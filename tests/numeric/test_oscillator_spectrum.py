@@ -14,6 +14,7 @@ from camgeo.motion.laws import FAMILIES, make_law
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.oscillator.spectrum import SAMPLES
 from tests.laws import LAWS
+from tests.long_form import some
 from tests.numeric.shocks import shock_of, shock_spectrum
 from tests.strategies import attack
 
@@ -118,8 +119,14 @@ def test_many_ratios_at_once_are_each_alone() -> None:
     assert move.residual(np.empty(0)).shape == (0,)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.1])
-@pytest.mark.parametrize("name", ["cycloidal", "modified-trapezoid", "straight-line"])
+@pytest.mark.parametrize(
+    ("name", "damping"),
+    some(
+        itertools.product(("cycloidal", "modified-trapezoid", "straight-line"), (0.0, 0.1)),
+        of=2,
+        first=1,
+    ),
+)
 def test_the_largest_deflection_is_that_of_the_integrated_equation(
     name: str, damping: float
 ) -> None:
