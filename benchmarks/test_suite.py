@@ -6,8 +6,9 @@ With PATHs only these modules or folders are run; `--processes 1` runs without p
 `--against` also runs the tests of another checkout, with its own .venv, and prints the ratios, of
 all tests and of the modules that both have.
 `--write` writes the modules that take more than a second to tests/expensive_modules.json, the list
-of modules that `-m quick` leaves out. Unlike wall time, CPU time hardly depends on what else the
-machine does.
+of modules that `-m quick` leaves out, and functions with several cases to
+tests/expensive_tests.json, of which `tests.thinned` leaves out some. Unlike wall time, CPU time
+hardly depends on what else the machine does.
 """
 
 from __future__ import annotations
@@ -30,8 +31,10 @@ ROOT: Final = Path(__file__).resolve().parents[1]
 
 EXPENSIVE: Final = ROOT / "tests" / "expensive_modules.json"
 
+CASES: Final = ROOT / "tests" / "expensive_tests.json"
+
 LIMIT: Final = 1.0
-"""A module that takes more [s] counts as expensive."""
+"""A module, or a function with several cases, that takes more [s] counts as expensive."""
 
 INTO: Final = "CAMGEO_CPU_OF_TESTS"
 """Environment variable with the folder where each process of a run writes its tests' CPU times."""
@@ -68,9 +71,10 @@ def measured(tree: Path, python: str, *words: str) -> tuple[float, Counter[str]]
     with tempfile.TemporaryDirectory() as folder:
         path = os.pathsep.join(filter(None, (str(Path(__file__).parent), os.getenv("PYTHONPATH"))))
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        own = {"PYTHONPATH": path, INTO: folder, "CAMGEO_EVERY_CASE": "1"}
         done = subprocess.run(
             (python, "-m", "pytest", "-q", "-p", Path(__file__).stem, *words),
-            cwd=tree, env={**os.environ, "PYTHONPATH": path, INTO: folder}, check=False,
+            cwd=tree, env={**os.environ, **own}, check=False,
         )  # fmt: skip
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
@@ -87,6 +91,21 @@ def by(spent: Counter[str], parts: int) -> Counter[str]:
     for test, seconds in spent.items():
         found["/".join(test.partition("::")[0].split("/")[:parts])] += seconds
     return found
+
+
+def with_cases(spent: Counter[str]) -> dict[str, float]:
+    """The functions with several cases that take more than the limit."""
+    whole: Counter[str] = Counter()
+    cases: Counter[str] = Counter()
+    for test, seconds in spent.items():
+        name = test.partition("[")[0]
+        whole[name] += seconds
+        cases[name] += 1
+    return {
+        name: round(seconds, 1)
+        for name, seconds in sorted(whole.items())
+        if cases[name] > 1 and seconds > LIMIT
+    }
 
 
 def functions(spent: Counter[str]) -> Counter[str]:
@@ -130,6 +149,7 @@ def main() -> None:
             if seconds > LIMIT
         }
         EXPENSIVE.write_text(json.dumps(expensive, indent=2) + "\n", "utf-8")
+        CASES.write_text(json.dumps(with_cases(spent), indent=2) + "\n", "utf-8")
     if arguments.against:
         tree = arguments.against.resolve()
         there, tests = measured(tree, str(tree / ".venv" / "bin" / "python"), *words)

@@ -1,0 +1,48 @@
+"""Which cases of a test with many run in a usual run of all tests; in the long form all do.
+
+`benchmarks/test_suite.py --write` measures what functions take: of the cases of those that take
+longer than `MOST` one of each so many runs that they take about that. Where a function begins
+follows from its name, so that no scene of those that many sweep is left out by all. Whoever names
+files or tests gets all.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import zlib
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from tests.long_form import LONG
+
+TESTS: Final = Path(__file__).with_name("expensive_tests.json")
+
+MOST: Final = 3.0
+"""CPU time [s]."""
+
+EXPENSIVE: Final[dict[str, float]] = json.loads(TESTS.read_text("utf-8"))
+"""CPU time [s] of all cases of functions with several of them, by module and name."""
+
+WHOLE: Final = LONG or bool(os.environ.get("CAMGEO_EVERY_CASE"))
+"""Whether all cases run."""
+
+
+def function_of(test: str) -> str:
+    """The name of a test without its parameters."""
+    return test.partition("[")[0]
+
+
+def kept(tests: Sequence[str], expensive: dict[str, float]) -> list[bool]:
+    """Whether each of `tests` runs, of functions that are as `expensive`."""
+    cases = Counter(map(function_of, tests))
+    seen: Counter[str] = Counter()
+    found = []
+    for name in map(function_of, tests):
+        every = min(math.ceil(expensive.get(name, 0.0) / MOST) or 1, cases[name])
+        found.append(seen[name] % every == zlib.crc32(name.encode()) % every)
+        seen[name] += 1
+    return found
