@@ -38,10 +38,10 @@ HEAD: Final = """# The bill of the fixture scenes
 <!-- Made by docs/bill_page.py; change it there. -->
 
 What a build takes, from the loaded scene to the last file, all formats of the scene: seconds by
-stage, on one machine and rounded to two digits; the pieces of the flanks of all discs; the bytes of
-all files with the certificate; and the machining time of all programs. `camgeo accuracy SCENE
---bill` makes it for one scene; [what accuracy costs](accuracy.md) tells what is in each stage. What
-the same tolerances [buy](#what-it-buys) is below, scene by scene.
+stage, those of effects under evaluate, on one machine and rounded to two digits; the pieces of the
+flanks of all discs; the bytes of all files with the certificate; and the machining time of all
+programs. `camgeo accuracy SCENE --bill` makes it for one scene; [what accuracy costs](accuracy.md)
+tells what is in each stage. What the same tolerances [buy](#what-it-buys) is below, scene by scene.
 
 ## What it costs
 
@@ -58,11 +58,10 @@ the scene, or at {speed:g} rev/min (in brackets) if it gives none, as `camgeo ac
 --speed` has it: the largest deviation of the acceleration in per cent of the exact peak (ripple)
 and in mm/s^2 or rad/s^2; that of the contact force, and from which speed on the follower leaves the
 cam, with the masses, springs and elastic train of the scene, for a train at two tolerances only;
-the harmonics of the cam's speed in
-which most of the deviation of the acceleration is, and its effective value in them, in the same
-unit. A dash: the scene has no forces, the follower never leaves the cam, or no such speed was
-found. Scenes with forces are those of fixtures/effects, of which no builds are above.
-[What accuracy buys](ripple.md) has one cam in all forms.
+the harmonics of the cam's speed in which most of the deviation of the acceleration is, and its
+effective value in them, in the same unit. A dash: the scene has no forces, the follower never
+leaves the cam or is held both ways, or no such speed was found. Scenes with forces are those of
+fixtures/effects. [What accuracy buys](ripple.md) has one cam in all forms.
 
 | scene | contour | rev/min | tolerance [mm] | ripple [%] | acceleration | force [N] \
 | lifts off [rev/min] | octave | in it |
@@ -151,5 +150,5 @@ def page(
 
 
 if __name__ == "__main__":
-    built = {name: measure(name) for name in scenes() if "/" not in name}
+    built = {name: measure(name) for name in scenes()}
     PAGE.write_text(page(built, {name: bought(name) for name in scenes()}), encoding="utf-8")

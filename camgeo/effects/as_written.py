@@ -63,9 +63,11 @@ def _between(subject: Subject, contours: Contours) -> Finding:
     factor, unit = STATED[subject.cam.lift_unit]
     low, high = (factor * each.value for each in (play.lowest, play.highest))
     who = "roller" if subject.returning is None else "follower"
+    written = f"the written contours of {own} and {other} leave"
+    if subject.cam.yoke is not None:
+        written = f"between {own} and {other}, the written contour leaves"
     sentence = (
-        f"the written contours of {own} and {other} leave the {who} {low:.4g} to {high:.4g} {unit}"
-        f" of lift, least {at(play.lowest.place)}"
+        f"{written} the {who} {low:.4g} to {high:.4g} {unit} of lift, least {at(play.lowest.place)}"
     )
     if low < 0.0:
         sentence += "; less than 0 is squeezed, which is not computed"

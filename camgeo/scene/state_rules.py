@@ -24,8 +24,15 @@ def a_flank_is_one_of_two(values: ValidValues) -> Iterator[Broken]:
     place = ("state", "flank")
     if values.get("state", "motion") != "written":
         yield place, 'belongs to motion = "written"; another motion is the same on both sides'
-    elif flank in ("main", "return"):
+    elif flank == "main":
+        if values.lacks("follower", "return") and values.lacks("follower", "yoke"):
+            what = "is a disc of a conjugate pair or a side of a yoke"
+            yield place, f"{what}: it needs [follower.return] or [follower.yoke]"
+    elif flank == "return":
         if values.lacks("follower", "return"):
             yield place, "is a disc of a conjugate pair: it needs [follower.return]"
+    elif flank == "opposite":
+        if values.lacks("follower", "yoke"):
+            yield place, "is a side of a yoke: it needs [follower.yoke]"
     elif values.contact is not None and not values.contact.closed_by_form:
         yield place, 'is a flank of a groove: it needs contact = "groove"'

@@ -23,6 +23,7 @@ SIDES: Final[Mapping[Carrier, int]] = {
     "main": FIRST,
     "outer": SECOND,
     "return": SECOND,
+    "opposite": SECOND,
 }
 
 

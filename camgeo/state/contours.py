@@ -1,11 +1,12 @@
 """The contours of a cam as they are written, and the follower pressed against each.
 
-A follower on a single flank has the motion of that one. One that is held both ways, in a groove or
-between two discs, runs on the side that carries, and passes to the other where the force on it
-changes sign. From one written contour to the other its lift would jump by the play between them,
-which no finite force brings about, and which is an impact across the clearance if there is any. So
-the state is the motion on one side all round, the one that the scene says; how far the other one is
-from it, `Contours.play`, and where that one carries is told with every figure.
+A follower on a single flank has the motion of that one. One that is held both ways, in a groove,
+between two discs or by a yoke on both sides of one, runs on the side that carries, and passes to
+the other where the force on it changes sign. From one written contour to the other its lift would
+jump by the play between them, which no finite force brings about, and which is an impact across the
+clearance if there is any. So the state is the motion on one side all round, the one that the scene
+says; how far the other one is from it, `Contours.play`, and where that one carries is told with
+every figure.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from camgeo.contour.contour import Contour, Effort, Form
 from camgeo.contour.spline import SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.numeric.extremes import Extremes
+from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_contour
 from camgeo.outline.replay_result import Replay, extreme_play
@@ -81,7 +82,8 @@ class Contours:
 
     Attributes
     ----------
-    discs : the main one, and the return disc of a conjugate pair.
+    discs : the main one, and the return disc of a conjugate pair, or the main one once more as the
+        second side of its yoke touches it.
     writing : how they are written.
     sense : side on which a follower runs that is held both ways, as `State.sense`.
     """
@@ -92,7 +94,7 @@ class Contours:
 
     @property
     def is_held_both_ways(self) -> bool:
-        """Whether there are two of them."""
+        """Whether there are two of them, or one that is touched twice."""
         return len(self.discs) > 1 or self.discs[0].cam.contact.closed_by_form
 
     def state_of(self, cam: Cam) -> Written:
@@ -101,8 +103,8 @@ class Contours:
         Raises
         ------
         GeometryError
-            With the key, if the follower has a yoke, or drops off an edge of the contour; from the
-            replay, if it cannot be followed.
+            With the key, if the follower drops off an edge of the contour; from the replay, if it
+            cannot be followed.
         ToleranceError
             If the tolerance cannot be reached.
         UndercutError
@@ -124,21 +126,22 @@ class Contours:
     @cached_property
     def play(self) -> Extremes:
         """How far [mm or rad of the lift] the other side lets the follower move off, over the turn;
-        negative where both contours squeeze it. Of two sides only; raises as `state_of`.
+        negative where both squeeze it. Of two sides only; raises as `state_of`.
         """
         sides = {self.sense: self._carrying, -self.sense: self._opposite}
-        return extreme_play(sides[FIRST].replay, sides[SECOND].replay)
+        found = extreme_play(sides[FIRST].replay, sides[SECOND].replay)
+        main = self.discs[0].cam
+        if main.breadth is None:
+            return found
+        # The second side is that of a yoke as wide as the exact cam.
+        wider = main.yoke_breadth - main.breadth.best
+        ends = (Extreme(each.value + wider, each.place) for each in (found.lowest, found.highest))
+        return Extremes(*ends)
 
     @cached_property
     def _carrying(self) -> Pressed:
         """The follower on the contour whose motion it is."""
         main = self.discs[0].cam
-        if main.yoke is not None:
-            raise GeometryError(
-                "a yoke is held both ways by one contour: its motion is not computed",
-                key=KEY,
-                value=MODEL,
-            )
         return self._pressed(self.sense if self.is_held_both_ways else main.contact.push)
 
     @cached_property

@@ -17,9 +17,9 @@ Model = Literal["demanded", "outline", "written"]
 makes, or the one that its contour makes as it is written.
 """
 
-Carrier = Literal["inner", "outer", "main", "return"]
-"""On which side a follower runs that is held both ways: the flank of a groove, or the disc of a
-conjugate pair.
+Carrier = Literal["inner", "outer", "main", "return", "opposite"]
+"""On which side a follower runs that is held both ways: the flank of a groove, the disc of a
+conjugate pair, or the side of a yoke.
 """
 
 Train = Literal["elastic", "rigid"]
