@@ -93,29 +93,30 @@ def by(spent: Counter[str], parts: int) -> Counter[str]:
     return found
 
 
-def with_cases(spent: Counter[str]) -> dict[str, float]:
-    """The functions with several cases that take more than the limit."""
-    whole: Counter[str] = Counter()
-    cases: Counter[str] = Counter()
-    for test, seconds in spent.items():
-        name = test.partition("[")[0]
-        whole[name] += seconds
-        cases[name] += 1
-    return {
-        name: round(seconds, 1)
-        for name, seconds in sorted(whole.items())
-        if cases[name] > 1 and seconds > LIMIT
-    }
-
-
-def functions(spent: Counter[str]) -> Counter[str]:
-    """By test function, with the number of its cases."""
+def by_function(spent: Counter[str]) -> tuple[Counter[str], Counter[str]]:
+    """Sums by test function, and the numbers of their cases."""
     found: Counter[str] = Counter()
     cases: Counter[str] = Counter()
     for test, seconds in spent.items():
         name = test.partition("[")[0]
         found[name] += seconds
         cases[name] += 1
+    return found, cases
+
+
+def with_cases(spent: Counter[str]) -> dict[str, float]:
+    """The functions with several cases that take more than the limit."""
+    found, cases = by_function(spent)
+    return {
+        name: round(seconds, 1)
+        for name, seconds in sorted(found.items())
+        if cases[name] > 1 and seconds > LIMIT
+    }
+
+
+def functions(spent: Counter[str]) -> Counter[str]:
+    """By test function, with the number of its cases."""
+    found, cases = by_function(spent)
     return Counter({f"{name} ({cases[name]})": seconds for name, seconds in found.items()})
 
 

@@ -27,7 +27,6 @@ from camgeo.effects.shaft.mesh import (
 )
 from camgeo.effects.shaft.rate import Shaft
 from camgeo.numeric.arrays import FloatArray
-from camgeo.units import TURN
 
 MOST_STEPS: Final = 40
 """Largest number of Newton steps."""
@@ -187,11 +186,7 @@ class WoundTurn:
 
     def at(self, phi: FloatArray) -> FloatArray:
         """(n, 2) v and w at `phi` (n,) [rad], in any turn."""
-        mesh = self.mesh
-        # The end of a turn is not mapped to its start: they are equal only to rounding.
-        inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
-        cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
-        x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
+        cell, x = self.mesh.placed(phi)
         found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), self._series[cell])
         return found
 

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.effects.effect import Quantity
-from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
+from camgeo.units import TURN
 
 NODES: Final = 8
 """Radau IIA nodes of a cell, including its end: collocation of order 15 at the ends of cells,
@@ -95,6 +96,13 @@ class Mesh:
     def nodes(self) -> FloatArray:
         """(m, n) cam angles of the nodes [rad]."""
         return nodes_of(self.low, self.high)
+
+    def placed(self, phi: FloatArray) -> tuple[IntArray, FloatArray]:
+        """(n,) cells at `phi` (n,) [rad], in any turn, and the places in them, -1 to 1."""
+        # The end of a turn is not mapped to its start: they are equal only to rounding.
+        inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
+        cell = np.clip(np.searchsorted(self.low, inside, "right") - 1, 0, len(self.low) - 1)
+        return cell, 2.0 * (inside - self.low[cell]) / self.spans[cell] - 1.0
 
     def halved(self, law: Quantity) -> Mesh:
         """All cells halved, in order."""

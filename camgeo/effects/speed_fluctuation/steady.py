@@ -7,6 +7,7 @@ taken several times for what lies between their nodes.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -111,7 +112,7 @@ def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
     return Step(starts, nodes, defects, slope)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SteadyTurn:
     """The steady state.
 
@@ -134,19 +135,19 @@ class SteadyTurn:
     error: float
     rough: SteadyTurn | None
 
+    @cached_property
+    def _series(self) -> FloatArray:
+        """(m, n + 1) Legendre coefficients of z in each cell."""
+        return np.asarray(self.state.all_nodes @ collocation().fit.T)
+
     def omega(self, phi: FloatArray) -> FloatArray:
         """(n,) speed [rad/s] at `phi` (n,) [rad], in any turn."""
         return np.sqrt(2.0 * self.y(phi))
 
     def y(self, phi: FloatArray) -> FloatArray:
         """(n,) omega^2 / 2 [rad^2/s^2]."""
-        mesh = self.mesh
-        # The end of a turn is not mapped to its start: they are equal only to rounding.
-        inside = np.where((phi >= 0.0) & (phi <= TURN), phi, np.mod(phi, TURN))
-        cell = np.clip(np.searchsorted(mesh.low, inside, "right") - 1, 0, len(mesh.low) - 1)
-        x = 2.0 * (inside - mesh.low[cell]) / mesh.spans[cell] - 1.0
-        coefficients = self.state.all_nodes @ collocation().fit.T
-        z: FloatArray = np.sum(legendre(x, NODES) * coefficients[cell], axis=1)
+        cell, x = self.mesh.placed(phi)
+        z: FloatArray = np.sum(legendre(x, NODES) * self._series[cell], axis=1)
         return self.state.base + z
 
     def linearised(
