@@ -20,7 +20,7 @@ import pytest
 from hypothesis import settings
 
 from tests import thinned
-from tests.long_form import examples
+from tests.long_form import LONG, examples
 from tests.quick import BUILDS, BUILT, QUICK, TESTS
 
 # Read when numpy is imported, so before any test module is. Its matrices are small here: a second
@@ -52,18 +52,23 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)  # before marks are asked for
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the quick tests; leave out the cases of `tests.thinned` in a run of all tests; in a
-    process of several, put them in the order of `tests.dealing`.
+    """Mark the quick tests; unless tests are named one by one, leave out the cases of
+    `tests.thinned` and tests of the long form; in a process of several, put them in the order of
+    `tests.dealing`.
     """
     for item in items:
         call: Any = getattr(item, "callspec", None)
         built = Path(call.params["built"]).stem if call and "built" in call.params else None
         if built == BUILT or (built is None and item.path.relative_to(TESTS).as_posix() in QUICK):
             item.add_marker(pytest.mark.quick)
-    if not (thinned.WHOLE or config.option.file_or_dir):
+    if not (thinned.WHOLE or any("::" in each for each in config.option.file_or_dir)):
         runs = thinned.kept([item.nodeid for item in items], thinned.EXPENSIVE)
         left = [item for item, each in zip(items, runs, strict=True) if not each]
         items[:] = [item for item, each in zip(items, runs, strict=True) if each]
+        config.hook.pytest_deselected(items=left)
+    if not (LONG or any("::" in each for each in config.option.file_or_dir)):
+        left = [item for item in items if item.get_closest_marker("long")]
+        items[:] = [item for item in items if not item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=left)
     if hasattr(config, "workerinput"):
         from tests.dealing import longest_first

@@ -3,7 +3,7 @@
 `benchmarks/test_suite.py --write` measures what functions take: of the cases of those that take
 longer than `MOST` one of each so many runs that they take about that. Where a function begins
 follows from its name, so that no scene of those that many sweep is left out by all. Whoever names
-files or tests gets all.
+single tests (`FILE::TEST`) gets all.
 """
 
 from __future__ import annotations
