@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from collections.abc import Generator
 from pathlib import Path
@@ -31,6 +32,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # would compile all of camgeo anew, and each run all tests.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# A shell's job in the background, and nohup, ignore these; so would all processes that tests start
+# and stop by them.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 EXAMPLES: Final = examples(30, long=100)
 """Of a property that asks for no other number; 100 is hypothesis's own."""

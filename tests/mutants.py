@@ -299,7 +299,7 @@ def name_of(path: str) -> str:
     )
 
 
-def tests_of(path: str) -> list[str]:
+def modules_for(path: str) -> list[str]:
     """The test modules for a module of the product, in the order in which they run."""
     module = name_of(path)
     product = [each for top in ("camgeo", "export") for each in (ROOT / top).rglob("*.py")]
@@ -330,7 +330,7 @@ def verdict(tree: Path, changed: Mutant, number: int) -> str:
     kept = path.read_bytes()
     path.write_text(changed.source, "utf-8")
     os.utime(path, (number, number))  # compiled modules are told apart by whole seconds and sizes
-    modules, batch, left = tests_of(changed.path), FIRST, float(CPU)
+    modules, batch, left = modules_for(changed.path), FIRST, float(CPU)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tree), str(tree / "export")))}
     try:
         while modules:
