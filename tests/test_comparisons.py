@@ -28,6 +28,8 @@ from tests.test_house import modules
 
 SCENES: Final = ROOT / "fixtures" / "scenes"
 
+FORMATS: Final = "dxf,gcode,stl,3mf,step,csv"
+
 HOLDS_ARRAYS: Final = re.compile(r"Array\b|\bndarray\b")
 
 CALLABLE: Final = re.compile(r"Callable\[\[[^\]]*(?:\[[^\]]*\][^\]]*)*\], [\w.]+(?:\[[^\]]*\])?\]")
@@ -156,11 +158,10 @@ def test_what_is_built_and_verified_rests_on_no_doubtful_comparison(
     compared: tuple[set[str], set[str]], tmp_path: Path
 ) -> None:
     every, doubts = compared
-    for name in ("setzhub", "inch"):
-        path, out = str(SCENES / f"{name}.toml"), str(tmp_path / name)
-        assert main(["check", path]) == 0
-        assert main(["build", path, "-o", out, "--tolerance", "0.01"]) == 0
-        assert main(["verify", out, "--scene", path]) == 0
+    path, out = str(SCENES / "setzhub.toml"), str(tmp_path)
+    assert main(["check", path]) == 0
+    assert main(["build", path, "-o", out, "--tolerance", "0.01", "--only", FORMATS]) == 0
+    assert main(["verify", out, "--scene", path]) == 0
     assert len(every) > 3
     assert doubts == set()
 
