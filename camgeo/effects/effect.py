@@ -199,7 +199,7 @@ class Request(Generic[Data]):
         return course
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Column:
     """A quantity over the cam angle, for tables and pictures.
 

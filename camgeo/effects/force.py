@@ -37,7 +37,7 @@ Off = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 velocity dq/dt (n,) [per s], whatever the motion of the state is there."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Force:
     """A generalised force.
 

@@ -25,7 +25,7 @@ REFUSED: Final = 10.0
 """Of each finding that rules out the disc, besides how far it is beyond its limit."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Verdict(Row):
     """A row with what a search needs of it.
 
@@ -45,6 +45,10 @@ class Verdict(Row):
     violation: float = 0.0
     broken: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    # Not as rows are compared, of which it has more than they: costs may be NaN.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
 
 @dataclass(frozen=True)

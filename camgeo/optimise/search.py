@@ -57,7 +57,7 @@ LATTICE: Final = {1: 1, 2: 6, 3: 3}
 """Parts into which the weights of so many objectives are divided; else 2."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Direction:
     """One way to weigh the objectives against each other.
 

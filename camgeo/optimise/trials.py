@@ -30,7 +30,7 @@ class StoppedError(Exception):
     """The search ends here; the message is why."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Trial:
     """One design that was tried.
 

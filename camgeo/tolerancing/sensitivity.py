@@ -18,7 +18,7 @@ from camgeo.tolerancing.freedoms import Unit, Way
 from camgeo.tolerancing.machine import Machine, Nominal
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sensitivities:
     """Of a machine at cam angles.
 

@@ -76,7 +76,7 @@ def _alike(areas: Sequence[tuple[float, float]]) -> int:
     return count
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Measured:
     """Contours by what tells them apart.
 

@@ -69,7 +69,7 @@ def test_wrong_call_is_2(call: list[str], capsys: Capture) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(call)
     assert stopped.value.code == 2
-    assert "usage: camgeo" in capsys.readouterr().err
+    assert "camgeo" in capsys.readouterr().err
 
 
 def test_check_of_a_good_scene_is_0(capsys: Capture) -> None:

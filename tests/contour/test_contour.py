@@ -58,8 +58,7 @@ def test_arrays_cannot_be_changed() -> None:
     contour = polyline(vertices)
     vertices[0] = 5.0
     assert contour.vertices[0] == 0
-    with pytest.raises(ValueError, match="read-only"):
-        contour.vertices[0] = 5.0
+    assert not contour.vertices.flags.writeable
 
 
 @settings(max_examples=40, deadline=None)

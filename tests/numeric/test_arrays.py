@@ -14,8 +14,7 @@ from camgeo.units import TURN
 def test_frozen_arrays_cannot_be_written() -> None:
     array = frozen([1, 2], np.float64)
     assert array.dtype == np.float64
-    with pytest.raises(ValueError, match="read-only"):
-        array[0] = 5.0
+    assert not array.flags.writeable
 
 
 def test_the_source_stays_writable_and_apart() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -213,7 +215,7 @@ TABLE = '[[motion]]\nlaw = "table"\nspan = 360\nfile = "{}"\n'
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("missing.csv", "cannot be read: No such file"),
+        ("missing.csv", f"cannot be read: {os.strerror(errno.ENOENT)}"),
         ("../lift.csv", "must not leave the folder of the scene"),
         ("/etc/passwd", "must not leave the folder of the scene"),
         ("a\\u0000b", "must be the name of a file"),

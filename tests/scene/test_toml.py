@@ -19,6 +19,7 @@ from camgeo.scene.new import TEMPLATES
 from camgeo.scene.scene import Scene
 from camgeo.scene.toml import written_into
 from camgeo.scene.tree import edited, read_only
+from tests.long_form import examples
 from tests.scene.scenes import FIXTURES, PLATE
 from tests.scene.test_scene import leaves
 
@@ -47,8 +48,9 @@ def test_a_text_stays_as_it_is(file: pathlib.Path) -> None:
 def test_values_are_written_without_a_text(file: pathlib.Path) -> None:
     text = load_scene(file)
     scene = Scene(text.values, folder=text.source.folder)
-    assert read_back(scene) == scene
-    assert read_back(scene).made == text.made
+    found = read_back(scene)
+    assert found == scene
+    assert found.made == text.made
 
 
 @pytest.mark.parametrize("file", FILES, ids=NAMES)
@@ -87,7 +89,7 @@ def test_numbers_that_stand_in_one_line_with_their_key(text: str, there: bool) -
         assert comments(found) == comments(text)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(25, long=60), deadline=None)
 @given(data=st.data())
 def test_an_edit_changes_its_lines_and_no_others(data: st.DataObject) -> None:
     scene = load_scene(data.draw(st.sampled_from(FILES)))

@@ -58,7 +58,7 @@ class Errors:
         return found
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Spin:
     """A turning disc with an unbalance.
 

@@ -52,7 +52,7 @@ FARTHER: Final = 4.0
 """Factor between two s from which a search may begin."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Point:
     """A number below g at one s, |u| and |v| of each mode, the V_i (k, n), and what finds g."""
 

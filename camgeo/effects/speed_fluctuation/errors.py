@@ -38,7 +38,7 @@ ROUGH: Final = (1e-3, 1e-6)
 an error of d^2, and d is as small as the error of the turn that it is taken from."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Steady:
     """A steady turn with its mean values and the errors of all figures.
 

@@ -33,7 +33,7 @@ ROUNDINGS: Final = 8.0
 """Number of roundings that the estimates assume for each step."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Base:
     """The periodic motion of the base.
 

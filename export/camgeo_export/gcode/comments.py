@@ -167,7 +167,7 @@ def ascii_of(text: str) -> str:
     return kept.encode("ascii", "replace").decode("ascii")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Stated:
     """What the comments of a program state.
 

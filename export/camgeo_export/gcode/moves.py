@@ -24,7 +24,7 @@ NEAR: Final = 2_000_000
 """Pairs of moves, the end of one near the start of the other, that may close a path."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class CutterMove:
     """One move; lengths in mm, feed in mm/min.
 
@@ -76,7 +76,7 @@ class CutterMove:
         return Arc(self.start, self.end, self.sweep, self.centre)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Event:
     """What a program does between moves.
 
@@ -99,7 +99,7 @@ class Event:
     line: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Loop:
     """A closed run of cuts.
 

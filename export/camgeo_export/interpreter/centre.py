@@ -36,8 +36,7 @@ def centres(moves: Sequence[CutterMove], radius: Radius) -> tuple[CutterMove, ..
         elif run:
             found += _displaced(run, size)
         if after is not None:
-            begins = found[-1].end if run and size else after.start
-            found.append(after if begins == after.start else replace(after, start=begins))
+            found.append(replace(after, start=found[-1].end) if run and size else after)
     return tuple(found)
 
 

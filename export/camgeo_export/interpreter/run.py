@@ -49,7 +49,7 @@ NAME: Final = re.compile(r"\s*+[O:]\s*+\d++\s*+", re.ASCII)
 """A block with the number of a program."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """A program that was run.
 

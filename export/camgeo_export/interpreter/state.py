@@ -11,7 +11,7 @@ RETRACTED = math.inf
 """Height of the spindle at its reference, above everything."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class State:
     """Lengths in mm, feed in mm/min.
 
