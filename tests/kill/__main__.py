@@ -16,67 +16,25 @@ import subprocess
 import sys
 import tempfile
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
 from camgeo.answers.answer import STOPPED
-from camgeo.cli.main import Stopped, stop_on_signals
+from camgeo.writing import transaction
 from camgeo.writing.transaction import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
-
-SIGNALS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
+from tests.seeds import add_seed
+from tests.waiting import PATIENCE
 
 NAMES: Final = tuple(f"{letter}.dxf" for letter in "abcdef")
 
 SIZE: Final = 100_000
 """Bytes of each small file."""
 
-SCENE: Final = Path(__file__).parents[2] / "fixtures" / "scenes" / "vorschub.toml"
-
-BUILD: Final = ("build", str(SCENE), "--force", "--only", "csv,dxf", "-o")
-
 EVERY: Final = 5
 """Of so many cases, one is a build."""
-
-
-class Fault(Exception):
-    """A folder holds what it must not hold, or a process ended as it must not."""
-
-
-def forked(work: Callable[[], object]) -> int:
-    """Start a process that does `work`, and wait until it begins; return its number."""
-    reading, writing = os.pipe()
-    if (child := os.fork()) != 0:
-        os.close(writing)
-        os.read(reading, 1)
-        os.close(reading)
-        return child
-    code = 1
-    try:
-        stop_on_signals()
-        os.write(writing, b".")
-        work()
-        code = 0
-    except Stopped as stop:
-        code = STOPPED + stop.number
-    except Exception:  # the parent sees the exit code alone
-        traceback.print_exc()
-    finally:
-        os._exit(code)
-
-
-def ended(child: int, number: int) -> None:
-    """Wait for the end of a process; Fault if it is not due to signal `number`, nor regular."""
-    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if code not in (0, -number if number == signal.SIGKILL else STOPPED + number):
-        raise Fault(f"exit code {code}")
-
-
-def require(held: bool, folder: Path) -> None:
-    if not held:
-        raise Fault(f"the folder holds {sorted(everything(folder))}")
 
 
 def stop_a_set(folder: Path, number: int, source: random.Random) -> None:
@@ -92,7 +50,7 @@ def stop_a_set(folder: Path, number: int, source: random.Random) -> None:
     child = forked(lambda: write_set(folder, written, force=True))
     time.sleep(source.uniform(0.0, 1.2 * took))
     os.kill(child, number)
-    ended(child, number)
+    stopped(child, number)
     require(is_safe(folder, old, old | written), folder)
     if number != signal.SIGKILL:
         require(is_whole(folder, old, old | written), folder)
@@ -118,7 +76,7 @@ def two_at_once(folder: Path, number: int, source: random.Random) -> None:
     time.sleep(source.uniform(0.0, 0.05))
     os.kill(children[0], number)
     for child in children:
-        ended(child, number)
+        stopped(child, number)
     settle(folder)
     require(is_whole(folder, *sets), folder)
 
@@ -164,11 +122,10 @@ def stop_a_build(folder: Path, number: int, source: random.Random) -> None:
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.kill")
     parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6))
+    add_seed(parser)
     wanted = parser.parse_args(words)
-    # Started in the background of a shell, or with nohup, all processes here would ignore these.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    usual_signals()
+    transaction.PATIENCE = PATIENCE  # type: ignore[misc]  # the machine may be busy
     print(f"{wanted.count} cases, --seed {wanted.seed}", flush=True)  # noqa: T201 - a program
     for case in range(wanted.count):
         source = random.Random(f"{wanted.seed} {case}")

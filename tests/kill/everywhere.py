@@ -1,0 +1,216 @@
+"""Processes that send themselves a signal at each step of writing a set: the same in every run.
+
+    python -m tests.kill.everywhere
+
+A step is what changes the disk, see `tests.kill.stops`. Small sets are written by forked processes,
+alone and while another process waits for the folder; then `camgeo build` is stopped while it puts
+its files in place, and `camgeo verify` judges what it leaves. Prints how many were stopped, by what
+they did and by signal; exits with 1, and says which it was, if a folder then holds anything but a
+whole set. `python -m tests.kill` stops processes at random moments.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import runpy
+import shutil
+import signal
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from camgeo.answers.answer import STOPPED
+from camgeo.writing import transaction
+from camgeo.writing.transaction import STAGING, settle, write_set
+from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
+from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
+from tests.kill.stops import Steps, stepping
+from tests.long_form import LONG, examples
+from tests.waiting import PATIENCE
+
+BEFORE: Final = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
+
+WRITTEN: Final = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
+
+FURTHER: Final = stub_set(3, ("a.dxf", "c.stl"))
+
+BUILT: Final = SIGNALS if LONG else (signal.SIGKILL, signal.SIGTERM)
+"""Signals that stop a build: all but the first are handled alike."""
+
+BUILDS: Final = examples(1, long=10)
+"""Builds that each of them stops, at one step each."""
+
+Pipe = tuple[int, int]
+
+
+class Signalled(Steps):
+    """Steps of which one, half done, sends a signal to its own process."""
+
+    def __init__(self, number: int, send: Callable[[], None]) -> None:
+        super().__init__(number, RuntimeError("the signal should have ended the process"))
+        self.send = send
+
+    def wrapped(self, original: Callable[..., Any], half: Callable[..., Any]) -> Any:
+        """As for `Steps`; what the handler of a signal raises comes from inside of the step."""
+
+        def stopped(*arguments: Any, **options: Any) -> None:
+            half(*arguments, **options)
+            self.send()
+
+        return super().wrapped(original, stopped)
+
+
+def itself(number: int) -> Callable[[], None]:
+    """What sends a signal to the process that calls it."""
+    return lambda: os.kill(os.getpid(), number)
+
+
+def write(folder: Path, files: Files = WRITTEN) -> None:
+    write_set(folder, files, force=True)
+
+
+def written(folder: Path, step: int, send: Callable[[], None]) -> int:
+    """The steps of writing a set, of which one is half done and calls `send`."""
+    with stepping(Signalled(step, send)) as steps:
+        write(folder)
+    return steps.done
+
+
+def fresh(folder: Path) -> Path:
+    """An empty folder."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    return folder
+
+
+def alone(folder: Path, number: int) -> Iterator[None]:
+    """A small set, into a fresh or a full folder, stopped at each step."""
+    for old, step in ((each, step) for each in ({}, BEFORE) for step in steps_of(each)):
+        put(fresh(folder), old)
+        if not stopped(forked(partial(written, folder, step, itself(number))), number):
+            raise Fault(f"a set is written in less than {step} steps")
+        yield
+        new = old | WRITTEN
+        require(is_safe(folder, old, new), folder)
+        if number != signal.SIGKILL:
+            require(is_whole(folder, old, new), folder)
+        if step % 2:
+            settle(folder)
+            require(is_whole(folder, old, new), folder)
+        else:
+            write(folder, FURTHER)
+            require(is_whole(folder, old | FURTHER, new | FURTHER), folder)
+
+
+def beside(folder: Path, number: int) -> Iterator[None]:
+    """Stopped at a step, while another process waits for the folder and then writes its set.
+
+    Each step is stopped by one of the signals; in the long form by all of them.
+    """
+    chosen = (
+        slice(None) if LONG else slice(SIGNALS.index(signal.Signals(number)), None, len(SIGNALS))
+    )
+    for step in steps_of(BEFORE)[chosen]:
+        put(fresh(folder), BEFORE)
+        there, waits = os.pipe(), os.pipe()
+
+        def send(there: Pipe = there, waits: Pipe = waits) -> None:
+            os.write(there[1], b".")
+            os.read(waits[0], 1)
+            itself(number)()
+
+        def follow(waits: Pipe = waits) -> None:
+            def say(_: str) -> None:
+                os.write(waits[1], b".")
+
+            write_set(folder, FURTHER, force=True, progress=say)
+
+        child = forked(partial(written, folder, step, send))
+        os.read(there[0], 1)
+        other = forked(follow)
+        if not stopped(child, number) or stopped(other, number):
+            raise Fault("the first process comes to its end, or the second one does not")
+        yield
+        for end in (*there, *waits):
+            os.close(end)
+        require(is_whole(folder, BEFORE | FURTHER, BEFORE | WRITTEN | FURTHER), folder)
+
+
+def builds(folder: Path, number: int) -> Iterator[None]:
+    """`camgeo build` in place of an earlier one, at `BUILDS` of its steps; then verified."""
+    said = folder.with_name("said")
+    (fresh(folder) / "notes.txt").write_bytes(b"mine")
+    every = Steps(0, RuntimeError())
+    if camgeo(every, said, *BUILD, str(folder), "--tolerance", "0.01") != 0:
+        raise Fault(f"the first build fails: {said.read_text()}")
+    steps, old = int(said.read_text().split()[-1]), everything(folder)
+    for k in range(BUILDS):
+        at = Signalled((2 * k + 1) * steps // (2 * BUILDS), itself(number))
+        code = camgeo(at, said, *BUILD, str(folder), "--tolerance", f"0.0{k % 2 + 2}")
+        if code != (-number if number == signal.SIGKILL else STOPPED + number):
+            raise Fault(f"exit code {code}: {said.read_text()}")
+        yield
+        left = (folder / STAGING).exists()
+        if left and number != signal.SIGKILL:
+            raise Fault(f"{STAGING} is left")
+        code = camgeo(None, said, "verify", str(folder), "--scene", str(SCENE))
+        if code != 0 or ("interrupted" in said.read_text()) != left:
+            raise Fault(f"verify ends with {code}: {said.read_text()}")
+        found = everything(folder)  # of which each file is the one that the certificate names
+        require(found.keys() == old.keys() | {"verification.json"}, folder)
+
+
+def camgeo(steps: Steps | None, said: Path, *words: str) -> int:
+    """The exit code of a process that does what `python -m camgeo` does.
+
+    Its messages go into the file `said`, and after them the number of its `steps`.
+    """
+
+    def work() -> None:
+        with said.open("w") as messages, Path(os.devnull).open("w") as nothing:
+            os.dup2(nothing.fileno(), 1)
+            os.dup2(messages.fileno(), 2)
+        sys.argv = ["camgeo", *words]
+        with stepping(steps) if steps else nullcontext():
+            try:
+                runpy.run_module("camgeo", run_name="__main__", alter_sys=True)
+            finally:
+                if steps:
+                    os.write(2, f"\n{steps.done}".encode())
+
+    return os.waitstatus_to_exitcode(os.waitpid(forked(work), 0)[1])
+
+
+def steps_of(old: Files) -> range:
+    """The numbers of the steps of writing the set into a folder with `old`."""
+    with tempfile.TemporaryDirectory(dir=MEMORY) as place:
+        put(folder := Path(place) / "out", old)
+        return range(1, written(folder, 0, itself(signal.SIGKILL)) + 1)
+
+
+def main() -> int:
+    usual_signals()
+    transaction.PATIENCE = PATIENCE  # type: ignore[misc]  # another process may have to wait
+    told: Counter[str] = Counter()
+    for act in (alone, beside, builds):
+        for number in SIGNALS if act is not builds else BUILT:
+            name = f"{act.__name__}, {signal.Signals(number).name}"
+            with tempfile.TemporaryDirectory(dir=MEMORY) as place:
+                try:
+                    for _ in act(Path(place) / "out", number):
+                        told[name] += 1
+                except Fault as fault:
+                    print(f"{name}, number {told[name]}: {fault}")  # noqa: T201 - a program
+                    return 1
+    print(json.dumps(told))  # noqa: T201 - a program
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
