@@ -1,9 +1,14 @@
-"""Seeds of programs that draw: a fixed one unless another is asked for."""
+"""Seeds of programs that draw: a fixed one unless another is asked for.
+
+What is drawn with a seed is the same in every run; a moment is not, so that only programs which
+look for faults, run on demand, take one.
+"""
 
 from __future__ import annotations
 
 import argparse
 import random
+import time
 from typing import Final
 
 FIXED: Final = 2026
@@ -24,3 +29,8 @@ def seed_of(text: str) -> int:
 def add_seed(parser: argparse.ArgumentParser, default: int = FIXED) -> None:
     """Let a program take `--seed`."""
     parser.add_argument("--seed", type=seed_of, default=default, help=HELP)
+
+
+def moment(source: random.Random, most: float) -> None:
+    """Let a time of up to `most` seconds pass, for programs that stop others at any moment."""
+    time.sleep(source.uniform(0.0, most))

@@ -15,7 +15,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
@@ -25,13 +24,16 @@ from camgeo.writing import transaction
 from camgeo.writing.transaction import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
 from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
-from tests.seeds import add_seed
-from tests.waiting import PATIENCE
+from tests.seeds import add_seed, moment
+from tests.waiting import PATIENCE, until
 
 NAMES: Final = tuple(f"{letter}.dxf" for letter in "abcdef")
 
 SIZE: Final = 100_000
 """Bytes of each small file."""
+
+WRITING: Final = 0.01
+"""Time [s] of writing a set of them, or a little more; that a signal comes later is no fault."""
 
 EVERY: Final = 5
 """Of so many cases, one is a build."""
@@ -42,13 +44,8 @@ def stop_a_set(folder: Path, number: int, source: random.Random) -> None:
     old = source.choice(({}, stub_set(1, NAMES[:4], SIZE)))
     written = stub_set(2, NAMES[2:], SIZE)
     put(folder, old)
-    begin = time.perf_counter()
-    write_set(folder / "measured", written, force=True)
-    took = time.perf_counter() - begin
-    for path in (*(folder / "measured").iterdir(), folder / "measured"):
-        path.rmdir() if path.is_dir() else path.unlink()
     child = forked(lambda: write_set(folder, written, force=True))
-    time.sleep(source.uniform(0.0, 1.2 * took))
+    moment(source, WRITING)
     os.kill(child, number)
     stopped(child, number)
     require(is_safe(folder, old, old | written), folder)
@@ -73,7 +70,7 @@ def two_at_once(folder: Path, number: int, source: random.Random) -> None:
 
     put(folder, sets[0])
     children = [forked(write(files)) for files in sets]
-    time.sleep(source.uniform(0.0, 0.05))
+    moment(source, 6.0 * WRITING)
     os.kill(children[0], number)
     for child in children:
         stopped(child, number)
@@ -95,13 +92,9 @@ def stop_a_build(folder: Path, number: int, source: random.Random) -> None:
         raise Fault("the first build fails")
     old = everything(folder)
     build = camgeo(*BUILD, str(folder), "--tolerance", "0.02")
-    begin, late = time.monotonic(), source.random() < 0.7
-    wait = source.uniform(0.0, 1.0)
-    while build.poll() is None and (
-        not (folder / STAGING).exists() if late else time.monotonic() < begin + wait
-    ):
-        time.sleep(0.0005)
-    time.sleep(source.uniform(0.0, 0.01) if late else 0.0)
+    if late := source.random() < 0.7:
+        until(STAGING, lambda: build.poll() is not None or (folder / STAGING).exists())
+    moment(source, WRITING if late else 1.0)
     build.send_signal(number)
     _, said = build.communicate()
     # Before camgeo has begun, Python ends as it will.
