@@ -38,6 +38,11 @@ def until(what: str, look: Callable[[], Given]) -> Given:
     return found
 
 
+def give_way() -> None:
+    """Let other threads come between; whether one does must not matter to the test."""
+    time.sleep(1e-3)
+
+
 def happened(what: str, event: threading.Event) -> None:
     """Wait until an event is set; AssertionError with `what` if it never is."""
     if not event.wait(PATIENCE):
