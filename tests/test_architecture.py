@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import PATIENCE
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
@@ -384,7 +386,7 @@ def run(root: Path, report: Path, *arguments: str) -> tuple[object, set[str]]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     answer = json.loads(report.read_text("utf-8"))
