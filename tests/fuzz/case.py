@@ -11,6 +11,9 @@ from typing import Any, Final
 
 CORPUS: Final = Path(__file__).with_name("corpus")
 
+SLOW: Final = CORPUS / "slow"
+"""Cases that take about a second or more: in the long form of the tests."""
+
 OPEN: Final = CORPUS / "open"
 """Cases that still fail: their reasons begin with what fails, then the revision and the cause."""
 

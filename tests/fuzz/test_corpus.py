@@ -16,7 +16,7 @@ from typing import Any, Final
 import pytest
 
 from tests.fuzz import runner
-from tests.fuzz.case import CORPUS, OPEN, Case, restore, store
+from tests.fuzz.case import CORPUS, OPEN, SLOW, Case, restore, store
 from tests.fuzz.invariants import Failure, Outcome
 from tests.fuzz.runner import SEPARATOR, fuzz, kept, known_failures
 from tests.fuzz.worker import Worker
@@ -40,13 +40,27 @@ def failing(path: Path) -> Any:
     return pytest.param(path, marks=mark, id=f"{path.parent.name}-{path.stem}")
 
 
-@pytest.mark.parametrize(
-    "path", [*kept(CORPUS), *map(failing, kept(OPEN))], ids=lambda each: each.stem
-)
-def test_case_of_the_corpus(path: Path, worker: Worker) -> None:
+def failures(path: Path, worker: Worker) -> list[Failure]:
     case = restore(path)
-    case = replace(case, both=case.both or LONG)
-    assert worker.run(case).failures == []
+    return worker.run(replace(case, both=case.both or LONG)).failures
+
+
+def test_cases_of_the_corpus_pass(worker: Worker) -> None:
+    """In one test: each is the only one of its kind, and none is left out of a run of all tests."""
+    assert {path.stem: failures(path, worker) for path in kept(CORPUS)} == {
+        path.stem: [] for path in kept(CORPUS)
+    }
+
+
+@pytest.mark.long  # a second and more each; what was slow once, and is less so now
+@pytest.mark.parametrize("path", kept(SLOW), ids=lambda path: path.stem)
+def test_slow_case_of_the_corpus(path: Path, worker: Worker) -> None:
+    assert failures(path, worker) == []
+
+
+@pytest.mark.parametrize("path", [*map(failing, kept(OPEN))])
+def test_open_case_of_the_corpus(path: Path, worker: Worker) -> None:
+    assert failures(path, worker) == []
 
 
 def test_few_cases_are_open_and_each_has_revision_and_cause() -> None:
