@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import signal
@@ -157,6 +158,7 @@ def offspring() -> set[str]:
 
 @pytest.mark.skipif(not PROC.exists(), reason="open files are counted where /proc lists them")
 def test_kills_leave_nothing_behind() -> None:
+    gc.collect()  # what other tests have left open
     files, processes = len(list(PROC.iterdir())), offspring()
     with Children(work=BOMBS) as found:
         served(found)

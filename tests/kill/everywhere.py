@@ -122,7 +122,9 @@ def beside(folder: Path, number: int) -> Iterator[None]:
 
         def send(there: Pipe = there, waits: Pipe = waits) -> None:
             os.write(there[1], b".")
-            os.read(waits[0], 1)
+            os.close(waits[1])
+            if not os.read(waits[0], 1):
+                raise Fault("the second process has ended, and did not wait")
             itself(number)()
 
         def follow(waits: Pipe = waits) -> None:
@@ -132,13 +134,15 @@ def beside(folder: Path, number: int) -> Iterator[None]:
             write_set(folder, FURTHER, force=True, progress=say)
 
         child = forked(partial(written, folder, step, send))
+        os.close(there[1])
         os.read(there[0], 1)
         other = forked(follow)
+        os.close(waits[1])
         if not stopped(child, number) or stopped(other, number):
             raise Fault("the first process comes to its end, or the second one does not")
         yield
-        for end in (*there, *waits):
-            os.close(end)
+        os.close(there[0])
+        os.close(waits[0])
         require(is_whole(folder, BEFORE | FURTHER, BEFORE | WRITTEN | FURTHER), folder)
 
 
