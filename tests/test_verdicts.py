@@ -69,7 +69,8 @@ WRONG_IN_CI: Final = {
 WRONG_IN_RUN: Final = {r"\bfresh\b": "a seed that nobody has chosen"}
 """In `.ci/run`, which has one verdict for one commit, and what it shares with `.ci/full`."""
 
-Constants = Mapping[str, ast.expr]
+PASSED: Final = (ast.expr_context, ast.operator, ast.cmpop, ast.boolop, ast.unaryop)
+"""Nodes that say nothing."""
 
 
 class Module:
@@ -79,7 +80,8 @@ class Module:
         self.tree = ast.parse(text)
         self.names: dict[str, str] = {}
         self.constants: dict[str, ast.expr] = {}
-        for node in ast.walk(self.tree):
+        self.nodes = [node for node in ast.walk(self.tree) if not isinstance(node, PASSED)]
+        for node in self.nodes:
             match node:
                 case ast.Import():
                     for each in node.names:
@@ -154,7 +156,7 @@ class Module:
 def faults(text: str) -> list[str]:
     """What in a module lets its verdict depend on chance or load, a line each."""
     module = Module(text)
-    found = [(node.lineno, each) for node in ast.walk(module.tree) for each in wrong(module, node)]  # type: ignore[attr-defined]  # those with a fault have a place
+    found = [(node.lineno, each) for node in module.nodes for each in wrong(module, node)]  # type: ignore[attr-defined]  # those with a fault have a place
     return [f"line {line}: {each}" for line, each in sorted(set(found))]
 
 
