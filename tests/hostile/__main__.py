@@ -25,7 +25,16 @@ from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
 from tests.hostile.readers import ENDINGS, READERS, good
 from tests.hostile.solids import solids
-from tests.hostile.texts import Named, contours, drawings, points, programs, tables, vectors
+from tests.hostile.texts import (
+    Named,
+    contours,
+    drawings,
+    large,
+    points,
+    programs,
+    tables,
+    vectors,
+)
 from tests.seeds import add_seed
 from tests.speed import cpu_second, spending
 
@@ -133,6 +142,7 @@ def main(arguments: Sequence[str]) -> int:
     print(f"mutations of seed {wanted.seed}", file=sys.stderr)  # noqa: T201 - a program
     warnings.simplefilter("error")
     code = 0
+    large()
     for name in ENDINGS:
         good(name)
     for reader in wanted.readers or INPUTS:
