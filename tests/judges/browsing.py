@@ -61,7 +61,9 @@ def launched(kind: BrowserType, most: float) -> Generator[Browser]:
     from playwright.sync_api import Error  # where there is no playwright, too
 
     browser = kind.launch(
-        executable_path=found(chromium.VARIABLE, *chromium.NAMES), args=list(OPTIONS)
+        executable_path=found(chromium.VARIABLE, *chromium.NAMES),
+        args=list(OPTIONS),
+        timeout=1e3 * PATIENCE,
     )
     end = threading.Timer(most, os.kill, (number_of(browser), signal.SIGTERM))
     end.start()
