@@ -44,8 +44,8 @@ def in_chunk(count: int) -> int:
 def main() -> None:
     """Resume the store."""
     store, where, count, log = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), sys.argv[4]
-    engine.CHUNK = NEVER  # type: ignore[misc]
-    engine.MOST_IN_CHUNK = in_chunk(int(count))  # type: ignore[misc]
+    engine.CHUNK = NEVER  # type: ignore[misc]  # smaller chunks here
+    engine.MOST_IN_CHUNK = in_chunk(int(count))  # type: ignore[misc]  # as above
     pool = where.isdecimal()
     chosen = engine.engine_of("pool" if pool else "cluster", int(where) if pool else where)
 
