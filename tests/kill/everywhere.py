@@ -11,6 +11,7 @@ whole set. `python -m tests.kill` stops processes at random moments.
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import runpy
@@ -19,13 +20,13 @@ import signal
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.answers.answer import STOPPED
+from camgeo.cli.main import main as cli
 from camgeo.writing import transaction
 from camgeo.writing.transaction import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
@@ -89,9 +90,19 @@ def fresh(folder: Path) -> Path:
     return folder
 
 
+def is_turn_of(number: int, step: int, signals: Sequence[int]) -> bool:
+    """Whether a step is stopped by this one of the `signals`; in the long form by each of them."""
+    return LONG or signals[step % len(signals)] == number
+
+
 def alone(folder: Path, number: int) -> Iterator[None]:
-    """A small set, into a fresh or a full folder, stopped at each step."""
+    """A small set, into a fresh or a full folder, killed at each step, or stopped at one of three.
+
+    What catches one signal catches all, so that each step is stopped by one of them.
+    """
     for old, step in ((each, step) for each in ({}, BEFORE) for step in steps_of(each)):
+        if number != signal.SIGKILL and not is_turn_of(number, step, SIGNALS[1:]):
+            continue
         put(fresh(folder), old)
         if not stopped(forked(partial(written, folder, step, itself(number))), number):
             raise Fault(f"a set is written in less than {step} steps")
@@ -109,14 +120,10 @@ def alone(folder: Path, number: int) -> Iterator[None]:
 
 
 def beside(folder: Path, number: int) -> Iterator[None]:
-    """Stopped at a step, while another process waits for the folder and then writes its set.
-
-    Each step is stopped by one of the signals; in the long form by all of them.
-    """
-    chosen = (
-        slice(None) if LONG else slice(SIGNALS.index(signal.Signals(number)), None, len(SIGNALS))
-    )
-    for step in steps_of(BEFORE)[chosen]:
+    """Stopped at a step, while another process waits for the folder and then writes its set."""
+    for step in steps_of(BEFORE):
+        if not is_turn_of(number, step, SIGNALS):
+            continue
         put(fresh(folder), BEFORE)
         there, waits = os.pipe(), os.pipe()
 
@@ -148,47 +155,45 @@ def beside(folder: Path, number: int) -> Iterator[None]:
 
 def builds(folder: Path, number: int) -> Iterator[None]:
     """`camgeo build` in place of an earlier one, at `BUILDS` of its steps; then verified."""
-    said = folder.with_name("said")
     (fresh(folder) / "notes.txt").write_bytes(b"mine")
     every = Steps(0, RuntimeError())
-    if camgeo(every, said, *BUILD, str(folder), "--tolerance", "0.01") != 0:
-        raise Fault(f"the first build fails: {said.read_text()}")
-    steps, old = int(said.read_text().split()[-1]), everything(folder)
+    with stepping(every):
+        code, said = called(*BUILD, str(folder), "--tolerance", "0.01")
+    if code != 0:
+        raise Fault(f"the first build fails: {said}")
+    old = everything(folder)
     for k in range(BUILDS):
-        at = Signalled((2 * k + 1) * steps // (2 * BUILDS), itself(number))
-        code = camgeo(at, said, *BUILD, str(folder), "--tolerance", f"0.0{k % 2 + 2}")
-        if code != (-number if number == signal.SIGKILL else STOPPED + number):
-            raise Fault(f"exit code {code}: {said.read_text()}")
+        at = Signalled((2 * k + 1) * every.done // (2 * BUILDS), itself(number))
+        words = (*BUILD, str(folder), "--tolerance", f"0.0{k % 2 + 2}")
+        if not stopped(forked(partial(camgeo, at, *words)), number):
+            raise Fault("a build comes to its end")
         yield
         left = (folder / STAGING).exists()
         if left and number != signal.SIGKILL:
             raise Fault(f"{STAGING} is left")
-        code = camgeo(None, said, "verify", str(folder), "--scene", str(SCENE))
-        if code != 0 or ("interrupted" in said.read_text()) != left:
-            raise Fault(f"verify ends with {code}: {said.read_text()}")
+        code, said = called("verify", str(folder), "--scene", str(SCENE))
+        if code != 0 or ("interrupted" in said) != left:
+            raise Fault(f"verify ends with {code}: {said}")
         found = everything(folder)  # of which each file is the one that the certificate names
         require(found.keys() == old.keys() | {"verification.json"}, folder)
 
 
-def camgeo(steps: Steps | None, said: Path, *words: str) -> int:
-    """The exit code of a process that does what `python -m camgeo` does.
+def called(*words: str) -> tuple[int, str]:
+    """Exit code and messages of a call of camgeo in this process."""
+    said = io.StringIO()
+    with redirect_stderr(said), redirect_stdout(io.StringIO()):
+        code = cli(words)
+    return code, said.getvalue()
 
-    Its messages go into the file `said`, and after them the number of its `steps`.
-    """
 
-    def work() -> None:
-        with said.open("w") as messages, Path(os.devnull).open("w") as nothing:
-            os.dup2(nothing.fileno(), 1)
-            os.dup2(messages.fileno(), 2)
-        sys.argv = ["camgeo", *words]
-        with stepping(steps) if steps else nullcontext():
-            try:
-                runpy.run_module("camgeo", run_name="__main__", alter_sys=True)
-            finally:
-                if steps:
-                    os.write(2, f"\n{steps.done}".encode())
-
-    return os.waitstatus_to_exitcode(os.waitpid(forked(work), 0)[1])
+def camgeo(steps: Steps, *words: str) -> None:
+    """What `python -m camgeo` does, in a process of its own."""
+    with Path(os.devnull).open("w") as nothing:
+        for stream in (1, 2):
+            os.dup2(nothing.fileno(), stream)
+    sys.argv = ["camgeo", *words]
+    with stepping(steps):
+        runpy.run_module("camgeo", run_name="__main__", alter_sys=True)
 
 
 def steps_of(old: Files) -> range:

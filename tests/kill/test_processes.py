@@ -21,7 +21,10 @@ def test_stopped_at_every_step() -> None:
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
     told = json.loads(run.stdout)
+    steps = told["alone, SIGKILL"]
+    assert steps > 40
+    caught = [told[f"alone, {number.name}"] for number in SIGNALS[1:]]
+    assert caught == [steps] * 3 if LONG else sum(caught) == steps
     for number in SIGNALS:
-        assert told[f"alone, {number.name}"] > 40
         assert told[f"beside, {number.name}"] > (20 if LONG else 5)
     assert [told[f"builds, {number.name}"] for number in BUILT] == [BUILDS] * len(BUILT)
