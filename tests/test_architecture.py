@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import graphlib
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Collection, Iterator
@@ -12,6 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tests.waiting import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "camgeo"
@@ -140,6 +143,10 @@ def find_imports(path: Path, package: str, modules: Collection[str]) -> Iterator
     ``from a import b`` is an import of ``a.b`` if that is a module, else of ``a``.
     """
 
+    text = path.read_text("utf-8")
+    # An expression imports only where it calls what is named like this.
+    called = "import_module" in text or "__import__" in text
+
     def visit(node: ast.AST, lazy: bool) -> Iterator[Import]:
         match node:
             case ast.Import():
@@ -159,9 +166,10 @@ def find_imports(path: Path, package: str, modules: Collection[str]) -> Iterator
                 yield Import(name, node.lineno, lazy)
         lazy = lazy or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
         for child in ast.iter_child_nodes(node):
-            yield from visit(child, lazy)
+            if called or not isinstance(child, ast.expr):
+                yield from visit(child, lazy)
 
-    yield from visit(ast.parse(path.read_text("utf-8"), str(path)), lazy=False)
+    yield from visit(ast.parse(text, str(path)), lazy=False)
 
 
 def stage_of(module: str) -> int | None:
@@ -243,6 +251,11 @@ KIND_WORDS = {
 }  # fmt: skip
 """Names of followers, linkages, contacts and their parts."""
 
+KIND_TEXT = re.compile(
+    rf"""\b({"|".join(KIND_FLAGS)})\b|["']({"|".join(KIND_WORDS)})["']|{PACKAGE}\.mechanism"""
+)
+"""Stands in every text that has a question."""
+
 NO_KIND = {"LinkedMotion"}
 """Classes of `mechanism` that are no kind: whether there is a linkage at all."""
 
@@ -263,7 +276,10 @@ def kind_questions(root: Path) -> list[str]:
             place = path.relative_to(top.parent).with_suffix("")
             if place.parts[:2] == (PACKAGE, "mechanism"):
                 continue
-            tree = ast.parse(path.read_text("utf-8"), str(path))
+            text = path.read_text("utf-8")
+            if not KIND_TEXT.search(text):
+                continue
+            tree = ast.parse(text, str(path))
             classes = mechanism_names(tree)
             nodes = (n for n in ast.walk(tree) if isinstance(n, ast.expr | ast.pattern))
             lines = (node.lineno for node in nodes if asks_kind(node, classes))
@@ -384,7 +400,7 @@ def run(root: Path, report: Path, *arguments: str) -> tuple[object, set[str]]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     answer = json.loads(report.read_text("utf-8"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -15,6 +14,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
 from camgeo.lazy import Ledger, Run, lazy, lazy_names
+from tests.waiting import give_way
 
 
 class Clock:
@@ -242,7 +242,7 @@ class Slow:
         self.made: list[str] = []
 
     def make(self, name: str) -> None:
-        time.sleep(1e-3)
+        give_way()
         self.made.append(name)
 
     @lazy
@@ -266,7 +266,7 @@ class Slow:
 
     @lazy
     def circle(self) -> object:
-        time.sleep(1e-3)
+        give_way()
         found: object = self.circle
         return found
 
@@ -315,7 +315,7 @@ def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
         first, second = (main, other) if number % 2 else (other, main)
 
         def both() -> object:
-            time.sleep(1e-3)
+            give_way()
             return second.base
 
         return first.ledger.run(f"pair {number}", both)

@@ -9,7 +9,6 @@ import math
 import re
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +23,7 @@ from camgeo.units import MM_PER
 from camgeo.writing import transaction
 from tests.long_form import some
 from tests.reference import hard_case
+from tests.waiting import until
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -231,18 +231,16 @@ def test_progress_only_on_a_terminal_and_late(
 def test_a_long_step_is_seen_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("camgeo.cli.progress.EVERY", 0.001)
     monkeypatch.setattr("camgeo.cli.progress.PATIENCE", 0.0)
-    terminal, later = Terminal(), threading.Event()
+    terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     progress = Progress()
     progress.begin()
     progress("a long step")
-    while terminal.getvalue().count("a long step") < 5:
-        later.wait(0.001)
+    until("the step", lambda: terminal.getvalue().count("a long step") >= 5)
     progress.end()
     text = terminal.getvalue()
     assert text.endswith(CLEARED)
     progress("the next one")
-    later.wait(0.01)
     assert terminal.getvalue() == text
 
 

@@ -17,6 +17,7 @@ from camgeo.cli import watch as command
 from camgeo.cli.main import main
 from camgeo.cli.watching import SceneFiles, watch
 from camgeo.scene.named import stamp
+from tests.waiting import ended
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -178,5 +179,5 @@ def test_ctrl_c_is_a_clean_end_and_other_signals_are_not(
         assert process.stderr is not None
         assert "points.png" in process.stdout.readline()
         process.send_signal(number)
-        assert process.wait(10) == code
+        assert ended(process) == code
         assert "Traceback" not in process.stderr.read()

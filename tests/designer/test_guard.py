@@ -13,6 +13,7 @@ from camgeo.errors import CamgeoError
 from camgeo_export.designer.guard import HEADERS, Address, Keys, is_loopback
 from camgeo_export.designer.serve import listening
 from tests.designer.served import Served
+from tests.waiting import PATIENCE
 
 
 def test_a_token_is_exchanged_for_a_cookie(server: Served) -> None:
@@ -83,6 +84,7 @@ def test_another_origin_is_refused(server: Served, origin: str) -> None:
         connect(
             f"ws://{server.host}/ws",
             additional_headers={"Cookie": server.cookie, "Origin": stated},
+            open_timeout=PATIENCE,
         )
     assert refused.value.response.status_code == 403
     assert b"other origins" in (refused.value.response.body or b"")
@@ -95,7 +97,7 @@ def test_a_socket_needs_origin_and_cookie(server: Served) -> None:
         ({"Origin": origin}, 401),
     ):
         with pytest.raises(InvalidStatus) as refused:
-            connect(f"ws://{server.host}/ws", additional_headers=headers)
+            connect(f"ws://{server.host}/ws", additional_headers=headers, open_timeout=PATIENCE)
         assert refused.value.response.status_code == status
     with server.page() as page:
         page.say("hello")
@@ -140,7 +142,7 @@ def test_no_path_leads_to_a_file(server: Served, path: str) -> None:
 def test_a_large_body_is_refused_without_reading_it(
     server: Served, coding: str, method: str
 ) -> None:
-    with socket.create_connection(("127.0.0.1", server.port), timeout=20.0) as found:
+    with socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE) as found:
         head = f"{method} / HTTP/1.1\r\nHost: {server.host}\r\nCookie: {server.cookie}\r\n{coding}"
         found.sendall(f"{head}\r\n\r\n".encode())
         reply = b""
@@ -151,7 +153,7 @@ def test_a_large_body_is_refused_without_reading_it(
 
 
 def test_heads_are_bounded(server: Served) -> None:
-    with socket.create_connection(("127.0.0.1", server.port), timeout=20.0) as found:
+    with socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE) as found:
         found.sendall(b"GET / HTTP/1.1\r\nX: ")
         for _ in range(5):
             found.sendall(b"x" * 4000)

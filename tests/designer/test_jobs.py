@@ -15,7 +15,10 @@ from hypothesis import strategies as st
 from camgeo.designing.children import Refused, Result
 from camgeo.designing.desk import Desk
 from camgeo.designing.job import Job
+from camgeo_export.designer import jobs as jobs_module
 from camgeo_export.designer.jobs import Jobs, head_of
+from tests.designer.served import Clock
+from tests.waiting import happened
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.text(max_size=4),
@@ -45,14 +48,18 @@ def test_what_follows_the_head_is_not_read() -> None:
 
 @pytest.mark.parametrize("other", [False, True])
 def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
-    tmp_path: Path, *, other: bool
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, other: bool
 ) -> None:
     """Unless the process does another kind of job as well, which might be ended in its place."""
     ended = threading.Event()
+    begun = {kind: threading.Event() for kind in ("findings", "solid")}
     cancelled: list[str] = []
+    clock = Clock()
+    monkeypatch.setattr(jobs_module, "time", clock)
 
     def compute(job: Job, _: float) -> Result:
-        ended.wait(5.0)
+        begun[job.kind].set()
+        happened("the end of the job", ended)
         if cancelled:
             raise Refused("was cancelled")
         return Result(b"{}")
@@ -65,10 +72,13 @@ def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
         jobs = Jobs(Desk(tmp_path, tmp_path / "states"), compute, cancel)
         asked = asyncio.create_task(jobs.do("findings"))
         more = [asyncio.create_task(jobs.do("solid"))] if other else []
-        await asyncio.sleep(0.02)
-        jobs.give_up("findings", 60.0)
+        for kind in ("findings", *["solid"] * other):
+            await asyncio.to_thread(happened, kind, begun[kind])
+        clock.now += 5.0
+        jobs.give_up("findings", 5.0)
         assert cancelled == []
-        jobs.give_up("findings", 0.01, unless="solid")
+        clock.now += 0.5
+        jobs.give_up("findings", 5.0, unless="solid")
         if other:
             ended.set()
             await asyncio.gather(*more)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import resource
 import socket
-import time
 
 import pytest
+from starlette.types import Message
+from starlette.websockets import WebSocket, WebSocketState
 from websockets.exceptions import ConnectionClosed
 
 from camgeo_export.designer import application, pages
 from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.serve import MOST_CONNECTIONS
-from tests.designer.served import SECONDS, Served
+from tests.designer.served import Clock, Served
 from tests.long_form import examples
+from tests.waiting import PATIENCE
 
 CONNECTIONS = examples(150, long=1000)
 
@@ -40,7 +43,7 @@ def test_connections_are_bounded_and_a_page_still_gets_in(server: Served) -> Non
         page.say("hello")
         page.hear("state")
         for _ in range(CONNECTIONS):
-            found = socket.create_connection(("127.0.0.1", server.port), timeout=SECONDS)
+            found = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
             stack.enter_context(found)
         assert alive(server)
         assert open_at(server) <= MOST_CONNECTIONS
@@ -52,12 +55,13 @@ def test_connections_are_bounded_and_a_page_still_gets_in(server: Served) -> Non
 def test_connections_of_which_nothing_comes_are_closed(
     server: Served, flood: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("camgeo_export.designer.serve.PATIENCE", 0.1)
-    with socket.create_connection(("127.0.0.1", server.port), timeout=SECONDS) as found:
-        found.sendall(flood.encode())
-        with contextlib.suppress(ConnectionResetError):
-            while found.recv(65536):
-                pass
+    with monkeypatch.context() as patch:
+        patch.setattr("camgeo_export.designer.serve.PATIENCE", 0.1)
+        with socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE) as found:
+            found.sendall(flood.encode())
+            with contextlib.suppress(ConnectionResetError):
+                while found.recv(65536):
+                    pass
     assert alive(server)
 
 
@@ -81,12 +85,36 @@ def test_messages_are_bounded(server: Served) -> None:
     assert alive(server)
 
 
-def test_what_is_asked_is_bounded_in_rate(server: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_asked_is_bounded_in_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a burst, a page is asked for the next message only so often."""
+    clock = Clock()
+    monkeypatch.setattr(pages, "time", clock)
     monkeypatch.setattr(pages, "BURST", 5.0)
     monkeypatch.setattr(pages, "RATE", 20.0)
-    with server.page() as page:
-        start = time.monotonic()
-        for number in range(15):
-            page.say("nonsense", id=number)
-        page.hear("refused", id=14)
-        assert time.monotonic() - start >= 9 / 20.0
+    taken: list[float] = []
+
+    async def asleep(seconds: float) -> None:
+        clock.now += seconds
+
+    async def receive() -> Message:
+        return {"type": "websocket.receive", "text": "nonsense"}
+
+    async def send(_: Message) -> None:
+        """Nothing is sent."""
+
+    async def take(page: pages.Page, count: int) -> None:
+        for _ in range(count):
+            await page.receive()
+            taken.append(clock.now)
+
+    monkeypatch.setattr("asyncio.sleep", asleep)
+    page = pages.Page(WebSocket({"type": "websocket", "headers": []}, receive, send))
+    page.socket.client_state = WebSocketState.CONNECTED
+    began = clock.now
+    asyncio.run(take(page, 15))
+    assert [each - began for each in taken[:5]] == [0.0] * 5
+    assert [each - began for each in taken[5:]] == pytest.approx([k / 20.0 for k in range(1, 11)])
+    clock.now += 1000.0  # a pause allows one burst again, however long it is
+    taken.clear()
+    asyncio.run(take(page, 7))
+    assert [each > taken[0] for each in taken] == [False] * 5 + [True] * 2

@@ -16,6 +16,7 @@ from tests.designer.served import Served, computing, served
 from tests.judges import axe
 from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing
 from tests.judges.programs_of_others import found
+from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
@@ -54,6 +55,7 @@ def browser() -> Iterator[Browser]:
         program = playwright.chromium.launch(
             executable_path=found(VARIABLE, *NAMES),
             args=["--no-sandbox", "--enable-unsafe-swiftshader"],
+            timeout=1e3 * PATIENCE,
         )
         yield program
         program.close()
@@ -73,6 +75,7 @@ def server(tmp_path: Path) -> Iterator[Served]:
 def page(browser: Browser, server: Served) -> Iterator[Page]:
     """The designer, which says nothing on the console and asks nothing of other hosts."""
     context = browser.new_context(viewport={"width": WIDTHS[1], "height": 900})
+    context.set_default_timeout(1e3 * PATIENCE)
     opened = context.new_page()
     said: list[str] = []
     opened.on("console", lambda message: said.append(_said(message)))

@@ -60,23 +60,31 @@ def test_the_latest_says_what_only_the_earlier_one_said() -> None:
 
 
 def test_a_page_that_is_slow_still_gets_the_last_word() -> None:
-    sent: list[str] = []
-
-    async def slow(message: Any) -> None:
-        await asyncio.sleep(0.01)
-        sent.append(message["text"])
+    sent: list[int] = []
 
     async def talk() -> None:
+        begins, takes, ends = (asyncio.Queue[None]() for _ in range(3))
+
+        async def slow(message: Any) -> None:
+            begins.put_nowait(None)
+            await takes.get()
+            sent.append(json.loads(message["text"])["revision"])
+            ends.put_nowait(None)
+
         found = page()
         found.socket._send = slow
         found.socket.application_state = found.socket.client_state.CONNECTED
         sending = asyncio.create_task(found.send())
         for number in range(50):
             found.put(Message("curves", {"revision": number}))
-            await asyncio.sleep(0.001)
-        await asyncio.sleep(0.05)
+            if number in (0, 20, 49):
+                await begins.get()  # it is being sent, and what follows waits
+            if number in (19, 40):
+                takes.put_nowait(None)
+        takes.put_nowait(None)
+        for _ in range(3):
+            await ends.get()
         sending.cancel()
 
     asyncio.run(talk())
-    assert json.loads(sent[-1])["revision"] == 49
-    assert len(sent) < 20
+    assert sent == [0, 20, 49]

@@ -9,7 +9,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ import pytest
 from websockets import Origin
 from websockets.sync.client import connect
 
-from tests.designer.served import SECONDS, Client
-from tests.long_form import some
+from tests.designer.served import Client
+from tests.waiting import PATIENCE, ended, until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, and /proc, of Linux")
 
@@ -59,7 +58,7 @@ def running(folder: Path, *words: str) -> Generator[Running]:
             address = re.search(r"http://(127\.0\.0\.1:\d+)/(\S+)", printed)
             assert address is not None
             host, path = address.groups()
-            entry = http.client.HTTPConnection(host, timeout=SECONDS)
+            entry = http.client.HTTPConnection(host, timeout=PATIENCE)
             entry.request("GET", f"/{path}")
             cookie = str(entry.getresponse().headers["set-cookie"]).partition(";")[0]
             entry.close()
@@ -68,25 +67,26 @@ def running(folder: Path, *words: str) -> Generator[Running]:
                 origin=Origin(f"http://{host}"),
                 additional_headers={"Cookie": cookie},
                 max_size=None,
+                open_timeout=PATIENCE,
+                ping_interval=None,
             ) as socket:
                 yield Running(process, Client(socket), printed)
         finally:
             process.kill()
 
 
-def ended(numbers: list[int]) -> bool:
-    """Whether these processes end by themselves."""
-    end = time.monotonic() + SECONDS
-    while time.monotonic() < end:
-        left = []
+def require_ended(numbers: list[int]) -> None:
+    """Processes that end by themselves."""
+
+    def none_is_left() -> bool:
         for number in numbers:
             with suppress(OSError):
                 state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
-                left += [number] if state != "Z" else []
-        if not left:
-            return True
-        time.sleep(0.02)
-    return False
+                if state != "Z":
+                    return False
+        return True
+
+    until("the end of the processes of a designer", none_is_left)
 
 
 @pytest.fixture
@@ -108,7 +108,7 @@ def test_a_kill_in_the_middle_of_edits_loses_no_file_and_no_edit(folder: Path) -
             text = page.hear("curves", answers=number)["text"]
         family = server.family
         server.process.send_signal(signal.SIGKILL)
-        assert ended(family)
+        require_ended(family)
     assert (folder / "cam.toml").read_bytes() == before
     assert "roller_radius = 9" in text
     with running(folder, "cam.toml") as server:
@@ -124,8 +124,8 @@ def test_a_kill_in_the_middle_of_edits_loses_no_file_and_no_edit(folder: Path) -
         page.hear("state", saved=True)
         family = server.family
         server.process.send_signal(signal.SIGINT)
-        assert server.process.wait(SECONDS) == 0
-        assert ended(family)
+        assert ended(server.process) == 0
+        require_ended(family)
         assert server.process.stderr is not None
         told = server.process.stderr.read()
     assert "unsaved edits of cam.toml have been restored" in told
@@ -139,13 +139,15 @@ def test_ctrl_c_while_processes_start_ends_them_silently(folder: Path) -> None:
     with running(folder, "cam.toml") as server:
         family = server.family
         os.killpg(server.process.pid, signal.SIGINT)
-        assert server.process.wait(SECONDS) == 0
-        assert ended(family)
+        assert ended(server.process) == 0
+        require_ended(family)
         assert server.process.stderr is not None
         assert server.process.stderr.read() == "\n"  # after the ^C of the terminal
 
 
-@pytest.mark.parametrize("number", some([signal.SIGTERM, signal.SIGHUP], of=2))
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.long)]
+)  # both are caught by one handler, see tests/cli/test_process.py
 def test_other_signals_end_it_too_and_leave_nothing_running(folder: Path, number: int) -> None:
     with running(folder) as server:
         page = server.page
@@ -154,8 +156,8 @@ def test_other_signals_end_it_too_and_leave_nothing_running(folder: Path, number
         page.hear("state", undo="new scene, translating-roller")
         family = server.family
         server.process.send_signal(number)
-        assert server.process.wait(SECONDS) == 128 + number
-        assert ended(family)
+        assert ended(server.process) == 128 + number
+        require_ended(family)
         assert server.process.stdout is not None
         assert server.process.stderr is not None
         rest, told = server.process.stdout.read(), server.process.stderr.read()

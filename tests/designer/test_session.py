@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,10 @@ import pytest
 
 from camgeo.designing.children import Refused
 from camgeo.designing.job import Job
-from tests.designer.served import Served, computed, served
+from camgeo_export.designer import jobs, session
+from camgeo_export.designer.named_files import NamedFiles
+from tests.designer.served import Clock, Served, computed, served
+from tests.waiting import happened, until
 
 
 @pytest.fixture
@@ -75,7 +77,7 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
     def slow(job: Job, seconds: float) -> Mapping[str, Any]:
         if job.kind == "change":
             done.append(job.arguments["edits"]["a"])
-            going.wait(10.0)
+            happened("the end of the drag", going)
         return computed(job, seconds)
 
     with served(folder, "cam.toml", slow) as server, server.page() as page:
@@ -93,7 +95,17 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
         assert page.hear("state", redo="a = 49")["text"] == "a = 1\n"
 
 
-def test_what_moves_is_painted_at_once_and_the_rest_when_it_pauses(folder: Path) -> None:
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """The time by which a session tells a pause."""
+    clock = Clock()
+    monkeypatch.setattr(jobs, "time", clock)
+    return clock
+
+
+def test_what_moves_is_painted_at_once_and_the_rest_when_it_pauses(
+    folder: Path, clock: Clock
+) -> None:
     asked: list[str] = []
 
     def moving(job: Job, seconds: float) -> Mapping[str, Any]:
@@ -105,15 +117,19 @@ def test_what_moves_is_painted_at_once_and_the_rest_when_it_pauses(folder: Path)
 
     with served(folder, "cam.toml", moving) as server, server.page() as page:
         page.say("hello")
+        page.hear("curves", revision=0)
+        clock.now += 2.0 * session.PAUSE
         page.hear("findings", revision=0)
         asked.clear()
         for value in range(5):
             page.say("change", id=value, edits={"a": value}, gesture="drag")
             assert page.hear("moved", answers=value)["text"] == f"a = {value}\n"
+        assert asked == ["change"] * 5
+        clock.now += 2.0 * session.PAUSE
         heard = [page.hear("curves", "findings", revision=5) for _ in range(2)]
         assert {each["kind"] for each in heard} == {"curves", "findings"}
         assert all(each["of"] == "a = 4\n" and each.get("answers") is None for each in heard)
-        assert asked.count("curves") <= 2
+        assert sorted(asked[5:]) == ["curves", "findings"]
         with server.page() as other:
             other.say("hello")
             assert other.hear("curves", revision=5)["of"] == "a = 4\n"
@@ -122,7 +138,7 @@ def test_what_moves_is_painted_at_once_and_the_rest_when_it_pauses(folder: Path)
         assert page.hear("pinned", pinned=None)["curves"]["of"] == "a = 6\n"
 
 
-def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path) -> None:
+def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path, clock: Clock) -> None:
     asked: list[str] = []
 
     def counted(job: Job, seconds: float) -> Mapping[str, Any]:
@@ -132,13 +148,16 @@ def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path) -> N
 
     with served(folder, "cam.toml", counted) as server, server.page() as page:
         page.say("hello")
+        page.hear("curves", revision=0)
+        clock.now += 2.0 * session.PAUSE
         page.hear("findings", revision=0)
         for value in range(10):
             page.say("change", id=value, edits={"a": value})
             page.hear("curves", answers=value)
+        assert asked == ["a = 1\n"]
+        clock.now += 2.0 * session.PAUSE
         assert page.hear("findings")["revision"] == 10
-    assert asked[-1] == "a = 9\n"
-    assert len(asked) <= 4
+    assert asked == ["a = 1\n", "a = 9\n"]
 
 
 def test_a_job_that_is_too_slow_is_told_and_the_text_stays(folder: Path) -> None:
@@ -190,10 +209,25 @@ def test_refusals_are_sentences(folder: Path) -> None:
             page.hear("state", saved=7)
 
 
+def looked_at(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Grows with each look at the files that a scene names."""
+    looks: list[str] = []
+    original = NamedFiles.changed
+
+    async def changed(self: NamedFiles, text: str, folder: Path) -> bool:
+        found = await original(self, text, folder)
+        looks.append(text)
+        return found
+
+    monkeypatch.setattr(NamedFiles, "changed", changed)
+    return looks
+
+
 def test_a_scene_is_shown_anew_when_a_file_that_it_names_has_changed(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("camgeo_export.designer.session.EVERY", 0.02)
+    looks = looked_at(monkeypatch)
     (folder / "lift.csv").write_text("0, 0\n")
     (folder / "cam.toml").write_text('file = "lift.csv"\n')
 
@@ -203,7 +237,8 @@ def test_a_scene_is_shown_anew_when_a_file_that_it_names_has_changed(
     with served(folder, "cam.toml", reading) as server, server.page() as page:
         page.say("hello")
         page.hear("findings", read="0, 0\n")
-        time.sleep(0.1)  # looked at once
+        seen = len(looks)
+        until("a look at the files", lambda: len(looks) > seen + 1)
         (folder / "lift.csv").write_text("0, 1\n")
         assert page.hear("curves", read="0, 1\n")["revision"] == 0
         page.hear("findings", read="0, 1\n")

@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from camgeo.designing import frames
-from camgeo.designing.children import Children, Refused
+from camgeo.designing.children import QUICK, Children, Refused
 from camgeo.designing.frames import BrokenFrame
 from camgeo.designing.job import Job, JobError
 from camgeo.scene.new import template
-from tests.long_form import LONG
-from tests.test_architecture import ROOT
+from tests.long_form import examples
+from tests.waiting import PATIENCE, joined, until
 
-SECONDS = 60.0
-"""More than any of these jobs takes, however busy the machine is."""
+ROOT = Path(__file__).parents[2]
 
 BOMBS = "tests.designing.bombs"
 
-KILLS = 200 if LONG else 8
+KILLS = examples(4, long=200)
 
 PROC = Path("/proc/self/fd")
 
@@ -40,7 +40,7 @@ def children() -> Iterator[Children]:
 
 def served(children: Children) -> int:
     """The process that serves the next job."""
-    found = children.submit(Job("fine", "ü"), SECONDS)
+    found = children.submit(Job("fine", "ü"), PATIENCE)
     assert found.data["text"] == "ü"
     process: int = found.data["process"]
     return process
@@ -48,12 +48,12 @@ def served(children: Children) -> int:
 
 def test_a_scene_is_painted_by_a_process() -> None:
     with Children() as found:
-        result = found.submit(Job("curves", template("translating-roller")), SECONDS)
+        result = found.submit(Job("curves", template("translating-roller")), PATIENCE)
         assert result.data["faults"] == []
         assert result.text.startswith(b'{"faults":[]')
         with pytest.raises(Refused, match=r"^nonsense: there is no job 'nonsense'"):
-            found.submit(Job("nonsense"), SECONDS)
-        assert found.submit(Job("curves", "="), SECONDS).data["faults"]
+            found.submit(Job("nonsense"), PATIENCE)
+        assert found.submit(Job("curves", "="), PATIENCE).data["faults"]
 
 
 def test_jobs_go_to_the_same_process_one_after_the_other(children: Children) -> None:
@@ -64,8 +64,8 @@ def test_jobs_go_to_the_same_process_one_after_the_other(children: Children) -> 
     ("kind", "seconds", "told"),
     [
         ("endless", 0.05, r"^endless: took longer than 0\.05 s$"),
-        ("greedy", SECONDS, r"^greedy: took more than 0\.2 GB of memory$"),
-        ("gone", SECONDS, r"^gone: ended the process that computed it$"),
+        ("greedy", PATIENCE, r"^greedy: took more than 0\.2 GB of memory$"),
+        ("gone", PATIENCE, r"^gone: ended the process that computed it$"),
     ],
 )
 def test_a_job_that_ends_its_process_is_refused_alone(
@@ -90,14 +90,14 @@ def test_a_job_that_ends_its_process_is_refused_alone(
 def test_a_job_that_fails_leaves_its_process(children: Children, kind: str, told: str) -> None:
     before = served(children)
     with pytest.raises(Refused, match=told):
-        children.submit(Job(kind), SECONDS)
+        children.submit(Job(kind), PATIENCE)
     assert served(children) == before
 
 
 def test_a_job_that_is_too_large_is_not_sent(children: Children) -> None:
     before = served(children)
     with pytest.raises(JobError, match="too large"):
-        children.submit(Job("fine", "x" * 17_000_000), SECONDS)
+        children.submit(Job("fine", "x" * 17_000_000), PATIENCE)
     assert served(children) == before
 
 
@@ -109,17 +109,19 @@ def test_lanes_do_not_wait_for_each_other() -> None:
 
         def build() -> None:
             try:
-                found.submit(Job("build", arguments={"as": "endless"}), SECONDS)
+                found.submit(Job("build", arguments={"as": "endless"}), PATIENCE)
             except Refused as error:
                 errors.append(str(error))
 
         thread = threading.Thread(target=build)
         thread.start()
         served(found)
-        while not errors and thread.is_alive():
+
+        def cancelled() -> bool:
             found.cancel("build")
-            time.sleep(0.01)
-        thread.join(SECONDS)
+            return not thread.is_alive()
+
+        until("the end of the job", cancelled)
         assert errors == ["build: was cancelled"]
 
 
@@ -130,29 +132,33 @@ def test_closing_refuses_what_is_being_done() -> None:
 
     def ask() -> None:
         try:
-            found.submit(Job("endless"), SECONDS)
+            found.submit(Job("endless"), PATIENCE)
         except Refused as error:
             errors.append(str(error))
 
     thread = threading.Thread(target=ask)
     thread.start()
-    time.sleep(0.05)
+    until("the job", found._turns[QUICK].locked)
     found.close()
-    thread.join(SECONDS)
-    assert not thread.is_alive()
+    joined(thread)
     assert len(errors) == 1
     with pytest.raises(Refused, match="was cancelled"):
-        found.submit(Job("fine"), SECONDS)
+        found.submit(Job("fine"), PATIENCE)
 
 
 def offspring() -> set[str]:
     """Processes that this one has started and that are not done with, ended ones among them."""
     tasks = Path("/proc/self/task").glob("*/children")
-    return {child for task in tasks for child in task.read_text("ascii").split()}
+    found: set[str] = set()
+    for each in tasks:
+        with suppress(OSError):  # of a thread that has ended meanwhile
+            found.update(each.read_text("ascii").split())
+    return found
 
 
 @pytest.mark.skipif(not PROC.exists(), reason="open files are counted where /proc lists them")
 def test_kills_leave_nothing_behind() -> None:
+    gc.collect()  # what other tests have left open
     files, processes = len(list(PROC.iterdir())), offspring()
     with Children(work=BOMBS) as found:
         served(found)
@@ -171,11 +177,12 @@ PARENT = """
 import os, threading
 from camgeo.designing.children import Children
 from camgeo.designing.job import Job
+from tests.waiting import PATIENCE
 found = Children(work="tests.designing.bombs")
-idle = found.submit(Job("fine"), 60.0).data["process"]
-busy = found.submit(Job("build"), 60.0).data["process"]
+idle = found.submit(Job("fine"), PATIENCE).data["process"]
+busy = found.submit(Job("build"), PATIENCE).data["process"]
 endless = Job("build", arguments={"as": "endless"})
-threading.Thread(target=found.submit, args=(endless, 60.0)).start()
+threading.Thread(target=found.submit, args=(endless, PATIENCE)).start()
 print(idle, busy, found._spare.process.pid, flush=True)
 """
 
@@ -198,10 +205,7 @@ def test_children_end_with_a_parent_that_is_killed() -> None:
         assert len(found) == 3
         assert all(map(lives, found))
         os.kill(parent.pid, signal.SIGKILL)
-    end = time.monotonic() + SECONDS
-    while any(map(lives, found)) and time.monotonic() < end:
-        time.sleep(0.01)
-    assert not any(map(lives, found))
+    until("the end of the processes", lambda: not any(map(lives, found)))
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from camgeo.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
 from camgeo.writing.write import CERTIFICATE, make_files
 from tests.effects.scenes import SCENES, design
 from tests.long_form import LONG
+from tests.waiting import PATIENCE
 
 SCENE = "plate_translating"
 
@@ -183,7 +184,7 @@ def modules_of(scene: Path, *judge: str) -> set[str]:
     """What a fresh interpreter has imported after loading a scene, and optionally judging it."""
     done = subprocess.run(
         [sys.executable, "-c", RUN, str(scene), *judge],
-        capture_output=True, text=True, check=True, timeout=120,
+        capture_output=True, text=True, check=True, timeout=PATIENCE,
     )  # fmt: skip
     return set(json.loads(done.stdout))
 
@@ -216,7 +217,7 @@ def test_a_drawing_of_a_scene_with_all_effects_imports_none_that_computes(tmp_pa
     scene = SCENES.parent / "effects" / "press.toml"
     done = subprocess.run(
         [sys.executable, "-c", code, str(scene), "-o", str(tmp_path)],
-        capture_output=True, text=True, check=True, timeout=120,
+        capture_output=True, text=True, check=True, timeout=PATIENCE,
     )  # fmt: skip
     assert (tmp_path / "press.dxf").exists()
     assert computing(json.loads(done.stdout.splitlines()[-1])) == set()

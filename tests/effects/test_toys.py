@@ -13,6 +13,7 @@ import pytest
 
 from tests.copies import copied, replaced
 from tests.effects.scenes import SCENES
+from tests.waiting import PATIENCE
 
 DECLARATION: Final = """
 from camgeo.effects.effect import Effect
@@ -137,7 +138,7 @@ def run(home: Path, *calls: tuple[str | Path, ...]) -> list[tuple[int, str]]:
     done = subprocess.run(
         [sys.executable, "-c", CALLS, words],
         cwd=home, env={"PYTHONPATH": str(home)},
-        capture_output=True, text=True, check=True, timeout=120,
+        capture_output=True, text=True, check=True, timeout=PATIENCE,
     )  # fmt: skip
     return [(code, said) for code, said in json.loads(done.stdout)]
 
@@ -254,7 +255,7 @@ def test_no_other_distribution_is_searched_unless_a_scene_names_an_unknown_effec
         "import camgeo; camgeo.load(sys.argv[1])"
     )
     run_ = [sys.executable, "-c", code]
-    subprocess.run([*run_, str(scene(tmp_path, SPRING))], check=True, timeout=120)
+    subprocess.run([*run_, str(scene(tmp_path, SPRING))], check=True, timeout=PATIENCE)
     named = subprocess.run(
         [*run_, str(scene(tmp_path, NOISE))], capture_output=True, text=True, check=False
     )

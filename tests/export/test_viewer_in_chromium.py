@@ -22,6 +22,7 @@ from tests.judges import axe
 from tests.judges.chromium import NAMES, VARIABLE, missing
 from tests.judges.programs_of_others import found
 from tests.long_form import LONG
+from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
@@ -61,7 +62,7 @@ FREE: Final = ("title", "sentence", "name", "low", "high", "text", "label", "not
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         program = playwright.chromium.launch(
-            executable_path=found(VARIABLE, *NAMES), args=["--no-sandbox"]
+            executable_path=found(VARIABLE, *NAMES), args=["--no-sandbox"], timeout=1e3 * PATIENCE
         )
         yield program
         program.close()
@@ -77,6 +78,7 @@ def page(browser: Browser) -> Iterator[Page]:
         dialog.dismiss()
 
     opened = browser.new_page(viewport={"width": 900, "height": 700})
+    opened.set_default_timeout(1e3 * PATIENCE)
     opened.on("console", lambda message: wrong.append(message.text))
     opened.on("pageerror", lambda error: wrong.append(str(error)))
     opened.on("dialog", refuse)

@@ -11,14 +11,17 @@ from typing import Any, Final
 
 CORPUS: Final = Path(__file__).with_name("corpus")
 
+SLOW: Final = CORPUS / "slow"
+"""Cases that take about a second or more: in the long form of the tests."""
+
+OPEN: Final = CORPUS / "open"
+"""Cases that still fail: their reasons begin with what fails, then the revision and the cause."""
+
 SCENE: Final = "scene.toml"
 """Name of the scene of a case."""
 
 PYTHON: Final = "python"
 """First word of a step that asks camgeo from Python: all findings and effects of a scene."""
-
-OPEN: Final = "open: "
-"""Beginning of the reason of a case that still fails."""
 
 SCENE_STEPS: Final = (
     (PYTHON, SCENE),

@@ -8,7 +8,6 @@ import json
 import os
 import re
 import signal
-import time
 import traceback
 import zipfile
 from collections.abc import Callable, Iterator
@@ -31,31 +30,31 @@ from camgeo.scene.load import load_scene
 from tests.effects.test_random_scenes import assert_findings, assert_well_formed
 from tests.fuzz.case import PYTHON, Case, Step
 from tests.fuzz.lines import commands
+from tests.speed import cpu, cpu_second
+from tests.waiting import PATIENCE
 
 DOCUMENTED: Final = (0, 1, 2)
 """Exit codes of the command line."""
 
 HELP: Final = frozenset(("-h", "--help", "--version"))
 
-MOST_CPU: Final = 40.0
-"""Seconds of a command."""
+MOST_CPU: Final = 120.0
+"""Seconds of computing of a command, see `tests.speed`."""
 
 LONG: Final = {
-    "accuracy": 120.0,
-    "stability": 120.0,
-    "sweep": 120.0,
-    "optimise": 120.0,
-    PYTHON: 80.0,
-    "compare": 80.0,
+    "accuracy": 360.0,
+    "stability": 360.0,
+    "sweep": 360.0,
+    "optimise": 360.0,
+    PYTHON: 240.0,
+    "compare": 240.0,
 }
-"""Seconds of those that compute many designs, or all columns of all effects."""
+"""Seconds of computing of those that compute many designs, or all columns of all effects."""
 
-PATIENCE: Final = 5.0
-"""Times that CPU, in which the step must have used `AWAKE` of it; else it sleeps.
+AWAKE: Final = 0.1
+"""Seconds of computing that a step must have done within `PATIENCE`; else it sleeps.
 
 A busy machine may leave it little, so that time itself is not limited."""
-
-AWAKE: Final = 1e-3
 
 NOT_FINITE: Final = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity)(?![\w.]*\w)", re.IGNORECASE)
 
@@ -104,9 +103,9 @@ def run(case: Case) -> Outcome:
     for step in case.steps:
         if step == ("verify", "out") and not Path("out").exists():
             continue
-        before = time.process_time()
+        before = cpu()
         failure = _failure(step, partial(_check, step, case, outcome))
-        spent = time.process_time() - before
+        spent = cpu() - before
         outcome.cpu += spent
         if spent > outcome.slowest:
             outcome.slowest, outcome.slowest_step = spent, step
@@ -151,17 +150,17 @@ def _place(trace: str) -> str:
 
 @contextlib.contextmanager
 def limited(name: str) -> Iterator[None]:
-    """Raise `Hang` inside after the CPU that the command `name` may take, or if it sleeps."""
-    most = LONG.get(name, MOST_CPU)
-    spent = time.process_time()
+    """Raise `Hang` inside after the computing that the command `name` may do, or if it sleeps."""
+    most, awake = (each * cpu_second() for each in (LONG.get(name, MOST_CPU), AWAKE))
+    spent = cpu()
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Hang
 
     def stop_asleep(number: int, frame: FrameType | None) -> None:
         nonlocal spent
-        before, spent = spent, time.process_time()
-        if spent - before < AWAKE * most:
+        before, spent = spent, cpu()
+        if spent - before < awake:
             raise Hang
 
     handlers = [
@@ -169,7 +168,7 @@ def limited(name: str) -> Iterator[None]:
         (signal.SIGALRM, signal.signal(signal.SIGALRM, stop_asleep)),
     ]
     signal.setitimer(signal.ITIMER_PROF, most)
-    signal.setitimer(signal.ITIMER_REAL, PATIENCE * most, PATIENCE * most)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE, PATIENCE)
     try:
         yield
     finally:

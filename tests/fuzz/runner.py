@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import math
 import re
-import time
+import subprocess
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Final
 
-from tests.fuzz.case import CORPUS, OPEN, Case, restore, store
+from tests.fuzz.case import OPEN, Case, restore, store
 from tests.fuzz.invariants import Failure, Outcome
 from tests.fuzz.minimise import minimised
 from tests.fuzz.worker import Worker
 
 SCENES = ("scenes", "extremes", "numbers")
 """Kinds whose cases are scenes."""
+
+TRIES: Final = 100
+"""Runs in which a case that fails is made smaller."""
+
+SEPARATOR: Final = " -- "
+"""Between what fails, the revision and the cause in the reason of an open case."""
 
 
 @dataclass
@@ -62,32 +68,42 @@ class Report:
 
 def known_failures() -> set[str]:
     """Signatures of the failures in the corpus that are still open."""
-    reasons = (restore(path).source for path in sorted(CORPUS.iterdir()))
-    return {each.removeprefix(OPEN).split(" -- ")[0] for each in reasons if each.startswith(OPEN)}
+    return {restore(path).source.split(SEPARATOR)[0] for path in kept(OPEN)}
+
+
+def kept(folder: Path) -> list[Path]:
+    """The cases in a folder of the corpus, not those in folders in it."""
+    return sorted(each for each in folder.glob("*") if each.suffix in (".json", ".toml"))
+
+
+def revision() -> str:
+    """The commit that is being tested; empty without git."""
+    call = ["git", "-C", str(OPEN.parent), "rev-parse", "--short=12", "HEAD"]
+    try:
+        done = subprocess.run(call, capture_output=True, text=True, check=False)
+    except OSError:
+        return ""
+    return done.stdout.strip()
 
 
 def fuzz(
     seed: int,
     *,
-    seconds: float = math.inf,
+    count: int,
     kind: str | None = None,
     first: int = 0,
-    count: int | None = None,
-    minimise: float = 60.0,
+    minimise: int = TRIES,
     keep: Path | None = None,
     say: Callable[[str], object] = str,
 ) -> Report:
-    """Run cases until `seconds` are over or `count` are done.
+    """Run `count` cases from number `first` on.
 
-    The smallest case of each new failure goes into the folder `keep`, found within `minimise`
-    seconds. What is told of it is passed to `say` at once.
+    The smallest case of each new failure goes into the folder `keep`, found with `minimise` runs.
+    What is told of it is passed to `say` at once.
     """
     report, worker, known = Report(seed, kind), Worker(), known_failures()
-    began, number = time.monotonic(), first
     try:
-        while time.monotonic() - began < seconds:
-            if count is not None and number >= first + count:
-                break
+        for number in range(first, first + count):
             chosen, case, outcome = worker.draw(seed, number, kind)
             _count(report, chosen, number, case, outcome)
             for failure in outcome.failures:
@@ -99,7 +115,6 @@ def fuzz(
                     text = _explained(worker, case, failure, report, minimise, keep)
                     report.messages.append(text)
                     say(f"{text}\n")
-            number += 1
     finally:
         worker.close()
     return report
@@ -118,7 +133,7 @@ def _count(report: Report, kind: str, number: int, case: Case, outcome: Outcome)
 
 
 def _explained(
-    worker: Worker, case: Case, failure: Failure, report: Report, seconds: float, keep: Path | None
+    worker: Worker, case: Case, failure: Failure, report: Report, tries: int, keep: Path | None
 ) -> str:
     """What failed, how to repeat it, and the smallest case."""
     number = report.found[failure.signature][0]
@@ -127,13 +142,14 @@ def _explained(
         found = worker.run(smaller).failures
         return any(each.signature == failure.signature for each in found)
 
-    smallest = minimised(case, fails, seconds)
+    smallest = minimised(case, fails, tries)
     repeat = report.repeated(number)
     lines = [f"FAILED: {failure.signature}", f"repeat with: {repeat}", failure.detail.rstrip()]
     lines += [f"call: {' '.join(step)}" for step in smallest.steps]
     if keep is not None:
         stem = re.sub(r"[^a-z0-9]+", "_", failure.signature.lower()).strip("_")[:80]
-        smallest = replace(smallest, source=f"{OPEN}{failure.signature} -- {repeat}")
+        why = (failure.signature, f"revision {revision()}", f"cause not known yet; {repeat}")
+        smallest = replace(smallest, source=SEPARATOR.join(why))
         keep.mkdir(parents=True, exist_ok=True)
         lines.append(f"kept in {store(smallest, keep / stem)}")
     return "\n".join(lines)

@@ -19,6 +19,7 @@ from tests.fuzz.lines import ENDING, line
 from tests.fuzz.minimise import minimised
 from tests.fuzz.runner import Report
 from tests.fuzz.scenes import fixtures, scene_case
+from tests.seeds import FIXED, FRESH
 
 
 @pytest.mark.parametrize("path", fixtures(), ids=lambda path: path.stem)
@@ -93,11 +94,31 @@ def test_the_smallest_case_has_only_what_fails() -> None:
     assert set(smallest.files) == {SCENE}
 
 
+def test_a_case_is_made_smaller_in_so_many_runs_and_no_more() -> None:
+    data = b"".join(b"%d\n" % k for k in range(100))
+    runs = []
+
+    def fails(smaller: Case) -> bool:
+        runs.append(smaller)
+        return b"57" in smaller.files.get("a.dxf", b"")
+
+    found = minimised(Case({"a.dxf": data}, (("verify", "a.dxf"),)), fails, 5)
+    assert len(runs) == 5
+    assert b"57" in found.files["a.dxf"]
+    assert len(found.files["a.dxf"]) < len(data)
+
+
 def test_lines_that_do_not_matter_are_left_out() -> None:
     data = b"".join(b"%d\n" % k for k in range(100))
     case = Case({"a.dxf": data}, (("verify", "a.dxf"),))
     smallest = minimised(case, lambda each: b"57" in each.files.get("a.dxf", b""))
     assert smallest.files == {"a.dxf": b"57\n"} or smallest.files == {"a.dxf": b"57"}
+
+
+def test_a_seed_is_fixed_unless_a_fresh_one_is_asked_for() -> None:
+    assert call([]).seed == call([]).seed == FIXED
+    assert call(["--seed", "7"]).seed == 7
+    assert len({call(["--seed", FRESH]).seed for _ in range(4)}) > 1
 
 
 @pytest.mark.parametrize("kind", [None, *KINDS])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import time
+import signal
+import threading
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,6 +18,7 @@ from tests.fuzz import invariants
 from tests.fuzz.case import PYTHON, SCENE, Case
 from tests.fuzz.invariants import run
 from tests.fuzz.scenes import FIXTURES
+from tests.speed import cpu_second
 
 TAPPET = (FIXTURES / "scenes" / "tappet.toml").read_bytes()
 
@@ -54,11 +56,11 @@ def warn(arguments: argparse.Namespace) -> int:
 
 def busy(arguments: argparse.Namespace) -> int:
     while True:
-        time.process_time()
+        pass
 
 
 def asleep(arguments: argparse.Namespace) -> int:
-    time.sleep(30.0)
+    threading.Event().wait()
     return 0
 
 
@@ -115,9 +117,10 @@ def test_a_broken_command_is_found(
 ) -> None:
     monkeypatch.setattr("camgeo.cli.check.run", broken)
     if broken is busy:
-        monkeypatch.setattr(invariants, "MOST_CPU", 0.2)
+        monkeypatch.setattr(invariants, "MOST_CPU", 0.5)
     if broken is asleep:
-        monkeypatch.setattr(invariants, "PATIENCE", 0.03)
+        monkeypatch.setattr(invariants, "PATIENCE", 0.1)
+        monkeypatch.setattr(invariants, "AWAKE", 1e6)
     (found,) = signatures(CHECK)
     assert found.startswith(expected)
 
@@ -134,19 +137,19 @@ def test_a_file_may_end_like_a_number_that_is_none(monkeypatch: pytest.MonkeyPat
     assert not [each for each in found if each.startswith("not finite")]
 
 
-def busy_for_a_while(arguments: argparse.Namespace) -> int:
-    end = time.process_time() + 0.3
-    while time.process_time() < end:
-        pass
-    return 0
-
-
 def test_a_step_that_a_busy_machine_keeps_waiting_does_not_hang(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("camgeo.cli.check.run", busy_for_a_while)
-    monkeypatch.setattr(invariants, "PATIENCE", 0.01)  # so that time runs out before CPU
-    invariants.sound_call(("check", SCENE))
+    """Each time its patience is over, the machine has let it do a little; then nothing more."""
+    spent = [0.0]
+    monkeypatch.setattr(invariants, "cpu", lambda: spent[0])
+    awake = 1.01 * invariants.AWAKE * cpu_second()
+    with invariants.limited("check"):
+        for _ in range(100):
+            spent[0] += awake
+            signal.raise_signal(signal.SIGALRM)
+        with pytest.raises(invariants.Hang):
+            signal.raise_signal(signal.SIGALRM)
 
 
 def test_a_number_that_is_none_in_a_finding_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

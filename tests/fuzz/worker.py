@@ -17,12 +17,14 @@ from typing import Final
 from tests.fuzz.case import Case
 from tests.fuzz.cases import draw
 from tests.fuzz.invariants import Failure, Outcome, limited, run
+from tests.speed import cpu_second
+from tests.waiting import PATIENCE
 
 MOST_MEMORY: Final = 1 << 30
 """Bytes of the process."""
 
-MOST_WAIT: Final = 600.0
-"""Seconds after which a worker that hears no signal is ended."""
+MOST_WAIT: Final = 6.0 * PATIENCE
+"""Seconds after which a worker that hears no signal is ended: one that sleeps hears one earlier."""
 
 
 Request = tuple[int, int, str | None]
@@ -58,17 +60,21 @@ class Worker:
                     return drawn
                 _, case, _ = drawn  # it was drawn, and is being run
             problem = "hang"
-        code = self.close()
+        code = self.close(killing=problem == "hang")  # one that has died keeps its own code
         detail = f"the worker had to be ended, or ended with {code}"
         step = case.steps[0] if case.steps else ("draw",)
         return "", case, Outcome([Failure(f"{problem} in {step[0]}", step, detail)])
 
-    def close(self) -> int | None:
+    def close(self, *, killing: bool = True) -> int | None:
         """End the process; its exit code."""
-        process, self._process, self._pipe = self._process, None, None
+        process, pipe = self._process, self._pipe
+        self._process = self._pipe = None
         if process is None:
             return None
-        process.join(0.5)
+        if pipe is not None:
+            pipe.close()  # which ends one that waits for a case
+        if not killing:
+            process.join(PATIENCE)
         process.kill()
         process.join()
         return process.exitcode
@@ -77,6 +83,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when the worker imports numpy
+        cpu_second()  # the worker knows what is measured here
         # Not a daemon, which may start no processes; it ends with the pipe.
         self._process = context.Process(target=serve, args=(theirs,))
         self._process.start()

@@ -1,9 +1,9 @@
 """Run the readers on hostile files, `python -m tests.hostile [READER...]`, or on good files that
-are mutated, `python -m tests.hostile --mutations 300 --seed 1 [READER...]`.
+are mutated, `python -m tests.hostile --mutations 300 --seed 1 [READER...]`; with `--every` on both.
 
 Each reader has a process of its own, forked after all imports; so memory and CPU time are those of
 the reader alone. Prints a JSON object for each input: reader, name, reason of the refusal (empty:
-none), error (empty: none), seconds and megabytes.
+none), error (empty: none), seconds of computing (see `tests.speed`) and megabytes.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ import json
 import os
 import resource
 import sys
-import time
 import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,7 +25,18 @@ from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
 from tests.hostile.readers import ENDINGS, READERS, good
 from tests.hostile.solids import solids
-from tests.hostile.texts import Named, contours, drawings, points, programs, tables, vectors
+from tests.hostile.texts import (
+    Named,
+    contours,
+    drawings,
+    large,
+    points,
+    programs,
+    tables,
+    vectors,
+)
+from tests.seeds import add_seed
+from tests.speed import cpu_second, spending
 
 INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "dxf": drawings,
@@ -49,9 +59,12 @@ INPUTS: Final[dict[str, Callable[[bytes], Named]]] = {
     "ocv": projects,
 }
 
+MUTATED: Final = "seed "
+"""Begins the names of mutated files."""
+
 STATUS: Final = Path("/proc/self/status")
 
-LONGEST: Final = 120
+LONGEST: Final = 1200
 """CPU time [s] after which the process of a reader is killed."""
 
 MOST: Final = 2_000_000_000
@@ -77,19 +90,19 @@ def forget_peak() -> None:
 def measured(reader: str, name: str, data: bytes) -> dict[str, Any]:
     """One input, read."""
     forget_peak()
-    before, began = memory("VmRSS"), time.process_time()
+    before = memory("VmRSS")
     reason = error = ""
-    try:
-        reason = READERS[reader](data)
-    except Exception as unexpected:
-        error = f"{type(unexpected).__name__}: {unexpected}"
-    seconds = time.process_time() - began
+    with spending() as spent:
+        try:
+            reason = READERS[reader](data)
+        except Exception as unexpected:
+            error = f"{type(unexpected).__name__}: {unexpected}"
     return {
         "reader": reader,
         "name": name,
         "reason": reason[:300],
         "error": error[:300],
-        "seconds": seconds,
+        "seconds": spent.seconds,
         "megabytes": memory("VmHWM") - before,
     }
 
@@ -99,18 +112,18 @@ def mutants(reader: str, sample: bytes, seeds: range) -> Named:
     parts = parts_of(sample) if reader == "3mf" else {}
     for seed in seeds:
         data = repacked(parts, seed) if parts and seed % 2 else mutated(sample, seed)
-        yield f"seed {seed}", data
+        yield f"{MUTATED}{seed}", data
 
 
 def work(reader: str, seeds: range, every: int) -> None:
-    """Read one of each `every` inputs of a reader, or the mutations of these seeds."""
+    """Read one of each `every` inputs of a reader, none for 0, and the mutations of these seeds."""
     resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
     limit = int(1e6 * memory("VmSize")) + MOST
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     sample = good(reader)
     READERS[reader](sample)  # what it imports, and what is computed once
-    inputs = mutants(reader, sample, seeds) if seeds else INPUTS[reader](sample)
-    for name, data in islice(inputs, 0, None, every):
+    inputs = islice(INPUTS[reader](sample), 0, None, every) if every else iter(())
+    for name, data in chain(inputs, mutants(reader, sample, seeds)):
         sys.stdout.write(json.dumps(measured(reader, name, data)) + "\n")
         sys.stdout.flush()
 
@@ -119,20 +132,24 @@ def main(arguments: Sequence[str]) -> int:
     """Fork a process for each reader; 1 if one does not come to its end."""
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("readers", metavar="READER", nargs="*", help=f"of {', '.join(INPUTS)}")
-    parser.add_argument("--every", metavar="N", type=int, default=1, help="one of each N inputs")
+    parser.add_argument("--every", metavar="N", type=int, help="one of each N inputs")
     parser.add_argument("--mutations", metavar="N", type=int, default=0, help="of each good file")
-    parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the first mutation")
+    add_seed(parser)
     wanted = parser.parse_args(arguments)
     seeds = range(wanted.seed, wanted.seed + wanted.mutations)
+    every = int(not seeds) if wanted.every is None else wanted.every
+    cpu_second()  # known to all readers
+    print(f"mutations of seed {wanted.seed}", file=sys.stderr)  # noqa: T201 - a program
     warnings.simplefilter("error")
     code = 0
+    large()
     for name in ENDINGS:
         good(name)
     for reader in wanted.readers or INPUTS:
         child = os.fork()
         if child == 0:
             try:
-                work(reader, seeds, wanted.every)
+                work(reader, seeds, every)
             except BaseException as error:
                 sys.stderr.write(f"{reader}: {error!r}\n")
                 os._exit(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from tests.long_form import examples
 
@@ -40,13 +41,21 @@ def damaged(good: bytes) -> Named:
     yield "UTF-16 without mark", good.decode("utf-8", "replace").encode("utf-16-be")
     yield "upside down", good[::-1]
     yield "another file", b"%PDF-1.7\n" + bytes(range(256)) * 40
-    yield "40 MB", b"0\n" * 20_000_000
-    yield "line ends only", b"\n" * 1_600_000
-    yield "CR only", b"\r" * 1_600_000
-    yield "one line", b"1" * 15_000_000
-    yield "quotes and brackets", b'("[{' * 1_000_000
-    yield "commas", b"," * 8_000_000
-    yield "blanks", b" " * 15_000_000
+    yield from large().items()
+
+
+@cache
+def large() -> dict[str, bytes]:
+    """Large texts of nothing, made once for all readers."""
+    return {
+        "40 MB": b"0\n" * 20_000_000,
+        "line ends only": b"\n" * 1_600_000,
+        "CR only": b"\r" * 1_600_000,
+        "one line": b"1" * 15_000_000,
+        "quotes and brackets": b'("[{' * 1_000_000,
+        "commas": b"," * 8_000_000,
+        "blanks": b" " * 15_000_000,
+    }
 
 
 def dxf(*entities: str, unit: str = "4", head: str = "") -> bytes:

@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from tests.judges import chromium
 from tests.judges.programs_of_others import Refusal, found
+from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserType, ConsoleMessage, Page, WebSocket
 
-PATIENCE: Final = 60.0
-"""Seconds in which whatever is waited for has come."""
+LONGEST: Final = 6.0 * PATIENCE
+"""Seconds after which a browser that tests share is ended."""
 
 OPTIONS: Final = ("--no-sandbox", "--enable-unsafe-swiftshader")  # WebGL without a graphics card
 
@@ -60,7 +61,9 @@ def launched(kind: BrowserType, most: float) -> Generator[Browser]:
     from playwright.sync_api import Error  # where there is no playwright, too
 
     browser = kind.launch(
-        executable_path=found(chromium.VARIABLE, *chromium.NAMES), args=list(OPTIONS)
+        executable_path=found(chromium.VARIABLE, *chromium.NAMES),
+        args=list(OPTIONS),
+        timeout=1e3 * PATIENCE,
     )
     end = threading.Timer(most, os.kill, (number_of(browser), signal.SIGTERM))
     end.start()
@@ -120,7 +123,7 @@ class Visit:
         for _ in range(int(most / STEP)):
             if is_so():
                 return
-            self.page.wait_for_timeout(1e3 * STEP)
+            self.page.wait_for_timeout(1e3 * STEP)  # lets it hear what comes
         raise Refusal(f"{what}: not within {most:g} s")
 
     def drawn(self) -> None:

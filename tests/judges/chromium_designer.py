@@ -14,7 +14,7 @@ from tests.judges.designer_scenes import Shown, hostile_scenes, used, workshop
 FEW: Final = "effects_groove_lever.toml"
 """The scene of the small form, which is soon built; with it is one that is hostile."""
 
-LONGEST, LONG = 300.0, 7200.0
+LONGEST, LONG = 3600.0, 36000.0
 """Seconds after which the browser is ended, in the small form and in the long one."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from tests.judges.designer_page import BUILDING, BUILT, JOINTS, DesignerPage
+from tests.judges.designer_page import BUILT, JOINTS, DesignerPage
 from tests.judges.designer_scenes import command, compare
 from tests.judges.programs_of_others import Refusal
 
@@ -60,7 +60,7 @@ def planned(page: DesignerPage, folder: Path) -> None:
         raise Refusal("what was planned is not in the file")
     page.tab_to("#build-files")
     keys.press("Enter")
-    page.visit.ask("an end of building", BUILT, page.revision, BUILDING)
+    page.visit.ask("an end of building", BUILT, page.revision)
     compare(page.built(), command(folder / FILE))
 
 

@@ -15,20 +15,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from tests.judges.browsing import Visit, visit
 from tests.judges.programs_of_others import Refusal
+from tests.waiting import PATIENCE, ended
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator
 
-COMPUTING: Final = 90.0
-"""Seconds in which the server has answered: it gives findings a minute."""
-
-STARTING: Final = 60.0
-"""Seconds in which the server has started."""
-
-BUILDING: Final = 300.0
-"""Seconds in which the files of a scene are made."""
-
-TRIES, DROPPED = 4, 5.0
+TRIES, DROPPED = 120, 5.0
 """How often a file is asked for, and seconds after which its download has been dropped."""
 
 TABS: Final = 600
@@ -86,7 +78,7 @@ def serving(folder: Path, *words: str) -> Generator[Server]:
         call, cwd=folder, env=os.environ | states, stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL, text=True, start_new_session=True,
     ) as process:  # fmt: skip
-        end = threading.Timer(STARTING, process.kill)
+        end = threading.Timer(PATIENCE, process.kill)
         end.start()
         try:
             lines = iter(process.stdout or ())
@@ -99,10 +91,7 @@ def serving(folder: Path, *words: str) -> Generator[Server]:
         finally:
             end.cancel()
             process.terminate()
-            try:
-                process.wait(STARTING)
-            except subprocess.TimeoutExpired:
-                process.kill()
+            ended(process)
 
 
 @contextmanager
@@ -144,7 +133,6 @@ class DesignerPage:
         self.visit.until(
             f"picture and findings after revision {after}",
             lambda: heard.get("curves", -1) > after and len({heard.get(k) for k in kinds}) == 1,
-            COMPUTING,
         )
         self.visit.ask("the end of all changes", "() => !camgeo.session.waits")
         self.visit.drawn()
@@ -274,7 +262,7 @@ class DesignerPage:
     def built(self) -> dict[str, bytes]:
         """The files of the present revision, downloaded once they are built."""
         page = self.visit.page
-        self.visit.ask("an end of building", BUILT, self.revision, BUILDING)
+        self.visit.ask("an end of building", BUILT, self.revision)
         self.visit.drawn()
         links = page.locator(".build a[download]")
         return dict(self.downloaded(links.nth(k)) for k in range(links.count()))

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from tests.judges import axe
 from tests.judges.browsing import Visit
-from tests.judges.designer_page import BUILDING, BUILT, COMPUTING, JOINTS, DesignerPage
+from tests.judges.designer_page import BUILT, JOINTS, DesignerPage
 from tests.judges.programs_of_others import Refusal
 
 SIZES: Final = ((375, 800), (1440, 900), (2560, 1300))
@@ -119,12 +119,12 @@ def made(page: DesignerPage) -> Iterator[str]:
     """Files, sizes and a solid."""
     visit = page.visit
     visit.page.click("#find-sizes")
-    visit.ask("the smallest cam", "() => !!camgeo.session.sized", most=2.0 * COMPUTING)
+    visit.ask("the smallest cam", "() => !!camgeo.session.sized")
     visit.page.click("#show-solid")
     solid = "() => !!document.querySelector('#solid canvas[data-view]')"
-    visit.ask("the solid", solid, most=COMPUTING)
+    visit.ask("the solid", solid)
     visit.page.click("#build-files")
-    visit.ask("the end of building", BUILT, page.revision, BUILDING)
+    visit.ask("the end of building", BUILT, page.revision)
     yield "files, sizes and a solid"
 
 

@@ -9,8 +9,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-PATIENCE = 120.0
-"""Seconds after which a program is stopped: some wait at a window that nobody sees."""
+from tests.waiting import PATIENCE
 
 
 class Refusal(AssertionError):

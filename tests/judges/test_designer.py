@@ -68,7 +68,7 @@ SHIFTED: Final = r"""() => {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with browsing.driven(300.0) as program:
+    with browsing.driven(browsing.LONGEST) as program:
         yield program
 
 

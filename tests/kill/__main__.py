@@ -15,68 +15,28 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
-import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
 from camgeo.answers.answer import STOPPED
-from camgeo.cli.main import Stopped, stop_on_signals
+from camgeo.writing import transaction
 from camgeo.writing.transaction import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
-
-SIGNALS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
+from tests.seeds import add_seed, moment
+from tests.waiting import PATIENCE, until
 
 NAMES: Final = tuple(f"{letter}.dxf" for letter in "abcdef")
 
 SIZE: Final = 100_000
 """Bytes of each small file."""
 
-SCENE: Final = Path(__file__).parents[2] / "fixtures" / "scenes" / "vorschub.toml"
-
-BUILD: Final = ("build", str(SCENE), "--force", "--only", "csv,dxf", "-o")
+WRITING: Final = 0.01
+"""Time [s] of writing a set of them, or a little more; that a signal comes later is no fault."""
 
 EVERY: Final = 5
 """Of so many cases, one is a build."""
-
-
-class Fault(Exception):
-    """A folder holds what it must not hold, or a process ended as it must not."""
-
-
-def forked(work: Callable[[], object]) -> int:
-    """Start a process that does `work`, and wait until it begins; return its number."""
-    reading, writing = os.pipe()
-    if (child := os.fork()) != 0:
-        os.close(writing)
-        os.read(reading, 1)
-        os.close(reading)
-        return child
-    code = 1
-    try:
-        stop_on_signals()
-        os.write(writing, b".")
-        work()
-        code = 0
-    except Stopped as stop:
-        code = STOPPED + stop.number
-    except Exception:  # the parent sees the exit code alone
-        traceback.print_exc()
-    finally:
-        os._exit(code)
-
-
-def ended(child: int, number: int) -> None:
-    """Wait for the end of a process; Fault if it is not due to signal `number`, nor regular."""
-    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if code not in (0, -number if number == signal.SIGKILL else STOPPED + number):
-        raise Fault(f"exit code {code}")
-
-
-def require(held: bool, folder: Path) -> None:
-    if not held:
-        raise Fault(f"the folder holds {sorted(everything(folder))}")
 
 
 def stop_a_set(folder: Path, number: int, source: random.Random) -> None:
@@ -84,15 +44,10 @@ def stop_a_set(folder: Path, number: int, source: random.Random) -> None:
     old = source.choice(({}, stub_set(1, NAMES[:4], SIZE)))
     written = stub_set(2, NAMES[2:], SIZE)
     put(folder, old)
-    begin = time.perf_counter()
-    write_set(folder / "measured", written, force=True)
-    took = time.perf_counter() - begin
-    for path in (*(folder / "measured").iterdir(), folder / "measured"):
-        path.rmdir() if path.is_dir() else path.unlink()
     child = forked(lambda: write_set(folder, written, force=True))
-    time.sleep(source.uniform(0.0, 1.2 * took))
+    moment(source, WRITING)
     os.kill(child, number)
-    ended(child, number)
+    stopped(child, number)
     require(is_safe(folder, old, old | written), folder)
     if number != signal.SIGKILL:
         require(is_whole(folder, old, old | written), folder)
@@ -115,10 +70,10 @@ def two_at_once(folder: Path, number: int, source: random.Random) -> None:
 
     put(folder, sets[0])
     children = [forked(write(files)) for files in sets]
-    time.sleep(source.uniform(0.0, 0.05))
+    moment(source, 6.0 * WRITING)
     os.kill(children[0], number)
     for child in children:
-        ended(child, number)
+        stopped(child, number)
     settle(folder)
     require(is_whole(folder, *sets), folder)
 
@@ -137,13 +92,9 @@ def stop_a_build(folder: Path, number: int, source: random.Random) -> None:
         raise Fault("the first build fails")
     old = everything(folder)
     build = camgeo(*BUILD, str(folder), "--tolerance", "0.02")
-    begin, late = time.monotonic(), source.random() < 0.7
-    wait = source.uniform(0.0, 1.0)
-    while build.poll() is None and (
-        not (folder / STAGING).exists() if late else time.monotonic() < begin + wait
-    ):
-        time.sleep(0.0005)
-    time.sleep(source.uniform(0.0, 0.01) if late else 0.0)
+    if late := source.random() < 0.7:
+        until(STAGING, lambda: build.poll() is not None or (folder / STAGING).exists())
+    moment(source, WRITING if late else 1.0)
     build.send_signal(number)
     _, said = build.communicate()
     # Before camgeo has begun, Python ends as it will.
@@ -164,11 +115,10 @@ def stop_a_build(folder: Path, number: int, source: random.Random) -> None:
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.kill")
     parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6))
+    add_seed(parser)
     wanted = parser.parse_args(words)
-    # Started in the background of a shell, or with nohup, all processes here would ignore these.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    usual_signals()
+    transaction.PATIENCE = PATIENCE  # type: ignore[misc]  # the machine may be busy
     print(f"{wanted.count} cases, --seed {wanted.seed}", flush=True)  # noqa: T201 - a program
     for case in range(wanted.count):
         source = random.Random(f"{wanted.seed} {case}")

@@ -1,7 +1,8 @@
 """`python -m tests.sweep.driver STORE WHERE COUNT LOG`: resumes a sweep, to be killed meanwhile.
 
 WHERE is how many processes a pool has, or the address of a cluster. Each design that is begun adds
-its key to LOG. After each chunk it prints the number of rows stored, and of its processes.
+its key to LOG. After each chunk it prints the number of rows stored, and of its processes, and goes
+on when a line comes.
 """
 
 from __future__ import annotations
@@ -23,8 +24,11 @@ from tests.sweep.logged import Logged
 
 ASK: Final = ("transmission-angle", "largest-acceleration")
 
-CHUNK: Final = 0.1
-"""Seconds of a chunk here, so that the family has many."""
+CHUNKS: Final = 60
+"""Of the family, however fast the machine is; the first ones are smaller."""
+
+NEVER: Final = 1e9
+"""Seconds that a chunk may take: its size is limited in designs alone."""
 
 
 def killed_family(count: int) -> Family:
@@ -32,10 +36,16 @@ def killed_family(count: int) -> Family:
     return family(f"follower.base_radius=45:60:{count // 2}", LAWS)
 
 
+def in_chunk(count: int) -> int:
+    """Designs of a chunk of a family of so many."""
+    return max(count // CHUNKS, 1)
+
+
 def main() -> None:
     """Resume the store."""
     store, where, count, log = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), sys.argv[4]
-    engine.CHUNK = CHUNK  # type: ignore[misc]  # smaller chunks here
+    engine.CHUNK = NEVER  # type: ignore[misc]  # smaller chunks here
+    engine.MOST_IN_CHUNK = in_chunk(int(count))  # type: ignore[misc]  # as above
     pool = where.isdecimal()
     chosen = engine.engine_of("pool" if pool else "cluster", int(where) if pool else where)
 
@@ -48,6 +58,7 @@ def main() -> None:
         workers = " ".join(str(each.pid) for each in multiprocessing.active_children())
         sys.stdout.write(f"{done} {workers}\n")
         sys.stdout.flush()
+        sys.stdin.readline()
 
     vars(running)["Work"] = SimpleNamespace(of=logged)
     found = killed_family(count)

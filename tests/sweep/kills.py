@@ -6,7 +6,8 @@ Between 10 and 90 % of the rows five workers and five drivers are killed with SI
 moments in a random order; each driver is followed by another one, which resumes the store. Exits
 with 1 if the store is damaged, if a row is missing, there twice or other than that of the loop, or
 if more designs were begun twice than were in flight at the kills. The engine is `pool`, two
-processes, or `cluster`, a Dask scheduler and two `dask worker` on loopback.
+processes, or `cluster`, a Dask scheduler and two `dask worker` on loopback. The tests kill one of
+each while the driver waits for it, so that every run does the same.
 """
 
 from __future__ import annotations
@@ -19,28 +20,26 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal
+from typing import IO, Final, Literal
 
 from camgeo.design import Design
 from camgeo.sweep.asked import asked_of
 from camgeo.sweep.engine import AHEAD
 from camgeo.sweep.rows import Work, rows_of
 from camgeo.sweep.sweep import sweep
-from tests.sweep.driver import ASK, killed_family
+from tests.seeds import add_seed, moment
+from tests.sweep.driver import ASK, in_chunk, killed_family
 from tests.sweep.processes import ROOT, WORKERS, Processes
+from tests.waiting import until
 
 Victim = Literal["worker", "driver"]
 
 FIRST, LAST = 0.1, 0.9
 """Between these shares of the rows processes are killed."""
-
-MARGIN: Final = 0.05
-"""Share of the rows that may be added before a kill takes effect."""
 
 DELAY: Final = 0.05
 """Seconds that a kill waits at most, so that it hits any moment of a chunk."""
@@ -59,13 +58,11 @@ class Report:
     killed : who, and how many rows were there then.
     repeated : designs that were begun more often than once.
     allowed : how many of them may be: those in flight at the kills.
-    seconds : of all drivers together.
     """
 
     killed: tuple[tuple[Victim, int], ...]
     repeated: int
     allowed: int
-    seconds: float
 
 
 def swept(
@@ -75,6 +72,7 @@ def swept(
     *,
     each: int,
     seed: int = 1,
+    waiting: bool = True,
     computing: Callable[[], list[int]] = list,
     told: Callable[[str], None] = lambda _: None,
 ) -> Report:
@@ -83,6 +81,7 @@ def swept(
     Parameters
     ----------
     where : the number of processes of a pool, or the address of a cluster.
+    waiting : whether the driver does nothing while it or a worker is killed.
     computing : the workers of a cluster; those of a pool are told by the driver.
 
     Raises
@@ -93,31 +92,36 @@ def swept(
     chosen = random.Random(seed)
     victims: list[Victim] = ["worker", "driver"] * each
     chosen.shuffle(victims)
-    room = (LAST - MARGIN - FIRST) * count
+    room = (LAST - FIRST) * count - len(victims) * in_chunk(count)
     moments = sorted(int(FIRST * count + room * chosen.random()) for _ in victims)
     left = list(zip(moments, victims, strict=True))
     store, log = folder / "runs.sqlite", folder / "begun.txt"
     killed: list[tuple[Victim, int]] = []
-    largest, start = 1, time.monotonic()
     while True:
         words = [sys.executable, "-m", "tests.sweep.driver", str(store), where, str(count)]
         before, helpers = None, set[int]()
         with subprocess.Popen(
-            [*words, str(log)], cwd=ROOT, stdout=subprocess.PIPE, text=True,
+            [*words, str(log)], cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONPATH": str(ROOT)},
         ) as driver:  # fmt: skip
+            assert driver.stdin is not None
             assert driver.stdout is not None
             for line in driver.stdout:
                 done, *own = map(int, line.split())
                 helpers.update(own)
-                largest = max(largest, done - (done if before is None else before))
                 before = done
-                if left and done >= left[0][0]:
-                    time.sleep(DELAY * chosen.random())
+                now = bool(left) and done >= left[0][0]
+                if not now or not waiting:
+                    _go_on(driver.stdin)
+                if now:
+                    if not waiting:
+                        moment(chosen, DELAY)
                     _, victim = left.pop(0)
                     killed.append((victim, done))
                     told(f"{victim} killed at {done:,} rows")
                     _kill(driver.pid if victim == "driver" else _one_of(computing, own, chosen))
+                    if waiting:
+                        _go_on(driver.stdin)
         code = driver.returncode
         _require_ended(helpers)
         _require_whole(store, count, done=before or 0)
@@ -125,33 +129,31 @@ def swept(
             break
         if code != -signal.SIGKILL:
             raise Fault(f"a driver ended with {code}")
-    seconds = time.monotonic() - start
     if left:
         raise Fault(f"the sweep ended before {len(left)} processes were killed")
     require_rows_of_the_loop(store, count)
     begun = log.read_text().splitlines()
-    repeated, allowed = len(begun) - count, len(killed) * AHEAD * WORKERS * largest
+    repeated, allowed = len(begun) - count, len(killed) * AHEAD * WORKERS * in_chunk(count)
     if len(set(begun)) != count or repeated > allowed:
         raise Fault(f"{repeated} designs were begun twice, of {allowed} that may be")
-    return Report(tuple(killed), repeated, allowed, seconds)
+    return Report(tuple(killed), repeated, allowed)
+
+
+def _go_on(driver: IO[str]) -> None:
+    """Let a driver go on, if it is still there."""
+    with suppress(BrokenPipeError):
+        driver.write("\n")
+        driver.flush()
 
 
 def _one_of(computing: Callable[[], list[int]], own: list[int], chosen: random.Random) -> int:
     """A process that computes; waits while all are being started again."""
-    for _ in range(600):
-        if there := own or computing():
-            return chosen.choice(there)
-        time.sleep(0.05)
-    raise Fault("no worker is started again")
+    return chosen.choice(until("a worker that is started again", lambda: own or computing()))
 
 
 def _require_ended(helpers: set[int]) -> None:
-    """Fault if processes of a pool outlive their driver."""
-    for _ in range(500):
-        if not any(map(_alive, helpers)):
-            return
-        time.sleep(0.02)
-    raise Fault("workers outlive their driver")
+    """Processes of a pool end with their driver."""
+    until("the end of the workers of a driver", lambda: not any(map(_alive, helpers)))
 
 
 def _alive(pid: int) -> bool:
@@ -216,7 +218,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=10_000, help="designs; default 10,000")
     parser.add_argument("--engine", choices=("pool", "cluster"), default="cluster")
     parser.add_argument("--each", type=int, default=5, help="workers, and drivers, to kill")
-    parser.add_argument("--seed", type=int, default=1)
+    add_seed(parser)
     given = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -225,13 +227,13 @@ def main() -> int:
         try:
             found = swept(
                 Path(folder), where, given.count,
-                each=given.each, seed=given.seed, computing=computing, told=say,
+                each=given.each, seed=given.seed, waiting=False, computing=computing, told=say,
             )  # fmt: skip
         except Fault as fault:
             say(f"FAULT: {fault}")
             return 1
     say(
-        f"{given.count:,} rows as those of the loop in {found.seconds:.0f} s;"
+        f"{given.count:,} rows as those of the loop, seed {given.seed};"
         f" {found.repeated:,} designs were begun twice, {found.allowed:,} may be"
     )
     return 0

@@ -6,12 +6,14 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
+
+from tests.waiting import PATIENCE, ended, until
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 
@@ -58,12 +60,8 @@ class Processes:
         file = self.folder / "scheduler.json"
         file.unlink(missing_ok=True)
         process = self.start("scheduler", "--port", port, "--scheduler-file", str(file))
-        for _ in range(1200):
-            with suppress(OSError, ValueError):
-                self.address = json.loads(file.read_text())["address"]
-                return process
-            time.sleep(0.05)
-        raise AssertionError("the scheduler does not start")
+        self.address = until("the scheduler", partial(_address_in, file))
+        return process
 
     def start(self, what: str, *words: str) -> subprocess.Popen[bytes]:
         """Start `dask WHAT` on loopback."""
@@ -78,13 +76,13 @@ class Processes:
     def wait(self) -> None:
         """Until all workers are there."""
         with closing(self.client()) as client:
-            client.wait_for_workers(self.workers, timeout=60)
+            client.wait_for_workers(self.workers, timeout=PATIENCE)
 
     def client(self) -> Any:
         """A connection of its own."""
         from distributed import Client
 
-        return Client(self.address, timeout=20, set_as_default=False)
+        return Client(self.address, timeout=PATIENCE, set_as_default=False)
 
     def computing(self) -> list[int]:
         """The processes that compute just now: one is missing while it is started again."""
@@ -120,11 +118,14 @@ class Processes:
                 everything += psutil.Process(process.pid).children(recursive=True)
             process.terminate()
         for process in self.started:
-            try:
-                process.wait(10)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            ended(process)
         for each in everything:
             with suppress(psutil.NoSuchProcess):
                 each.kill()
+
+
+def _address_in(file: Path) -> str:
+    """The address that a scheduler has written there; empty until it has."""
+    with suppress(OSError, ValueError):
+        return str(json.loads(file.read_text())["address"])
+    return ""

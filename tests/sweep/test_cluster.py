@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
@@ -27,11 +26,12 @@ from camgeo.sweep.engine import Chunks, Loop
 from camgeo.sweep.family import Point
 from camgeo.sweep.rows import Row, Work, rows_of
 from camgeo.sweep.sweep import sweep
-from tests.long_form import LONG
+from tests.sweep.driver import NEVER
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.kills import swept
 from tests.sweep.processes import AT_ONCE, Processes
 from tests.sweep.test_rows import work_on
+from tests.waiting import joined, until
 
 pytest.importorskip("distributed", reason="needs camgeo[cluster]")
 psutil = pytest.importorskip("psutil")
@@ -88,7 +88,7 @@ class Deadly(Work):
                 with suppress(FileExistsError), Path(self.mark).open("x") as file:
                     file.write(str(os.getpid()))
                     file.flush()
-                    time.sleep(60)
+                    threading.Event().wait()
         return super().rows(points, ledger)
 
 
@@ -97,11 +97,8 @@ def deadly(plain: Work, mark: Path) -> Deadly:
 
 
 def kill_marked(mark: Path) -> None:
-    for _ in range(1200):
-        with suppress(OSError, ValueError):
-            os.kill(int(mark.read_text()), signal.SIGKILL)
-            return
-        time.sleep(0.05)
+    text = until("a design that waits", lambda: mark.exists() and mark.read_text())
+    os.kill(int(str(text)), signal.SIGKILL)
 
 
 def test_the_rows_of_the_loop_whatever_dies(processes: Processes, tmp_path: Path) -> None:
@@ -113,12 +110,18 @@ def test_the_rows_of_the_loop_whatever_dies(processes: Processes, tmp_path: Path
     # The one that is killed comes first, lest it is lost with the worker of the other one.
     points = sorted(found.points(), key=lambda point: (point[0] == 47) - (point[0] == 50))
     rows = all_rows(Cluster(processes.address).rows(deadly(plain, mark), iter(points)))
-    killer.join()
+    joined(killer)
     loop = all_rows(Loop().rows(plain, iter(points)))
     (dead,) = (point for point in points if point[0] == 47)
     assert rows.keys() == loop.keys()
     assert rows[dead].reason.startswith("the process that computed it died, 1 time:")
     assert {**rows, dead: loop[dead]} == loop
+
+
+def in_small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However fast the machine is."""
+    monkeypatch.setattr(engine, "CHUNK", NEVER)
+    monkeypatch.setattr(engine, "MOST_IN_CHUNK", 4)
 
 
 def forget(mine: str, dask_scheduler: Any) -> None:
@@ -131,7 +134,7 @@ def forget(mine: str, dask_scheduler: Any) -> None:
 def test_what_the_scheduler_forgets_is_handed_out_again(
     processes: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "CHUNK", 0.05)
+    in_small_chunks(monkeypatch)
     found = family("follower.base_radius=45:60:40")
     work = work_on(found, *ASK)
     chunks = Cluster(processes.address).rows(work, found.points())
@@ -248,19 +251,20 @@ def test_dask_is_imported_for_a_cluster_only() -> None:
 # Kills --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long  # in the usual form the pool's, which has the same store and driver
 def test_killed_drivers_and_workers_lose_no_row_and_repeat_few(
     processes: Processes, tmp_path: Path
 ) -> None:
     """The small form of `python -m tests.sweep.kills`."""
-    found = swept(tmp_path, processes.address, 300, each=1, computing=processes.computing)
+    found = swept(tmp_path, processes.address, 120, each=1, computing=processes.computing)
     assert sorted(victim for victim, _ in found.killed) == ["driver", "worker"]
 
 
-@pytest.mark.skipif(not LONG, reason="starts all processes again")
+@pytest.mark.long  # starts all processes again
 def test_a_restarted_scheduler_loses_nothing(
     processes: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "CHUNK", 0.05)
+    in_small_chunks(monkeypatch)
     found = family("follower.base_radius=45:60:400")
     told: list[str] = []
 

@@ -8,7 +8,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -56,29 +55,30 @@ class Deadly(Work):
         return super().rows(points, ledger)
 
 
-def starting_as_another_dies(monkeypatch: pytest.MonkeyPatch) -> None:
+def starting_as_another_dies(monkeypatch: pytest.MonkeyPatch) -> list[SpawnProcess]:
     """The first process of a pool dies before the second one has started, then as it has."""
     started: list[SpawnProcess] = []
     start = SpawnProcess.start
 
     def slowly(process: SpawnProcess) -> None:
         started.append(process)
-        if len(started) != 2:
-            start(process)
-        if len(started) in (2, 4):
-            started[-2].kill()
-            time.sleep(0.2)  # the pool takes notice
         if len(started) == 2:
-            start(process)
+            started[0].kill()
+            started[0].join()
+        start(process)
+        if len(started) == 4:
+            started[2].kill()
+            started[2].join()
 
     monkeypatch.setattr(SpawnProcess, "start", slowly)
+    return started
 
 
 def test_the_rows_of_the_loop_whatever_dies(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A design that ends its process twice is a row that says so; all others have their rows."""
-    starting_as_another_dies(monkeypatch)
+    started = starting_as_another_dies(monkeypatch)
     found = family("follower.base_radius=45:56:12")
     plain = work_on(found, "transmission-angle", "peak:kappa", "laws")
     work = Deadly(plain.text, plain.contents, plain.keys, plain.asked, plain.versions,
@@ -90,6 +90,7 @@ def test_the_rows_of_the_loop_whatever_dies(
     (dead,) = (point for point in points if point[0] == 47)
     assert pool[dead].reason.startswith(f"the process that computed it died, {DEADLY} times")
     assert {**pool, dead: loop[dead]} == loop
+    assert len(started) > 4
     assert not multiprocessing.active_children()
 
 
@@ -154,7 +155,7 @@ def test_an_engine_by_its_name() -> None:
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="looks for workers in /proc")
 def test_killed_drivers_and_workers_lose_no_row_and_repeat_few(tmp_path: Path) -> None:
     """The small form of `python -m tests.sweep.kills --engine pool`."""
-    found = swept(tmp_path, "2", 300, each=1)
+    found = swept(tmp_path, "2", 120, each=1)
     assert sorted(victim for victim, _ in found.killed) == ["driver", "worker"]
     assert {each.name for each in tmp_path.iterdir()} == {"runs.sqlite", "begun.txt"}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,12 @@ SCENES = [
 ]
 
 
+@cache
+def designed(path: Path) -> Design:
+    """The design of a scene, computed once for all tests."""
+    return Design(load_scene(path))
+
+
 def answer(design: Design, word: str) -> Reading:
     (asked,) = asked_of(design, [word])
     return read(design, asked)
@@ -43,7 +50,7 @@ def answer(design: Design, word: str) -> Reading:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_findings_are_those_of_a_check(path: Path) -> None:
-    design = Design(load_scene(path))
+    design = designed(path)
     first: dict[str, tuple[float | None, str]] = {}
     for finding in design.findings:
         first.setdefault(hyphened(finding.name), (finding.value, finding.unit))
@@ -98,7 +105,7 @@ def test_a_machining_time_that_is_not_known() -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_extremes_of_columns_enclose_the_value_table(path: Path) -> None:
-    design = Design(load_scene(path))
+    design = designed(path)
     table = design.tabulated.table(1)
     for heading, column in list(table.columns.items())[1:]:
         name = hyphened(bare(heading))
@@ -124,7 +131,7 @@ def test_a_closed_form() -> None:
 
 
 def test_effects_answer_findings_and_columns() -> None:
-    design = Design(load_scene(FIXTURES / "effects" / "lever.toml"))
+    design = designed(FIXTURES / "effects" / "lever.toml")
     findings = {each.name: each.value for each in design.effects.findings("contact-force")}
     assert answer(design, "largest-contact-force").value == findings["largest-contact-force"]
     peak = answer(design, "peak:contact force")

@@ -15,6 +15,7 @@ from camgeo.errors import OutputError
 from camgeo.writing import transaction
 from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING, settle, write_set
 from tests.kill.sets import everything
+from tests.waiting import PATIENCE, joined, until
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
 
@@ -195,6 +196,7 @@ def test_a_parent_that_cannot_be_synchronised(
 
 def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A thread is excluded like another process."""
+    monkeypatch.setattr(transaction, "PATIENCE", PATIENCE)
     messages: list[str] = []
     written = threading.Event()
 
@@ -214,8 +216,9 @@ def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.Monkey
                 settle(tmp_path)
         thread = threading.Thread(target=write)
         thread.start()
-        assert not written.wait(0.1)
-    thread.join()
+        until("a writer that waits", lambda: messages)
+        assert not written.is_set()
+    joined(thread)
     assert set(messages) == {f"waiting for process 4711, which is writing into {tmp_path}"}
     assert everything(tmp_path) == FILES
 
