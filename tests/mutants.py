@@ -39,6 +39,7 @@ from typing import Final, cast
 import pytest
 
 from tests.quick import EXPENSIVE
+from tests.speed import cpu_second
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
@@ -62,7 +63,7 @@ ROOMS: Final = {
 """The parts of the product that are measured one by one."""
 
 CPU: Final = 120
-"""CPU time [s] of the tests of one mutant."""
+"""Computing of the tests of one mutant, in the seconds of `tests.speed`."""
 
 WAIT: Final = 1200
 """Time [s] after which they do nothing any more: something waits for what never comes."""
@@ -330,7 +331,7 @@ def verdict(tree: Path, changed: Mutant, number: int) -> str:
     kept = path.read_bytes()
     path.write_text(changed.source, "utf-8")
     os.utime(path, (number, number))  # compiled modules are told apart by whole seconds and sizes
-    modules, batch, left = modules_for(changed.path), FIRST, float(CPU)
+    modules, batch, left = modules_for(changed.path), FIRST, CPU * cpu_second()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tree), str(tree / "export")))}
     try:
         while modules:

@@ -147,6 +147,6 @@ def test_verdicts(
         "from product import two\n\ndef test_it():\n    assert two() == 2\n", "utf-8"
     )
     monkeypatch.setattr(mutants, "modules_for", lambda _: ["test_of_it.py"])
-    monkeypatch.setattr(mutants, "CPU", 2)
+    monkeypatch.setattr(mutants, "CPU", 10)
     assert verdict(tmp_path, Mutant("product.py", 2, "", changed), 1) == expected
     assert (tmp_path / "product.py").read_text("utf-8") == original
