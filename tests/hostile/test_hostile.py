@@ -22,8 +22,8 @@ from tests.long_form import examples
 
 ROOT: Final = Path(__file__).parents[2]
 
-SECONDS: Final = examples(6.0, long=12.0)
-"""Of computing; what takes time to read is four times as long in the long form."""
+SECONDS: Final = examples(6.0, long=18.0)
+"""Of computing, four times what is measured; in the long form what takes time to read is longer."""
 
 MEGABYTES: Final = 300.0
 
