@@ -56,6 +56,8 @@ def fenced(text: str, kind: str) -> list[str]:
 # Page and pictures ----------------------------------------------------------------------------
 
 
+# Compared by `.ci/full`; below is what a reader would miss.
+@pytest.mark.long
 def test_the_page_is_made_from_its_texts_and_the_code() -> None:
     assert maker().page() == PAGE, "run python docs/laws_page.py"
 

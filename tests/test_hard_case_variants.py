@@ -42,7 +42,6 @@ from camgeo.outline.cusps import undercut_ranges
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.laws import LAWS
-from tests.long_form import some
 from tests.reference import POLYNOMIAL, inner_of, shift
 from tests.strategies import attack, signs, with_roller
 
@@ -424,9 +423,8 @@ def test_hc21_rollers_below_the_cusp_limit_fit(
 # HC11, HC12: strokes far below the base radius --------------------------------------------------
 
 
-@pytest.mark.parametrize("base", [100.0, 37.5, 1e-3, 1e6])
-@pytest.mark.parametrize("share", some([1e-8, 1e-6, 1e-10, 1e-12], of=3))
-@pytest.mark.parametrize("sigma", [1, -1])
+@pytest.mark.parametrize(("base", "sigma"), [(100.0, -1), (37.5, 1), (1e-3, -1), (1e6, 1)])
+@pytest.mark.parametrize("share", [1e-8, 1e-12])
 def test_hc11_tiny_strokes(base: float, share: float, sigma: int) -> None:
     stroke = share * base
     spans = (90, 90, 0, 90, 90)
@@ -466,8 +464,9 @@ def test_hc11_what_depends_on_a_tiny_stroke_alone_keeps_all_digits(
 # HC13: inflections within a millionth of their limits -------------------------------------------
 
 
-@pytest.mark.parametrize("lam", [1e-6, 3e-6, 1e-4, 1.0 - 1e-6, 1.0 - 3e-6])
-@pytest.mark.parametrize("sigma", [1, -1])
+@pytest.mark.parametrize(
+    ("lam", "sigma"), [(1e-6, 1), (3e-6, -1), (1e-4, 1), (1.0 - 1e-6, -1), (1.0 - 3e-6, 1)]
+)
 def test_hc13_inflections_near_their_limits_in_whole_cams(lam: float, sigma: int) -> None:
     spans = (30, 100, 40, 120, 70)
     rise, back = math.radians(30.0), math.radians(290.0)
@@ -639,8 +638,10 @@ def place_of(finding: Finding) -> tuple[str, float | None]:
 
 
 @pytest.mark.parametrize("factor", SCALES)
-@pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
-@pytest.mark.parametrize("roller", some([8.0, 22.0, 41.0], of=2))
+@pytest.mark.parametrize(
+    ("kind", "roller"),
+    [("translating-roller", 41.0), ("oscillating-roller", 8.0), ("oscillating-roller", 22.0)],
+)
 def test_scenes_at_all_scales_give_the_same_findings(
     kind: str, roller: float, factor: float
 ) -> None:

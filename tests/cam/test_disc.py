@@ -15,6 +15,8 @@ from camgeo.cam.cam import Cam
 from camgeo.cam.contact import Contact
 from camgeo.cam.disc import Disc
 from camgeo.cam.drive import Drive
+from camgeo.curve.extremes import Extremes
+from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.mechanism.follower import Follower
@@ -126,6 +128,23 @@ def test_no_curvature_lies_beyond_the_bends(name: str) -> None:
     for value, at in ((low, at_low), (high, at_high)):
         sides = [pitch.curvature(np.array([at]), side)[0] for side in ("left", "right")]
         assert min(abs(each - value) for each in sides) <= 1e-9 * abs(value)
+
+
+def test_what_a_search_of_bends_misses_is_found_where_a_flank_needs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the curvature only its values at the breaks: the largest one between is still there."""
+    whole = design("swallow_tail").cam.disc
+    wanted = whole.bends.largest()
+
+    def ends_only(curve: PitchCurve) -> Extremes:
+        return Extremes(curve.breaks, curve.curvature(curve.breaks))
+
+    monkeypatch.setattr("camgeo.cam.disc.curvature_extremes", ends_only)
+    again = Cam(whole.drive, whole.follower, whole.rotation).disc
+    assert again.bends.largest() == pytest.approx(wanted, rel=1e-9)
+    dropped = [np.array(each.outline("inner").dropped) for each in (again, whole)]
+    assert dropped[0] == pytest.approx(dropped[1], abs=1e-9)
 
 
 def test_a_flat_face_has_the_bends_of_its_contour() -> None:
