@@ -16,7 +16,7 @@ from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage
 from camgeo.mechanism.positions import position_text
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, IntArray
 from tests.long_form import examples
 from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks
 
@@ -35,7 +35,7 @@ def grid_of(linkage: Linkage) -> FloatArray:
     return np.linspace(-0.987 * reach, reach, COUNT)
 
 
-def within(found: tuple[float, ...], grid: FloatArray, cells: FloatArray, slack: int = 0) -> None:
+def within(found: tuple[float, ...], grid: FloatArray, cells: IntArray, slack: int = 0) -> None:
     """That there is one of `found` in each of these cells of the grid, or `slack` cells away."""
     step = grid[1] - grid[0]
     for cell in cells:

@@ -729,6 +729,24 @@ def test_characteristic_values_are_taken_at_their_stated_places(
 # Families and names ---------------------------------------------------------------------------
 
 
+@by_task
+def test_what_is_not_given_is_the_default_of_its_option(name: str, task: str) -> None:
+    """A law with the stated defaults is the law without them, each option by itself."""
+    family = FAMILIES[name]
+    z = np.linspace(0.0, 1.0, 33)
+    given_values = {
+        key: 0.6 for key in family.parameters[task] if key in ("v0", "v1", "inflection")
+    }
+    own = make_law(name, task, **given_values)
+    for option in family.options:
+        if option.name in family.parameters[task]:
+            stated = make_law(name, task, **given_values, **{option.name: option.default})
+            assert np.array_equal(own(z), stated(z)), option.name
+            assert own.parameters[option.name] == option.default
+            lower = make_law(name, task, **given_values, **{option.name: 0.5 * option.default})
+            assert not np.array_equal(own(z), lower(z)), option.name
+
+
 def test_every_task_has_a_law_that_needs_nothing_but_its_boundary_values() -> None:
     for task in TASKS:
         law = make_law("polynomial-5", task)
