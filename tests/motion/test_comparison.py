@@ -28,7 +28,7 @@ def sampled(law: Law) -> tuple[FloatArray, FloatArray]:
     marks = np.array([0.0, *law.borders, 1.0, *([law.inflection] if law.inflection else [])])
     sides = np.concatenate((marks - BESIDE, marks + BESIDE))
     z = np.unique(np.concatenate((PLACES, np.clip(sides, BESIDE, 1.0 - BESIDE))))
-    return z, np.stack(law(z)[1:])
+    return z, np.asarray(law(z)[1:])
 
 
 def jumping(law: Law, order: int) -> list[float]:
