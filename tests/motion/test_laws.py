@@ -65,9 +65,9 @@ by_task = pytest.mark.parametrize(
     ("name", "task"), FAMILY_TASKS, ids=[f"{name} {task}" for name, task in FAMILY_TASKS]
 )
 by_family = pytest.mark.parametrize("name", FAMILIES)
-many = settings(attack, max_examples=examples(10, long=150))
-few = settings(attack, max_examples=examples(6, long=60))
-"""Of each of fifteen families: what they have in common is drawn ninety times."""
+many = settings(attack, max_examples=examples(7, long=150))
+few = settings(attack, max_examples=examples(5, long=60))
+"""Of each of fifteen families: what they have in common is drawn 75 times."""
 
 
 def ulp_limit(name: str) -> float:

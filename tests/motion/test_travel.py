@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from decimal import Decimal
 from functools import cache
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -61,11 +62,13 @@ def arrays_of(value: Any) -> list[FloatArray]:
     return [each for each in held if isinstance(each, np.ndarray)]
 
 
-@each_way
 @pytest.mark.parametrize(
-    ("name", "task"), [(name, task) for name, each in FAMILIES.items() for task in each.tasks]
+    ("name", "task", "way"),
+    [(name, task, "pickle") for name, each in FAMILIES.items() for task in each.tasks]
+    + [(name, FAMILIES[name].tasks[0], way) for name in FAMILIES for way in ("copy", "deepcopy")],
 )
-def test_a_law_of_every_family_travels(travel: Travel, name: str, task: str) -> None:
+def test_a_law_of_every_family_travels(name: str, task: str, way: str) -> None:
+    travel = TRAVELS[way]
     taken = FAMILIES[name].parameters[task]
     given_values = {key: 0.7 for key in taken if key in ("v0", "v1", "curved")}
     given_values |= {key: 0.2 for key in taken if key in ("sine", "cosine")}
@@ -115,9 +118,16 @@ def motion_of(name: str) -> Motion:
     return scene.plan if linkage is None else LinkedMotion(scene.plan, linkage)
 
 
-@each_way
-@pytest.mark.parametrize("name", MOTIONS)
-def test_a_motion_travels(travel: Travel, name: str) -> None:
+SOME = ("plate_translating", "points", "measured", "schnitt linked", STAYS)
+"""Plans of each kind that are copied, too: a copy is made as a pickle is."""
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [(name, "pickle") for name in MOTIONS] + list(product(SOME, ("copy", "deepcopy"))),
+)
+def test_a_motion_travels(name: str, way: str) -> None:
+    travel = TRAVELS[way]
     motion = motion_of(name)
     assert isinstance(motion, LinkedMotion) == name.endswith(" linked")
     before = [motion.jet(PHI, side).tobytes() for side in ("right", "left")]

@@ -116,8 +116,15 @@ def test_without_a_stroke_the_disc_is_a_circle(follower: Any, rotation: int, sid
         assert abs(found - mp.pi * radius**2) < mpf(10) ** -(DIGITS - 10) * found
 
 
-@pytest.mark.parametrize("name", ["HC21c swallow tail", "HC22 neck of a lobe", "tail of a rocker",
-                                  "tail of an outer flank"])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "HC21c swallow tail",
+        "tail of a rocker",
+        pytest.param("HC22 neck of a lobe", marks=pytest.mark.long),  # a guide, as HC21c
+        pytest.param("tail of an outer flank", marks=pytest.mark.long),
+    ],
+)
 def test_an_area_is_the_integral_over_its_border(name: str) -> None:
     """Green's integral of the flank itself, by quadrature in short steps; to 1/100 of an ulp."""
     outline, numbers = exact(name)
