@@ -126,3 +126,13 @@ def test_linkages_that_differ_in_more_than_numbers_are_not_one() -> None:
     assert alike(LINKAGE) == alike(longer)
     assert alike(LINKAGE) != alike(replace(LINKAGE, mirrored=not LINKAGE.mirrored))
     assert alike(LINKAGE) != alike(replace(LINKAGE, branch=-LINKAGE.branch))
+
+
+def test_equal_motions_are_equal_whatever_they_were_asked_for() -> None:
+    one, other = (LinkedMotion(plan_of(PARAMS, 5.5), LINKAGE) for _ in range(2))
+    one.jet(np.linspace(0.0, 6.0, 33))
+    one.jet_and_bounds(one.borders[:-1], one.borders[1:])
+    assert one == other
+    assert repr(one) == repr(other)
+    assert "kept" not in repr(one)
+    assert one != LinkedMotion(plan_of(PARAMS, 5.0), LINKAGE)
