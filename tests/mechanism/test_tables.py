@@ -215,6 +215,8 @@ def test_a_rod_reaches_from_the_contact_through_its_guide(name: str, angle: int)
         assert ((end - foot) / way).imag == pytest.approx(0.0, abs=1e-9)
         along = [((each - guide.middle) / way).real for each in (foot, end)]
         assert along[0] < 0.0 < along[1]
+        if not phi:  # at lift 0 it protrudes by three tenths of the base radius
+            assert along[1] == pytest.approx(0.3 * turned.cam.follower.base_radius, rel=1e-12)
         feet.append(along[0])
     base = float(turned.cam.follower.base_radius)
     assert max(feet) == pytest.approx(-0.8 * base, rel=1e-3)
