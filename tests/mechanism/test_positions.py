@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
@@ -163,13 +163,15 @@ def closes(linkage: Linkage, size: Size, length: float, low: float, high: float)
 
 
 @settings(attack, max_examples=examples(12, long=100))
-@given(linkage=kinds(), share=st.floats(0.05, 0.9), back=st.floats(0.0, 0.3))
+@example(SliderCrank(46.0, 115.0, 0.6, False, 1, -1, 1), 1.9, 0.0)  # past the shaft
+@example(SliderCrank(49.0, 109.0, 1.12, True, 1, -1, -1), -0.677, 0.0)
+@given(linkage=kinds(), share=st.floats(-1.9, 1.9), back=st.floats(0.0, 0.3))
 def test_whether_it_closes_changes_at_the_stated_lengths_only(
     linkage: Linkage, share: float, back: float
 ) -> None:
     """Lengths all over, of crank and of coupler: between two limits all close, or none."""
-    reach = share * (linkage.crank if linkage.unit == "mm" else 2.0)
-    low, high = -back * reach, reach
+    reach = share * (linkage.crank + linkage.coupler if linkage.unit == "mm" else 1.5)
+    low, high = sorted((-back * reach, reach))
     for size in SIZES:
         present = linkage.coupler if size == "coupler" else linkage.crank
         lengths = present * np.geomspace(0.15, 7.0, 120)

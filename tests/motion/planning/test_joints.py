@@ -7,7 +7,7 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 
 from camgeo.motion.joints import joints
 from camgeo.motion.laws import make_law
@@ -152,6 +152,7 @@ def test_each_joint_is_where_two_segments_meet_with_what_both_have_there(plan: M
             found.append((law, math.radians(float(segment.span)), to - position, position))
             starts.append(starts[-1] + segment.span)
             position = to
+    assume(all(not stroke or abs(stroke) > 1e-3 for _, _, stroke, _ in found))
     meeting = joints(plan)
     assert len(meeting) == len(found)
     for number, joint in enumerate(meeting):
@@ -173,7 +174,7 @@ def test_each_joint_is_where_two_segments_meet_with_what_both_have_there(plan: M
                 size = max(abs(each[0][order]) for each in sides) + 1.0
                 assert side[order] == pytest.approx(jet[order], abs=2e-9 * size)
         jumps = [
-            abs(one - other) > 1e-6 * max(abs(one), abs(other), 1e-3)
+            abs(one - other) > 1e-6 * max(abs(one), abs(other), 1e-6)
             for one, other in zip(sides[0][0], sides[1][0], strict=True)
         ]
         assert joint.order == (jumps.index(True) - 1 if any(jumps) else 3)

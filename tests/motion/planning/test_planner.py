@@ -398,7 +398,8 @@ def test_a_part_of_a_law_is_as_long_as_cam_angles_can_tell(law: str, at_end: boo
         curved = {"curved": 0.5} if law == "scca" else {}
         share = size * least / length / curved.get("curved", 1.0)
         parameters = {**curved, "inflection": 1.0 - share if at_end else share}
-        asked = [rest(60), move(120, 10.0, law, parameters=parameters), rest(60), move(120, 0.0)]
+        rise = move(120, 10.0, law, parameters=parameters)
+        asked: list[Request] = [rest(60), rise, rest(60), move(120, 0.0)]
         if good:
             assert isinstance(planned(*asked).segments[1], Move)
             continue
