@@ -21,9 +21,9 @@ from camgeo.numeric.arrays import FloatArray, IntArray
 from tests.long_form import examples
 from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks
 
-COUNT: Final = 4001
+COUNT: Final = 2001
 
-BESIDE: Final = 10
+BESIDE: Final = 5
 """Cells to both sides of a minimum where it is higher by more than rounding."""
 
 some = settings(attack, max_examples=examples(24, long=200))
