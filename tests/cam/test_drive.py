@@ -69,6 +69,14 @@ def test_the_motion_is_that_of_the_near_end_of_the_linkage(
     assert drive.far_end is not None
     found = drive.far_end.place(phi, drive.motion.jet(phi)[0])
     assert found == pytest.approx(far[0], abs=1e-11 * (20.0 if unit == "mm" else 1.0))
+    q = drive.motion.jet(phi)[0]
+    there = drive.far_end.jet(phi, q)
+    h = 1e-5 * (1.0 if drive.motion.jet(phi)[0].max() < 1.0 else 50.0)
+    ahead, behind = (drive.far_end.jet(phi, q + step) for step in (h, -h))
+    for order in (1, 2):
+        rate = (ahead[order - 1] - behind[order - 1]) / (2.0 * h)
+        assert there[order] == pytest.approx(rate, rel=1e-5, abs=1e-5 * np.max(np.abs(rate)))
+    assert not np.any(there[3])
     wrong: LiftUnit = "rad" if unit == "mm" else "mm"
     with pytest.raises(GeometryError, match="in which the linkage's far end moves") as caught:
         Drive(plan, linkage, wrong)
