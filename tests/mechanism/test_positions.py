@@ -104,6 +104,14 @@ def test_transmission_angles_are_those_of_the_drawn_members(linkage: Linkage) ->
     within(locked, grid, crossed)
     at = linkage.transmission_sines(np.array([0.0, *locked]))[OUT, 1:]
     assert at == pytest.approx(np.zeros(len(locked)), abs=1e-7)
+    # Up to rounding a range has those at its ends.
+    for each in locked:
+        for low_end, high_end in (
+            (math.nextafter(each, 9e9), grid[-1]), (grid[0], math.nextafter(each, -9e9))
+        ):  # fmt: skip
+            if low_end < high_end:
+                ends = linkage.locked_positions(low_end, high_end)
+                assert any(abs(end - each) <= 1e-9 for end in ends)
     far = linkage.far_turning_positions(grid[0], grid[-1])
     size = np.abs(found[OUT])
     lows = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]))
@@ -165,6 +173,8 @@ def closes(linkage: Linkage, size: Size, length: float, low: float, high: float)
 @settings(attack, max_examples=examples(12, long=100))
 @example(SliderCrank(46.0, 115.0, 0.6, False, 1, -1, 1), 1.9, 0.0)  # past the shaft
 @example(SliderCrank(49.0, 109.0, 1.12, True, 1, -1, -1), -0.677, 0.0)
+@example(SliderDrivenCrank(SliderCrank(50.0, 30.0, 0.5, True, 1, 1, 1)), 0.667, 0.0)  # upright
+@example(SliderDrivenCrank(SliderCrank(50.0, 30.0, 0.5, True, 1, 1, 1)), -0.667, 0.0)
 @given(linkage=kinds(), share=st.floats(-1.9, 1.9), back=st.floats(0.0, 0.3))
 def test_whether_it_closes_changes_at_the_stated_lengths_only(
     linkage: Linkage, share: float, back: float
