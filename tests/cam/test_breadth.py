@@ -24,10 +24,12 @@ from tests.strategies import SMOOTH, attack, plans, signs
 
 LAW = make_law("polynomial-345")
 
+TRAPEZOID = make_law("modified-trapezoid", inflection=0.4)
+
 UNEVEN = MotionPlan(
     (
         Dwell(Decimal(35)),
-        Move(Decimal(105), 16.0, make_law("modified-trapezoid", inflection=0.4)),
+        Move(Decimal(105), 16.0, TRAPEZOID),
         Dwell(Decimal(50)),
         Move(Decimal(170), 0.0, LAW),
     )
@@ -50,7 +52,7 @@ def test_the_width_is_that_of_both_sides_with_its_derivative_and_its_breaks() ->
         rise = (breadth.width(phi + h) - breadth.width(phi - h)) / (2.0 * h)
         assert breadth.slope(phi) == pytest.approx(rise, abs=1e-8)
     starts = np.cumsum([0.0, 35.0, 105.0, 50.0])
-    law_jumps = [35.0 + 105.0 * each for each in UNEVEN.segments[1].law.borders]  # type: ignore[union-attr]
+    law_jumps = [35.0 + 105.0 * each for each in TRAPEZOID.borders]
     both = {each % 360.0 for start in (*starts, *law_jumps) for each in (start, start + 180.0)}
     found = np.degrees(breadth.breaks)
     assert np.all(np.diff(found) > 0.0)

@@ -206,7 +206,7 @@ def test_a_trimmed_flank_loses_what_crosses_and_the_roller_its_stroke() -> None:
     # The roller pressed onto what remains: no point of it is nearer than the radius anywhere.
     remains = points_of(outline.path)
     for phi, lift in zip(replay.phi[::40], replay.actual[0, ::40], strict=True):
-        centre = (25.0 + lift) * np.exp(1j * (disc.follower.guide_angle - phi))  # type: ignore[attr-defined]
+        centre = 1j * (25.0 + lift) * np.exp(-1j * phi)
         nearest = np.min(np.abs(remains - centre))
         assert nearest == pytest.approx(disc.follower.roller_radius, abs=2e-3)
 

@@ -90,7 +90,8 @@ def test_followers_and_linkages_have_what_the_scene_states(name: str, mm: float)
                 expected = stated(key, value, mm)
                 assert getattr(body, field) == pytest.approx(expected, rel=1e-15), key
     if linkage is not None and made.cam.lift_unit == "rad":
-        assert made.cam.follower.direction is None  # type: ignore[attr-defined]
+        rocker: Any = made.cam.follower
+        assert rocker.direction is None
     follower = scene.values["follower"]
     assert made.cam.contact.value == follower.get("contact", "inner")
     assert made.cam.clearance == pytest.approx(mm * float(follower.get("side_clearance", 0)))
