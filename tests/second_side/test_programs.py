@@ -19,7 +19,6 @@ from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.long_form import LONG
 from tests.second_side.scenes import (
     FACED,
     FROM_BELOW,
@@ -35,8 +34,8 @@ READING: Final = Reading("a.ngc", ours=True)
 PRINTED: Final = 2e-4
 """Steps of the last decimal [mm], of an end and of the zero."""
 
-CONTROLLERS: Final = ("grbl", "heidenhain")
-"""A controller for which each run of a tool is a program, and one with words of its own."""
+SEPARATE: Final = "grbl"
+"""A controller for which each run of a tool is a program."""
 
 EDGE: Final = """[[second_side.operation]]
 kind = "chamfer"
@@ -69,7 +68,7 @@ def compensated(about: str, mode: str = "wear", direction: str = "climb") -> Pro
     return second(scene(FROM_BELOW, about=about, direction=direction, compensation=words))
 
 
-def clean_and_verified(machine: str, tables: str, about: str, *, verified: bool = True) -> None:
+def clean_and_verified(machine: str, tables: str, about: str) -> None:
     """Each program of both sides by itself, and both as what leaves the part."""
     profile = load(machine)
     disc = design(scene(tables, machine, about=about)).disc
@@ -79,13 +78,11 @@ def clean_and_verified(machine: str, tables: str, about: str, *, verified: bool 
         text = written(piece)
         assert run(text, profile, bench_of(piece, profile)).findings == ()
         assert WRITER.measure(piece, text.encode()) <= TOLERANCE
-        assert not verified or failing(disc, text) == []
+        assert failing(disc, text) == []
 
 
-@pytest.mark.parametrize("machine", CONTROLLERS)
-def test_programs_of_both_sides_are_clean_and_verify(machine: str) -> None:
-    # `verify` of Heidenhain's words is that of one side.
-    clean_and_verified(machine, FROM_BELOW + EDGE, "x", verified=LONG or machine == "grbl")
+def test_programs_of_both_sides_are_clean_and_verify() -> None:
+    clean_and_verified(SEPARATE, FROM_BELOW + EDGE, "x")
 
 
 @pytest.mark.parametrize(("machine", "tables"), [("linuxcnc", FACED), ("haas", HALVES)])
@@ -96,7 +93,7 @@ def test_programs_of_other_jobs_are_clean_and_verify(machine: str, tables: str) 
 # Dialects and tool changes of all controllers are those of the programs of one side, which
 # `tests/end_to_end` writes, reads and verifies for each.
 @pytest.mark.long
-@pytest.mark.parametrize("machine", [name for name in names() if name not in CONTROLLERS])
+@pytest.mark.parametrize("machine", [name for name in names() if name != SEPARATE])
 def test_programs_for_other_controllers_are_clean_and_verify(machine: str) -> None:
     clean_and_verified(machine, FROM_BELOW + EDGE, "x")
 

@@ -33,7 +33,7 @@ banded solve multiplies: over spans from 0.001 to 359 degrees 1e-9 was the most.
 UNIQUE = ("auto", "polynomial-5", "polynomial-7", "polynomial", "modified-sine", "straight-line")
 """Laws whose joints are settled without a choice between two that are as good."""
 
-many = settings(attack, max_examples=examples(14, long=80))
+many = settings(attack, max_examples=examples(9, long=80))
 
 
 def plan_of(requests: Sequence[Request]) -> MotionPlan | None:
