@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import camgeo
 
 
 def copied(folder: Path) -> Path:
-    """The package as it stands in a copy in `folder`."""
+    """The package as it stands in a copy in `folder`, with what is compiled of it: times of files
+    are kept, so that of the copy only what is changed is compiled again.
+    """
     package = folder / "camgeo"
-    ignored = shutil.ignore_patterns("__pycache__")
+    ignored = shutil.ignore_patterns("*.pyc.*")  # which others are just writing
     shutil.copytree(Path(camgeo.__file__).parent, package, ignore=ignored)
     return package
 
@@ -38,3 +43,29 @@ def run_copy(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         text=True,
         check=False,
     )
+
+
+SESSION: Final = """
+import contextlib, io, json, sys
+from camgeo.cli.main import main
+
+def call(words):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main(words)
+        except SystemExit as end:
+            code = end.code
+    return code or 0, out.getvalue(), err.getvalue()
+
+print(json.dumps([call(words) for words in json.loads(sys.argv[1])]))
+"""
+
+
+def commands(folder: Path, *calls: Sequence[str]) -> list[tuple[int, str, str]]:
+    """Exit code, output and errors of commands of the copy in `folder`, one after the other in one
+    process.
+    """
+    done = run_copy(folder, "-c", SESSION, json.dumps(calls))
+    assert done.returncode == 0, done.stderr
+    return [(code, out, err) for code, out, err in json.loads(done.stdout)]

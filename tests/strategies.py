@@ -30,7 +30,7 @@ from tests.long_form import examples
 from tests.reference import shift
 
 attack = settings(
-    max_examples=examples(16, long=60),
+    max_examples=examples(10, long=60),
     deadline=None,  # the speed of a shared machine is no property of the code
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from camgeo.scene.new import MECHANISMS
 from tests.pages import page_maker
 
@@ -15,6 +17,8 @@ MAKER = page_maker("mechanisms_page")
 PAGE = (DOCS / "mechanisms.md").read_text(encoding="utf-8")
 
 
+# Compared by `.ci/full`; below is what a reader would miss.
+@pytest.mark.long
 def test_the_page_is_made_from_its_texts_scenes_and_code() -> None:
     assert MAKER.page() == PAGE, "run python docs/mechanisms_page.py"
 

@@ -33,6 +33,8 @@ def maker() -> Any:
     return page_maker("stability_page")
 
 
+# Compared by `.ci/full`; below is what a reader would miss.
+@pytest.mark.long
 def test_the_page_is_made_from_its_texts_and_the_suite() -> None:
     made = maker().page(CASES, quick())
     assert MEASURED.sub("", made) == MEASURED.sub("", PAGE), "run python docs/stability_page.py"

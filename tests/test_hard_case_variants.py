@@ -42,7 +42,6 @@ from camgeo.outline.cusps import undercut_ranges
 from camgeo.scene.load import parse_scene
 from camgeo.units import TURN
 from tests.laws import LAWS
-from tests.long_form import some
 from tests.reference import POLYNOMIAL, inner_of, shift
 from tests.strategies import attack, signs, with_roller
 
@@ -361,13 +360,28 @@ TIGHT = [
 return, not on a rest and not at a joint."""
 
 
+def each_with(sizes: list[float]) -> list[Any]:
+    """Each cam with each size; in the usual form each cam with two of them and each size with two
+    cams or more.
+    """
+    pairs = [(cam, size) for cam in range(len(TIGHT)) for size in range(len(sizes))]
+    return [
+        pytest.param(
+            TIGHT[cam],
+            sizes[size],
+            marks=[] if (size - cam) % len(sizes) < 2 else pytest.mark.long,
+            id=f"{cam}-{sizes[size]}",
+        )
+        for cam, size in pairs
+    ]
+
+
 def tight_cam(cam: tuple[float, float, float, tuple[int, ...], int], roller: float) -> PitchCurve:
     base, offset, stroke, spans, sigma = cam
     return PitchCurve(polynomials(spans, stroke), TranslatingRoller(base, roller, offset), sigma)
 
 
-@pytest.mark.parametrize("cam", TIGHT)
-@pytest.mark.parametrize("excess", [0.0, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize(("cam", "excess"), each_with([0.0, 1e-3, 1e-6, 1e-9]))
 def test_hc21_rollers_above_the_cusp_limit(
     cam: tuple[float, float, float, tuple[int, ...], int], excess: float
 ) -> None:
@@ -405,8 +419,7 @@ def test_hc21_rollers_above_the_cusp_limit(
             assert abs(found_at - cusp) <= ROUNDINGS * EPS / slope + ANGLE
 
 
-@pytest.mark.parametrize("cam", TIGHT)
-@pytest.mark.parametrize("deficit", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize(("cam", "deficit"), each_with([1e-3, 1e-6, 1e-9]))
 def test_hc21_rollers_below_the_cusp_limit_fit(
     cam: tuple[float, float, float, tuple[int, ...], int], deficit: float
 ) -> None:
@@ -424,9 +437,8 @@ def test_hc21_rollers_below_the_cusp_limit_fit(
 # HC11, HC12: strokes far below the base radius --------------------------------------------------
 
 
-@pytest.mark.parametrize("base", [100.0, 37.5, 1e-3, 1e6])
-@pytest.mark.parametrize("share", some([1e-8, 1e-6, 1e-10, 1e-12], of=3))
-@pytest.mark.parametrize("sigma", [1, -1])
+@pytest.mark.parametrize(("base", "sigma"), [(100.0, -1), (37.5, 1), (1e-3, -1), (1e6, 1)])
+@pytest.mark.parametrize("share", [1e-8, 1e-12])
 def test_hc11_tiny_strokes(base: float, share: float, sigma: int) -> None:
     stroke = share * base
     spans = (90, 90, 0, 90, 90)
@@ -466,8 +478,9 @@ def test_hc11_what_depends_on_a_tiny_stroke_alone_keeps_all_digits(
 # HC13: inflections within a millionth of their limits -------------------------------------------
 
 
-@pytest.mark.parametrize("lam", [1e-6, 3e-6, 1e-4, 1.0 - 1e-6, 1.0 - 3e-6])
-@pytest.mark.parametrize("sigma", [1, -1])
+@pytest.mark.parametrize(
+    ("lam", "sigma"), [(1e-6, 1), (3e-6, -1), (1e-4, 1), (1.0 - 1e-6, -1), (1.0 - 3e-6, 1)]
+)
 def test_hc13_inflections_near_their_limits_in_whole_cams(lam: float, sigma: int) -> None:
     spans = (30, 100, 40, 120, 70)
     rise, back = math.radians(30.0), math.radians(290.0)
@@ -639,8 +652,10 @@ def place_of(finding: Finding) -> tuple[str, float | None]:
 
 
 @pytest.mark.parametrize("factor", SCALES)
-@pytest.mark.parametrize("kind", ["translating-roller", "oscillating-roller"])
-@pytest.mark.parametrize("roller", some([8.0, 22.0, 41.0], of=2))
+@pytest.mark.parametrize(
+    ("kind", "roller"),
+    [("translating-roller", 41.0), ("oscillating-roller", 8.0)],
+)
 def test_scenes_at_all_scales_give_the_same_findings(
     kind: str, roller: float, factor: float
 ) -> None:
@@ -1008,8 +1023,7 @@ def test_hc22_lobes_whose_neck_is_cut_through(
             assert crossing.point == pytest.approx(point, abs=ROUNDINGS * EPS * (base + stroke))
 
 
-@pytest.mark.parametrize("cam", TIGHT)
-@pytest.mark.parametrize("excess", [1e-2, 1e-3, 1e-6])
+@pytest.mark.parametrize(("cam", "excess"), each_with([1e-2, 1e-3, 1e-6]))
 def test_hc21_swallow_tails_cross_themselves(
     cam: tuple[float, float, float, tuple[int, ...], int], excess: float
 ) -> None:

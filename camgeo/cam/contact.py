@@ -55,4 +55,4 @@ class Contact(StrEnum):
 
 def contact_of(key: str, value: object) -> Contact:
     """The contact of that name; GeometryError with `key` if there is none."""
-    return Contact(one_of(key, value, tuple(Contact)))
+    return Contact(one_of(key, value, [each.value for each in Contact]))

@@ -176,3 +176,32 @@ def test_first_angle_is_the_first() -> None:
     assert phi < math.radians(90.0)
     assert monotone_runs(motion).first_angle(10.0) == pytest.approx(math.radians(90.0))
     assert monotone_runs(motion).first_angle(99.0) == pytest.approx(math.radians(90.0))
+
+
+@pytest.mark.parametrize(
+    ("linkage", "side"),
+    [
+        # 3-4-5: crank and coupler in line at position 0, stretched or folded.
+        (FourBar(30.0, 20.0, 30.0, 40 + 0j, 0.5 * math.pi, 1, 1), 1),
+        (FourBar(30.0, 20.0, 30.0, 40 + 0j, 0.5 * math.pi, -1, 1), -1),
+    ],
+)
+def test_from_a_dead_centre_the_range_goes_to_the_side_that_closes(
+    linkage: FourBar, side: int
+) -> None:
+    """Wherever it closes: the other side begins with what is missing."""
+    near = 1e-3 * np.array([-1.0, 1.0])
+    missing = linkage.missing_length(near)
+    assert np.sort(missing)[0] < 0.0 < np.sort(missing)[1]
+    closes = -1 if missing[0] < 0.0 else 1
+    assert closes == side
+    low, high = clear_range(linkage)
+    dead = [each for each in linkage.dead_positions(-TURN, TURN) if abs(each) > 1e-6]
+    if side > 0:
+        assert low == 0.0
+        assert high == pytest.approx(min(each for each in dead if each > 0.0))
+    else:
+        assert high == 0.0
+        assert low == pytest.approx(max(each for each in dead if each < 0.0))
+    inside = np.linspace(low, high, 103)[1:-1]
+    assert np.all(linkage.missing_length(inside) < 0.0)

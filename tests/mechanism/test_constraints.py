@@ -28,6 +28,7 @@ from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Motion
 from camgeo.motion.plan import MotionPlan, Move
 from camgeo.units import TURN
+from tests.long_form import examples
 from tests.mechanism.constraints import (
     Beside,
     CarriageChain,
@@ -66,7 +67,7 @@ ROUNDINGS = 16.0
 """Of all lengths together: each enters a curve after a dozen operations of half an ulp or so, and
 wrong gaps move the roller by the stiffness of the chain."""
 
-few = settings(max_examples=8)
+few = settings(max_examples=examples(3, long=8))
 
 
 def chain_of(curve: PitchCurve) -> Chain:

@@ -203,3 +203,19 @@ def test_a_distant_pivot_costs_no_digits(distance: float, side: int) -> None:
     bows = Bows(found, along / np.abs(along), np.zeros(3))
     met = path.meet(phi, bows, np.ones(3))
     assert met == pytest.approx(q, rel=64 * 2.0**-53)
+
+
+@pytest.mark.parametrize("follower", FOLLOWERS)
+def test_a_place_is_within_reach_up_to_its_rounding(
+    follower: TranslatingRoller | OscillatingRoller,
+) -> None:
+    """At both ends of the reach, and a little beyond."""
+    path = path_of(follower, 1)
+    low, high = path.reach
+    ends = [(low, -1.0, low)] if math.isinf(high) else [(low, -1.0, high), (high, 1.0, high)]
+    for end, sign, size in ends:
+        for share in (0.0, 0.9):
+            angle, _ = path.cam_angle_of(one(end + sign * share * 1e-9 * size))
+            assert 0.0 <= angle[0] < 2.0 * math.pi
+        with pytest.raises(GeometryError, match="cannot reach that place"):
+            path.cam_angle_of(one(end + sign * 1.1e-9 * size))

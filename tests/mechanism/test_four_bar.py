@@ -16,6 +16,7 @@ from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.integrals import cells
+from tests.long_form import examples
 from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
 from tests.mechanism.loops import four_bar_jet
 from tests.reference import POLYNOMIAL
@@ -27,7 +28,7 @@ ROUNDING = 1e-11
 """As a share of the largest value. With 2 mm to spare sin(v - theta) is 0.1 at least, by which five
 times is divided; pins turn up to 350 mm from the shaft."""
 
-few = settings(attack, max_examples=25)
+few = settings(attack, max_examples=examples(10, long=25))
 
 jets = st.tuples(st.floats(0.0, MOTION), *[st.floats(-2.0, 2.0)] * 3).map(np.array)
 

@@ -11,6 +11,7 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion, linked
+from camgeo.mechanism.several import alike, several
 from camgeo.mechanism.slider_crank import SliderCrank
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import Side
@@ -108,3 +109,29 @@ def test_what_was_asked_for_lately_is_recalled() -> None:
     assert motion.jet_and_bounds(low, high) is cells
     assert np.array_equal(cells, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
     assert pickle.loads(pickle.dumps(motion)).kept == {}
+
+
+def test_linkages_that_differ_in_more_than_numbers_are_not_one() -> None:
+    """Each of several has its own numbers at its own places; words cannot be put side by side."""
+    longer = replace(LINKAGE, coupler=LINKAGE.coupler + 2.0)
+    which = np.array([0, 1, 1, 0])
+    both = several([LINKAGE, longer], which)
+    at = np.array([1.0, 2.0, 3.0, 4.0])
+    alone = [each.missing_length(at) for each in (LINKAGE, longer)]
+    assert both.missing_length(at).tolist() == [alone[k][n] for n, k in enumerate(which)]
+    mixed = several([LINKAGE, replace(LINKAGE, leans_away=not LINKAGE.leans_away)], which)
+    with pytest.raises(AttributeError, match="leans_away differs"):
+        _ = mixed.leans_away
+    assert alike(LINKAGE) == alike(longer)
+    assert alike(LINKAGE) != alike(replace(LINKAGE, mirrored=not LINKAGE.mirrored))
+    assert alike(LINKAGE) != alike(replace(LINKAGE, branch=-LINKAGE.branch))
+
+
+def test_equal_motions_are_equal_whatever_they_were_asked_for() -> None:
+    one, other = (LinkedMotion(plan_of(PARAMS, 5.5), LINKAGE) for _ in range(2))
+    one.jet(np.linspace(0.0, 6.0, 33))
+    one.jet_and_bounds(one.borders[:-1], one.borders[1:])
+    assert one == other
+    assert repr(one) == repr(other)
+    assert "kept" not in repr(one)
+    assert one != LinkedMotion(plan_of(PARAMS, 5.0), LINKAGE)

@@ -15,6 +15,7 @@ from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.motion.plan import MotionPlan
 from camgeo.units import TURN
 from tests.integrals import cells
+from tests.long_form import examples
 from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
 from tests.mechanism.loops import slider_driven_crank_jet
 from tests.strategies import SMOOTH, attack, plans, slider_cranks, slider_driven_cranks
@@ -25,7 +26,7 @@ ROUNDING = 1e-11
 """As a share of the largest value. With 2 mm to spare cos v is 0.16 at least, by which up to five
 times is divided; lengths are 450 mm at most."""
 
-few = settings(attack, max_examples=25)
+few = settings(attack, max_examples=examples(10, long=25))
 
 jets = st.tuples(st.floats(0.0, MOTION), *[st.floats(-2.0, 2.0)] * 3).map(np.array)
 

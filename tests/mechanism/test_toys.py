@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from tests.copies import copied, replaced, run_copy
+from tests.copies import commands, copied, replaced
 
 FOLLOWER = '''"""Translating follower with a round head, which slides on the cam."""
 
@@ -193,53 +192,47 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tree
 
 
-def run(tree: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run camgeo of the copy."""
-    return run_copy(tree, "-m", "camgeo", *arguments)
-
-
 def test_a_new_follower_is_started_checked_built_and_verified(tree: Path) -> None:
-    done = run(tree, "new", "mushroom", "-o", "mine.toml")
-    assert done.returncode == 0, done.stderr
-    done = run(tree, "check", "mine.toml")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "smallest transmission angle" in done.stdout
-    done = run(tree, "build", "mine.toml", "--only", "dxf", "-o", "out")
-    assert done.returncode == 0, done.stderr
+    made, checked, built, verified, replayed = commands(
+        tree,
+        ["new", "mushroom", "-o", "mine.toml"],
+        ["check", "mine.toml"],
+        ["build", "mine.toml", "--only", "dxf", "-o", "out"],
+        ["verify", "out/mushroom.dxf", "--scene", "mine.toml"],
+        ["replay", "mine.toml"],
+    )
+    for code, output, errors in (made, checked, built, verified):
+        assert code == 0, output + errors
+    assert "smallest transmission angle" in checked[1]
     assert (tree / "out" / "mushroom.dxf").read_bytes().startswith(b"  0\nSECTION")
-    done = run(tree, "verify", "out/mushroom.dxf", "--scene", "mine.toml")
-    assert done.returncode == 0, done.stdout + done.stderr
-    done = run(tree, "replay", "mine.toml")
-    assert done.returncode == 2
-    assert 'this one is "mushroom"' in done.stderr
+    assert replayed[0] == 2
+    assert 'this one is "mushroom"' in replayed[2]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "reported"),
-    [
-        ("head_radius = 12", "head_radius = -1", "must be a positive number"),
-        ("head_radius = 12", "head_radius = 401", "is that of a flat face"),
-        ("head_radius", "haed_radius", "did you mean head_radius?"),
-        ("head_radius = 12", "head_radius = 12\noffset = 3", "a translating-roller follower"),
-        ('"mushroom"  ', '"mushrom"  ', 'did you mean "mushroom"?'),
-    ],
-)
-def test_faults_are_reported_as_of_any_follower(
-    tree: Path, old: str, new: str, reported: str
-) -> None:
-    assert old in TEMPLATE
-    (tree / "wrong.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
-    done = run(tree, "check", "wrong.toml")
-    assert done.returncode == 2
-    assert reported in done.stderr
+FAULTS = [
+    ("head_radius = 12", "head_radius = -1", "must be a positive number"),
+    ("head_radius = 12", "head_radius = 401", "is that of a flat face"),
+    ("head_radius", "haed_radius", "did you mean head_radius?"),
+    ("head_radius = 12", "head_radius = 12\noffset = 3", "a translating-roller follower"),
+    ('"mushroom"  ', '"mushrom"  ', 'did you mean "mushroom"?'),
+]
+
+
+def test_faults_are_reported_as_of_any_follower(tree: Path) -> None:
+    for number, (old, new, _) in enumerate(FAULTS):
+        assert old in TEMPLATE
+        (tree / f"wrong{number}.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
+    found = commands(tree, *(["check", f"wrong{number}.toml"] for number in range(len(FAULTS))))
+    for (code, _, reported), (*_, expected) in zip(found, FAULTS, strict=True):
+        assert code == 2
+        assert expected in reported
 
 
 def test_a_new_linkage_drives_a_rocker_and_no_guided_follower(tree: Path) -> None:
-    done = run(tree, "check", "linked.toml")
-    assert done.returncode in (0, 1), done.stderr
-    assert "coupler" in done.stdout
     guided = TEMPLATE.replace("[[motion]]", '[linkage]\nkind = "toggle"\narm = 60\n[[motion]]', 1)
     (tree / "guided.toml").write_text(guided, encoding="utf-8")
-    done = run(tree, "check", "guided.toml")
-    assert done.returncode == 2
-    assert "a toggle turns a rocker" in done.stderr
+    checked, refused = commands(tree, ["check", "linked.toml"], ["check", "guided.toml"])
+    assert checked[0] in (0, 1), checked[2]
+    assert "coupler" in checked[1]
+    assert refused[0] == 2
+    assert "a toggle turns a rocker" in refused[2]

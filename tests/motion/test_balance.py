@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import BALANCES, make_law
+from camgeo.motion.laws import BALANCES, FAMILIES, make_law
 from camgeo.motion.laws.balance import balanced, equal_accelerations
 from camgeo.motion.laws.characteristic import Characteristic, characteristic
 from tests.strategies import attack
@@ -129,3 +131,50 @@ def test_what_cannot_be_reached_is_reported_with_what_can() -> None:
         make_law("harmonic-combination", "R-U", a1=-2.0)
     with pytest.raises(GeometryError, match=r"must be below -2\.0239"):
         make_law("modified-trapezoid", "R-U", a1=-2.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "task"),
+    [
+        (name, task)
+        for name, family in FAMILIES.items()
+        for task in family.tasks
+        if "inflection" in family.parameters[task] and task not in ("R-R", "U-U")
+    ],
+)
+def test_both_parts_have_the_same_extreme_in_samples(name: str, task: str) -> None:
+    """Of each quantity at the lambda found for it, and not at another one."""
+    taken = FAMILIES[name].parameters[task]
+    given_values = {key: value for key, value in (("v0", 0.6), ("v1", 0.9)) if key in taken}
+    for quantity in BALANCES:
+        found = balanced(name, task, quantity, given_values)
+        apart = []
+        for shift in (0.0, 0.05):
+            law = make_law(name, task, **given_values, inflection=found + shift)
+            assert law.inflection is not None
+            z = np.concatenate([
+                start + (end - start) * np.linspace(1e-9, 1.0 - 1e-9, 2001)
+                for start, end in pairwise((0.0, *sorted({*law.borders, law.inflection}), 1.0))
+            ])  # fmt: skip
+            _, f1, f2, f3 = law(z)
+            values = np.abs({"acceleration": f2, "jerk": f3, "moment": f1 * f2}[quantity])
+            first = z < law.inflection
+            apart.append(np.max(values[first]) / np.max(values[~first]) - 1.0)
+        assert abs(apart[0]) <= 1e-5
+        assert abs(apart[1]) > 1e-2
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "message"),
+    [
+        ("straight-line", "acceleration", "straight-line has no inflection point"),
+        ("straight-line", "jerk", "no inflection point makes the jerk equal in both parts of"),
+        ("quadratic-parabola", "jerk", "equal in both parts of quadratic-parabola for R-R"),
+    ],
+)
+def test_where_nothing_makes_them_equal_that_is_said(
+    name: str, quantity: str, message: str
+) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        balanced(name, "R-R", quantity, {})
+    assert caught.value.key == "inflection"

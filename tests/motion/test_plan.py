@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
+from camgeo.motion.joints import joints
 from camgeo.motion.laws.law import Law, Values
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -367,3 +368,18 @@ def test_bounds_that_are_too_small_are_seen() -> None:
         wrong = bounds.copy()
         wrong[order] *= 0.7  # the loosest of the true bounds has a third to spare somewhere
         assert overshoot(plan, low, high, wrong) > 1e-3
+
+
+def test_equal_plans_are_equal_whatever_they_were_asked_for() -> None:
+    def made(to: float = 10.0) -> MotionPlan:
+        law = LAWS["modified-sine"]
+        return MotionPlan((Dwell(Decimal(90)), Move(Decimal(120), to, law),
+                           Move(Decimal(150), 0.0, law)))  # fmt: skip
+
+    one, other = made(), made()
+    one.jet(np.linspace(0.0, 6.0, 33))
+    joints(one)
+    assert one == other
+    assert one != made(11.0)
+    assert repr(one) == repr(other)
+    assert "kept" not in repr(one)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.copies import copied, replaced, run_copy
+from tests.copies import commands, copied, replaced, run_copy
 
 TOY = '''"""Septic from rest to rest with a part of the 3-4-5 polynomial's jerk at the ends."""
 
@@ -69,41 +69,43 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_scene_takes_it_and_its_parameter(tree: Path) -> None:
-    done = run_copy(tree, "-m", "camgeo", "check", "toy.toml")
-    assert (done.returncode, done.stderr) == (0, "")
-    done = run_copy(tree, "-m", "camgeo", "table", "toy.toml", "--step", "30")
-    assert done.returncode == 0, done.stderr
-    rows = [[float(cell) for cell in line.split(",")[:2]] for line in done.stdout.splitlines()[1:]]
+    checked, table = commands(tree, ["check", "toy.toml"], ["table", "toy.toml", "--step", "30"])
+    assert (checked[0], checked[2]) == (0, "")
+    assert table[0] == 0, table[2]
+    rows = [[float(cell) for cell in line.split(",")[:2]] for line in table[1].splitlines()[1:]]
     assert [row[1] for row in rows if row[0] in (60.0, 120.0, 180.0, 270.0)] == pytest.approx(
         [0.0, 6.0, 12.0, 6.0]
     )
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "reported"),
-    [
-        ('"toy-septic"', '"toy-sceptic"', 'did you mean "toy-septic"?'),
-        ("smooth =", "smoth =", "did you mean smooth?"),
-        ("0.25", "1.5", "must be a number from 0 to 1"),
-        ('"toy-septic"', '"polynomial-345"', 'is not a parameter of "polynomial-345"'),
-        ("smooth =", "curved =", 'is not a parameter of "toy-septic"; its parameters: smooth'),
-    ],
-)
-def test_faults_are_reported_as_of_any_law(tree: Path, old: str, new: str, reported: str) -> None:
-    (tree / "wrong.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
-    done = run_copy(tree, "-m", "camgeo", "check", "wrong.toml")
-    assert done.returncode == 2
-    assert reported in done.stderr
+FAULTS = [
+    ('"toy-septic"', '"toy-sceptic"', 'did you mean "toy-septic"?'),
+    ("smooth =", "smoth =", "did you mean smooth?"),
+    ("0.25", "1.5", "must be a number from 0 to 1"),
+    ('"toy-septic"', '"polynomial-345"', 'is not a parameter of "polynomial-345"'),
+    ("smooth =", "curved =", 'is not a parameter of "toy-septic"; its parameters: smooth'),
+]
+
+
+def test_faults_are_reported_as_of_any_law(tree: Path) -> None:
+    for number, (old, new, _) in enumerate(FAULTS):
+        (tree / f"wrong{number}.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
+    found = commands(tree, *(["check", f"wrong{number}.toml"] for number in range(len(FAULTS))))
+    for (code, _, reported), (*_, expected) in zip(found, FAULTS, strict=True):
+        assert code == 2
+        assert expected in reported
 
 
 def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:
-    done = run_copy(tree, "-m", "camgeo", "laws", "--law", "toy", "--smooth", "1", "--json")
-    (found,) = json.loads(done.stdout)["laws"]
+    made, listed, helped = commands(
+        tree, ["laws", "--law", "toy", "--smooth", "1", "--json"], ["laws"], ["laws", "--help"]
+    )
+    (found,) = json.loads(made[1])["laws"]
     assert found["law"] == "toy-septic"
     assert found["parameters"] == {"smooth": 1.0}
     assert found["values"]["acceleration"]["value"] == pytest.approx(7.5132, abs=1e-4)  # 4-5-6-7
-    assert "toy-septic" in run_copy(tree, "-m", "camgeo", "laws").stdout
-    assert "--smooth S" in run_copy(tree, "-m", "camgeo", "laws", "--help").stdout
+    assert "toy-septic" in listed[1]
+    assert "--smooth S" in helped[1]
 
 
 def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:

@@ -7,6 +7,8 @@ import pickle
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from decimal import Decimal
+from functools import cache
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -29,12 +31,12 @@ from camgeo.motion.two_columns import TwoColumns
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.units import TURN
+from tests.motion.lifted import PHI, lift_of
 from tests.motion.planning import wishes
 from tests.strategies import laws
 
 ROOT = Path(__file__).parents[2] / "fixtures"
 SCENES = sorted((*ROOT.glob("scenes/*.toml"), *ROOT.glob("effects/*.toml")))
-PHI = np.concatenate((np.linspace(-0.1, TURN + 0.1, 501), [0.0, TURN]))
 Z = np.concatenate((np.linspace(0.0, 1.0, 201), [1e-9, 1.0 - 1e-9]))
 
 Travel = Callable[[Any], Any]
@@ -60,11 +62,13 @@ def arrays_of(value: Any) -> list[FloatArray]:
     return [each for each in held if isinstance(each, np.ndarray)]
 
 
-@each_way
 @pytest.mark.parametrize(
-    ("name", "task"), [(name, task) for name, each in FAMILIES.items() for task in each.tasks]
+    ("name", "task", "way"),
+    [(name, task, "pickle") for name, each in FAMILIES.items() for task in each.tasks]
+    + [(name, FAMILIES[name].tasks[0], way) for name in FAMILIES for way in ("copy", "deepcopy")],
 )
-def test_a_law_of_every_family_travels(travel: Travel, name: str, task: str) -> None:
+def test_a_law_of_every_family_travels(name: str, task: str, way: str) -> None:
+    travel = TRAVELS[way]
     taken = FAMILIES[name].parameters[task]
     given_values = {key: 0.7 for key in taken if key in ("v0", "v1", "curved")}
     given_values |= {key: 0.2 for key in taken if key in ("sine", "cosine")}
@@ -92,26 +96,40 @@ def test_a_law_of_no_family_is_not_lost_silently() -> None:
         pickle.dumps(own)
 
 
-def motions() -> list[tuple[str, Motion]]:
-    """The plan of every scene there is, also behind its linkage."""
-    found: list[tuple[str, Motion]] = []
-    for path in SCENES:
-        scene = load_scene(path)
-        found.append((path.stem, scene.plan))
-        if scene.linkage is not None:
-            found.append((f"{path.stem} linked", LinkedMotion(scene.plan, scene.linkage)))
-    stays = plan_motion(
-        [wishes.move(60, 10.0), wishes.move(120, 10.0, "polynomial-5"), wishes.move(180, 0.0)]
-    )
-    return [*found, ("without stroke", stays)]
+STAYS = "without stroke"
+
+MOTIONS: dict[str, Path | None] = {path.stem: path for path in SCENES}
+MOTIONS |= {
+    f"{path.stem} linked": path for path in SCENES if "[linkage]" in path.read_text("utf-8")
+}
+MOTIONS[STAYS] = None
+"""The plan of every scene there is, also behind its linkage, by name."""
 
 
-MOTIONS = motions()
+@cache
+def motion_of(name: str) -> Motion:
+    path = MOTIONS[name]
+    if path is None:
+        return plan_motion(
+            [wishes.move(60, 10.0), wishes.move(120, 10.0, "polynomial-5"), wishes.move(180, 0.0)]
+        )
+    scene = load_scene(path)
+    linkage = scene.linkage if name != path.stem else None
+    return scene.plan if linkage is None else LinkedMotion(scene.plan, linkage)
 
 
-@each_way
-@pytest.mark.parametrize(("name", "motion"), MOTIONS, ids=[name for name, _ in MOTIONS])
-def test_a_motion_travels(travel: Travel, name: str, motion: Motion) -> None:
+SOME = ("plate_translating", "points", "measured", "schnitt linked", STAYS)
+"""Plans of each kind that are copied, too: a copy is made as a pickle is."""
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [(name, "pickle") for name in MOTIONS] + list(product(SOME, ("copy", "deepcopy"))),
+)
+def test_a_motion_travels(name: str, way: str) -> None:
+    travel = TRAVELS[way]
+    motion = motion_of(name)
+    assert isinstance(motion, LinkedMotion) == name.endswith(" linked")
     before = [motion.jet(PHI, side).tobytes() for side in ("right", "left")]
     found = travel(motion)
     assert [found.jet(PHI, side).tobytes() for side in ("right", "left")] == before
@@ -160,22 +178,22 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
     table: TwoColumns = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
     assert table.second.tolist() == [0.0, 1.0, 2.0]
     assert not any(array.flags.writeable for array in arrays_of(table))
-    for joint in travel(joints(MOTIONS[0][1])):  # type: ignore[arg-type]  # MOTIONS has several types
+    plan = motion_of("plate_translating")
+    assert isinstance(plan, MotionPlan)
+    for joint in travel(joints(plan)):
         assert not joint.left.flags.writeable
 
 
-def _lift(plan: MotionPlan) -> bytes:
-    return plan.jet(PHI).tobytes()
-
-
 def test_processes_and_threads_give_the_same_bits() -> None:
-    plans = [motion for _, motion in MOTIONS[:4] if isinstance(motion, MotionPlan)]
-    expected = [_lift(plan) for plan in plans]
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
-        assert list(processes.map(_lift, plans)) == expected
+    names = ("plate_translating", "points", "measured", "straight_moves")
+    plans = [plan for plan in map(motion_of, names) if isinstance(plan, MotionPlan)]
+    assert len(plans) == len(names)
+    expected = [lift_of(plan) for plan in plans]
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as processes:
+        assert list(processes.map(lift_of, plans)) == expected
     again = [copy.deepcopy(plan) for plan in plans]
     with ThreadPoolExecutor(8) as threads:
-        assert list(threads.map(_lift, again * 8)) == expected * 8
+        assert list(threads.map(lift_of, again * 8)) == expected * 8
 
 
 @pytest.mark.parametrize("span", [3, 3.0, np.float64(3.0), Decimal("3")])

@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import make_law
 from camgeo.motion.value_table import LARGEST_STEP, NAMES, SMALLEST_STEP, law_table
+from tests.long_form import examples
 
 FOLDER = Path(__file__).parents[2] / "fixtures" / "tables"
 
@@ -151,7 +152,7 @@ def test_one_changed_cell_of_the_printed_table_is_reported(name: str) -> None:
 @by_table
 def test_one_missing_row_of_a_list_is_reported(name: str) -> None:
     ours, printed, listed = computed(name), read_printed(name), read_lists(name)
-    for place in listed:
+    for place in [*listed][:: examples(4, long=1)]:
         rest = {key: value for key, value in listed.items() if key != place}
         (reported,) = differences(ours, printed, rest)
         assert str(place) in reported
@@ -176,9 +177,12 @@ def test_a_law_that_is_a_little_off_is_reported(name: str) -> None:
 
 # The table of any law -------------------------------------------------------------------------
 
-steps = st.decimals(SMALLEST_STEP * 100, LARGEST_STEP, allow_nan=False, places=8)
+few = settings(max_examples=examples(10, long=60))
+
+steps = st.decimals(SMALLEST_STEP * 200, LARGEST_STEP, allow_nan=False, places=8)
 
 
+@few
 @given(name=st.sampled_from([*TABLES, "quadratic-parabola"]), step=steps)
 def test_z_runs_over_the_exact_multiples_and_ends_at_1(name: str, step: Decimal) -> None:
     law = make_law(name)
@@ -209,10 +213,18 @@ def test_a_third_has_all_its_digits() -> None:
     assert table.printed()[1][0] == str(third)
 
 
-def test_the_finest_table() -> None:
-    table = law_table(make_law("polynomial-345"), SMALLEST_STEP)
-    assert table.values.shape == (1_000_001, 5)
-    assert table.values[:, 0].tolist() == [number / 1_000_000 for number in range(1_000_001)]
+@pytest.mark.parametrize(
+    "step",
+    [
+        SMALLEST_STEP * 20,
+        # A million rows are made as fifty thousand are.
+        pytest.param(SMALLEST_STEP, marks=pytest.mark.long),
+    ],
+)
+def test_the_finest_table(step: Decimal) -> None:
+    table, count = law_table(make_law("polynomial-345"), step), int(1 / step)
+    assert table.values.shape == (count + 1, 5)
+    assert table.values[:, 0].tolist() == [number / count for number in range(count + 1)]
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.arrays import ascending, frozen, merged, phase
+from camgeo.numeric.arrays import (
+    FloatArray,
+    ascending,
+    dot,
+    frozen,
+    grouped,
+    joined,
+    merged,
+    phase,
+    taken,
+)
 from camgeo.units import TURN
 
 
@@ -84,3 +95,52 @@ def test_the_smallest_phase_is_no_error(height: float) -> None:
     """`cmath.phase` raises an OverflowError."""
     assert phase(complex(90.0, height)) == math.copysign(0.0, height)
     assert phase(complex(-90.0, height)) == math.copysign(math.pi, height)
+
+
+@dataclass(frozen=True)
+class Inner:
+    x: FloatArray
+    y: FloatArray
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: Inner
+    z: FloatArray
+
+
+def test_rows_are_taken_and_joined_in_all_columns() -> None:
+    rows = Inner(np.arange(5.0), 10.0 * np.arange(5.0))
+    for which in (np.array([3, 1]), [3, 1], np.arange(5) % 2 == 1, slice(1, 3)):
+        found = taken(rows, which)
+        assert found.x.tolist() == np.arange(5.0)[which].tolist()
+        assert found.y.tolist() == (10.0 * np.arange(5.0))[which].tolist()
+    parts = [Outer(Inner(np.full(n, 1.0 * n), np.full(n, 2.0 * n)), np.full(n, -n)) for n in (2, 3)]
+    for some in (parts[:1], parts):
+        whole = joined(some)
+        wanted = [n for n in (2, 3)[: len(some)] for _ in range(n)]
+        assert whole.inner.x.tolist() == wanted
+        assert whole.inner.y.tolist() == [2.0 * n for n in wanted]
+        assert whole.z.tolist() == [-n for n in wanted]
+
+
+@given(counts=st.lists(st.integers(0, 5), max_size=8))
+def test_items_of_groups_are_counted_in_each(counts: list[int]) -> None:
+    group, number = grouped(np.array(counts, dtype=np.intp))
+    wanted = [(k, each) for k, count in enumerate(counts) for each in range(count)]
+    assert list(zip(group.tolist(), number.tolist(), strict=True)) == wanted
+
+
+def test_scalar_products_of_plane_vectors() -> None:
+    a = np.array([3.0 + 4.0j, -1.0 + 2.0j])
+    assert dot(a, np.array([2.0 - 1.0j, 5.0 + 0.5j])).tolist() == [2.0, -4.0]
+    assert dot(a, 1.0 + 10.0j).tolist() == [43.0, 19.0]
+
+
+def test_angles_are_merged_up_to_eight_spacings_of_the_last() -> None:
+    step = np.spacing(6.0)
+    assert merged(np.array([1.0, 1.0 + 8.0 * step, 6.0])).tolist() == [1.0, 6.0]
+    assert len(merged(np.array([1.0, 1.0 + 9.0 * step, 6.0]))) == 3
+    assert merged(np.array([0.0, 6.0 - 2.0 * step, 6.0])).tolist() == [0.0, 6.0]
+    assert merged(np.array([2.5])).tolist() == [2.5]
+    assert merged(np.empty(0)).tolist() == []

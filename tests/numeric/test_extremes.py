@@ -9,13 +9,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import SIDES, FloatArray, IntArray, Side
 from camgeo.numeric.extremes import (
     FEWEST_SAMPLES,
     INSET,
     MOST_POINTS,
     SAMPLES,
     ceiling,
+    dips,
+    extremes_of_each,
     grid_of,
     piecewise_extremes,
     piecewise_highest,
@@ -272,3 +274,109 @@ def test_a_ceiling_counts_both_sides_of_a_jump() -> None:
         return np.where(x < 1.0 if side == "right" else x <= 1.0, x, 0.0)
 
     assert ceiling(jumping, np.array([0.0, 1.0, 2.0])) >= 1.0
+
+
+class Waves:
+    """Quantities that jump at the edges: several sines each, another offset on each piece."""
+
+    def __init__(self, seed: int, count: int) -> None:
+        source = np.random.default_rng(seed)
+        self.count = count
+        self.edges = np.concatenate(([0.0], np.sort(source.uniform(0.3, 6.0, 3)), [TURN]))
+        self.sizes = source.uniform(-1.0, 1.0, (count, 3))
+        self.phases = source.uniform(0.0, TURN, (count, 3))
+        self.steps = np.round(source.uniform(-1.0, 1.0, (count, 4)), 1)
+
+    def at(self, _: None, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
+        piece = np.searchsorted(self.edges, x, side) - 1
+        waves = self.sizes[which].T * np.sin(np.outer([1.0, 2.0, 3.0], x) + self.phases[which].T)
+        return np.asarray(np.sum(waves, axis=0) + self.steps[which, np.clip(piece, 0, 3)])
+
+    def everywhere(self, asked: None, x: FloatArray, side: Side) -> FloatArray:
+        return np.stack([self.at(asked, x, side, np.full(len(x), k)) for k in range(self.count)])
+
+    def densely(self, number: int, steps: int = 3001) -> tuple[FloatArray, FloatArray]:
+        """Places and values all over, each piece with both its ends."""
+        x = [np.linspace(*each, steps) for each in zip(self.edges, self.edges[1:], strict=False)]
+        own = np.full(steps, number)
+        found = []
+        for each in x:
+            values = self.at(None, each, "right", own)
+            values[-1] = self.at(None, each[-1:], "left", own[:1])[0]
+            found.append(values)
+        return np.concatenate(x), np.concatenate(found)
+
+
+@given(seed=st.integers(0, 10**6))
+@settings(deadline=None, max_examples=20)
+def test_extremes_of_many_at_once_are_those_of_dense_samples(seed: int) -> None:
+    waves = Waves(seed, 3)
+    found = extremes_of_each(waves, None, waves.edges)
+    for number, each in enumerate(found):
+        _, values = waves.densely(number)
+        bend = 0.2 * 14.0 * (TURN / 3000) ** 2
+        own = np.array([number])
+        for extreme, best, sign in (
+            (each.highest, np.max(values), 1.0), (each.lowest, np.min(values), -1.0)
+        ):  # fmt: skip
+            assert -1e-13 <= sign * (extreme.value - best) <= bend
+            there = [waves.at(None, np.array([extreme.place]), side, own)[0] for side in SIDES]
+            assert min(abs(value - extreme.value) for value in there) <= 1e-13
+        assert each.magnitude == max(abs(each.lowest.value), abs(each.highest.value))
+        assert ceiling(
+            lambda phi, side: waves.at(None, phi, side, np.full(len(phi), number)),  # noqa: B023 - called at once
+            waves.edges,
+        ) >= np.max(values)
+
+
+@given(depth=st.floats(-1e-2, 1e-2), at=st.floats(0.3, 5.9), other=st.floats(0.5, 3.0))
+@settings(deadline=None, max_examples=30)
+def test_a_dip_between_points_of_one_sign_is_found(depth: float, at: float, other: float) -> None:
+    """A parabola that dips below 0, narrower than the grid, and another quantity's sign."""
+    grid = np.linspace(0.0, TURN, 25)[np.newaxis]
+    for sign in (1.0, -1.0):
+        found = dips(lambda phi: sign * (other * (phi - at) ** 2 - depth), grid)  # noqa: B023 - called at once
+        wide = math.sqrt(max(depth, 0.0) / other)
+        between = np.any((grid > at - wide) & (grid < at + wide))
+        if depth > 0.0 and not between and wide > 1e-6:
+            assert found == pytest.approx([at], abs=1e-6)
+        elif depth < 0.0:
+            assert len(found) == 0
+
+
+def test_of_several_rows_each_dip_is_found_and_none_across_rows() -> None:
+    grid = np.stack((np.linspace(0.0, 2.0, 9), np.linspace(2.0, 5.0, 9)))
+    found = dips(lambda phi: 1.0 - np.cos(2.0 * (phi - 0.6)) - 1e-6, grid)
+    assert found == pytest.approx([0.6, 0.6 + math.pi], abs=1e-3)
+    assert len(dips(lambda phi: np.sin(phi - 2.1), grid)) == 0
+    assert len(dips(lambda phi: np.abs(phi - 2.0) + 1e-9, grid)) == 0
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.1, 2.0, 3.0, 6.0])
+@pytest.mark.parametrize("inner", [-0.5, 0.5])
+def test_of_several_stretches_the_one_around_the_place_is_meant(shift: float, inner: float) -> None:
+    """cos 2 (phi - shift) is below 0 twice a turn, below -0.5 twice too."""
+    half = 0.5 * (math.pi - math.acos(inner))
+    for bottom in (shift + 0.5 * math.pi, shift + 1.5 * math.pi):
+        found = stretch_below(lambda phi: np.cos(2.0 * (phi - shift)) - inner, EDGES, bottom % TURN)
+        assert found is not None
+        for angle, wanted in zip(found, (bottom - half, bottom + half), strict=True):
+            assert abs((angle - wanted + math.pi) % TURN - math.pi) <= NEAR
+
+
+def test_crests_that_cannot_be_the_highest_cost_nothing() -> None:
+    """Forty low crests beside a high one take hardly more values than the high one alone."""
+    counts = []
+    edges = np.linspace(0.0, TURN, 9)
+    for ripple in (0.0, 0.05):
+        asked: list[int] = []
+
+        def function(phi: FloatArray, _: Side, ripple: float = ripple) -> FloatArray:
+            asked.append(len(phi))  # noqa: B023 - called at once
+            return np.asarray(np.cos(phi - 1.0) + ripple * np.cos(40.0 * (phi - 1.0)))
+
+        found = piecewise_highest(function, edges)
+        assert found.value == pytest.approx(1.0 + ripple, rel=1e-14)
+        assert found.place == pytest.approx(1.0, abs=1e-7)
+        counts.append(sum(asked))
+    assert counts[1] < 2 * counts[0]

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
@@ -94,3 +95,53 @@ def test_nothing_is_larger_than_the_largest(powers: list[float]) -> None:
     assert dense <= found + 16 * EPS * size
     second = sum(k * (k - 1) * abs(c) for k, c in enumerate(powers))
     assert found <= dense + second * (0.7 / 2000.0) ** 2 / 8.0 + 1e-11 * size
+
+
+@given(
+    roots=st.lists(st.integers(-30, 30), min_size=1, max_size=5, unique=True),
+    low=st.integers(-35, 20),
+    width=st.integers(1, 30),
+    scale=st.sampled_from([1.0, -1e-8, 3e9]),
+)
+def test_the_roots_in_a_range_are_those_in_it(
+    roots: list[int], low: int, width: int, scale: float
+) -> None:
+    """Of a range that begins and ends between whole numbers, and of one that begins at a root."""
+    powers = [scale]
+    for root in roots:
+        powers = product(powers, [-float(root), 1.0])
+    ends = low + 0.25, low + width + 0.25
+    wanted = sorted(root for root in roots if ends[0] < root < ends[1])
+    found = roots_inside(powers, *ends)
+    assert found == pytest.approx(wanted, abs=1e-6)
+    assert np.all(np.diff(found) > 0.0)
+    # Twice, and beside a factor without a real root, with coefficients that vanish.
+    square = product(powers, [2.0, 0.0, 1.0])
+    assert roots_inside(square, *ends) == pytest.approx(wanted, abs=1e-6)
+    tiny = [*powers, 1e-60 * scale, -1e-55 * scale]
+    assert roots_inside(tiny, *ends) == pytest.approx(wanted, abs=1e-6)
+
+
+def test_a_double_root_is_a_root() -> None:
+    powers = product([0.25, -1.0, 1.0], [3.0, 1.0])
+    found = roots_inside(powers, 0.0, 1.0)
+    assert len(found) >= 1
+    assert found == pytest.approx(np.full(len(found), 0.5), abs=1e-6)
+    assert largest_magnitude(powers, 0.0, 1.0) == pytest.approx(1.0, rel=1e-11)
+    assert largest_magnitude(powers, 0.0, 1.0) >= 1.0
+    assert largest_magnitude([0.0, 0.0, -3.0], -2.0, 1.0) == pytest.approx(12.0, rel=1e-11)
+    assert largest_magnitude([5.0], 0.0, 1.0) == pytest.approx(5.0, rel=1e-11)
+
+
+@given(powers=st.lists(st.decimals(-9, 9, places=40), min_size=1, max_size=6))
+def test_bernstein_rounds_exact_coefficients_once(powers: list[Decimal]) -> None:
+    """c_i = sum of C(n - k, i - k) a_k over k, with more digits than a double has."""
+    n = len(powers) - 1
+    exact = [
+        sum(
+            (math.comb(n - k, i - k) * Fraction(powers[k]) for k in range(i + 1)),
+            Fraction(0),
+        )
+        for i in range(n + 1)
+    ]
+    assert bernstein(powers) == tuple(map(float, exact))

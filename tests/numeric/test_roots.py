@@ -8,12 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.numeric.roots import (
     MAX_STEPS,
     Function,
     bracketed_roots,
+    indexed_roots,
     inverse,
+    roots_in_rows,
     roots_on_grid,
     sign_changes,
 )
@@ -151,3 +153,108 @@ def test_on_a_grid_no_place_is_evaluated_twice() -> None:
 
     roots_on_grid(remembered, np.linspace(0.5, 20.0, 60))
     assert len(set(asked)) == len(asked)
+
+
+def test_brackets_whose_ends_are_known_are_not_evaluated_there() -> None:
+    asked: list[float] = []
+
+    def remembered(x: FloatArray) -> FloatArray:
+        asked.extend(x.tolist())
+        return np.sin(x)
+
+    low, high = np.array([3.0, 6.0]), np.array([4.0, 6.5])
+    ends = np.stack((np.sin(low), np.sin(high)))
+    found = bracketed_roots(remembered, low, high, ends=ends)
+    assert found == pytest.approx([math.pi, 2.0 * math.pi], rel=4.0 * 2.0**-52)
+    assert not {3.0, 4.0, 6.0, 6.5} & set(asked)
+    without = bracketed_roots(np.sin, low, high)
+    assert found.tolist() == without.tolist()
+
+
+def test_each_bracket_has_its_own_function() -> None:
+    """The numbers of the brackets go with the places, in any subset of them."""
+    shifts = np.array([0.1, 5.5, 2.0, 3.3])
+    powers = np.array([1, 3, 1, 9])
+
+    def values(x: FloatArray, which: IntArray) -> FloatArray:
+        return np.asarray((x - shifts[which]) ** powers[which])
+
+    found = indexed_roots(values, np.full(4, -1.0), np.full(4, 6.0))
+    assert found == pytest.approx(shifts, rel=4.0 * 2.0**-52)
+    rows = np.array([1, 0])
+    both = bracketed_roots(
+        lambda x: np.stack((x - 1.0, x - 2.0)), np.zeros(2), np.full(2, 5.0), rows
+    )
+    assert both.tolist() == [2.0, 1.0]
+
+
+def test_roots_along_rows_come_with_their_rows() -> None:
+    """Waves of several shifts over grids of their own, against their closed roots."""
+    shifts = np.array([0.2, 1.1, 2.9])
+    grid = np.linspace([0.0, 1.0, 2.0], [6.0, 4.5, 9.0], 40, axis=1)
+    values = np.sin(grid - shifts[:, np.newaxis])
+    found, row = roots_in_rows(lambda x, which: np.sin(x - shifts[which]), grid, values)
+    wanted = [
+        (number, shift + k * math.pi)
+        for number, shift in enumerate(shifts)
+        for k in range(-4, 5)
+        if grid[number, 0] < shift + k * math.pi < grid[number, -1]
+    ]
+    assert row.tolist() == [number for number, _ in wanted]
+    assert found == pytest.approx([place for _, place in wanted], abs=8e-15)
+    # One grid for two layers of rows: rows are counted over all layers.
+    layers = np.stack((values[:, :], -values[::-1]))
+    again, rows = roots_in_rows(
+        lambda x, which: np.where(which < 3, 1.0, -1.0) * np.sin(
+            x - np.where(which < 3, shifts[which % 3], shifts[2 - which % 3])
+        ),
+        np.stack((grid, grid[::-1])),
+        layers,
+    )  # fmt: skip
+    assert again[rows < 3] == pytest.approx(found, abs=8e-15)
+    assert sorted(again[rows >= 3]) == pytest.approx(sorted(found), abs=8e-15)
+    assert set(rows) == {0, 1, 2, 3, 4, 5}
+
+
+def test_zeros_on_the_grid_are_found_once_in_each_row() -> None:
+    grid = np.array([0.0, 1.0, 2.0, 3.0])
+    for root in (0.0, 1.0, 2.0, 3.0):
+        found = roots_on_grid(lambda x, root=root: x - root, grid)  # type: ignore[misc]  # bound at once
+        assert found.tolist() == [root]
+    low, high = sign_changes(grid, np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0]])[0])
+    assert (low.tolist(), high.tolist()) == ([0.0], [1.0])
+    assert sign_changes(grid, np.array([1.0, -1.0, -1.0, 0.0]))[0].tolist() == [0.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "function", "slope", "undone"),
+    [
+        ("arc", lambda x: np.arctan(200.0 * x), lambda x: 200.0 / (1.0 + 4e4 * x * x),
+         lambda y: math.tan(y) / 200.0),
+        ("step", lambda x: np.tanh(60.0 * x), lambda x: 60.0 / np.cosh(60.0 * x) ** 2,
+         lambda y: math.atanh(y) / 60.0),
+        ("flat", lambda x: x**7, lambda x: 7.0 * x**6 + 1e-300,
+         lambda y: math.copysign(abs(y) ** (1.0 / 7.0), y)),
+    ],
+)  # fmt: skip
+def test_the_inverse_stays_in_its_bracket_where_newton_would_leave_it(
+    name: str, function: Function, slope: Function, undone: Callable[[float], float]
+) -> None:
+    """Closed inverses; nothing is asked for beyond the edges, and no more than halving takes."""
+    edges = np.array([-0.9, -0.3, 0.95])
+    ends = function(edges[[0, -1]])
+    y = np.clip(np.linspace(ends[0], ends[1], 41) * 0.999 + 1e-4, ends[0], ends[1])
+    calls = 0
+
+    def counted(x: FloatArray) -> FloatArray:
+        nonlocal calls
+        calls += 1
+        assert np.all((x >= edges[0]) & (x <= edges[-1]))
+        return function(x)
+
+    found = inverse(counted, slope, edges, y)
+    miss = np.abs(found - [undone(float(each)) for each in y])
+    # Rounding of y over the slope, and that of the range; x^7 is flat to an eps at 0.
+    loose = 4.0 * np.spacing(np.abs(y) + 1e-3) / np.maximum(slope(found), 1e-9)
+    assert np.all(miss <= 1e-14 + loose)
+    assert calls <= 70, name

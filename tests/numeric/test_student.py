@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
+import mpmath
 import pytest
 
 from camgeo.numeric.student import FEWEST, quantile
@@ -23,3 +26,23 @@ def test_it_is_as_exact_as_stated() -> None:
     assert quantile(0.975, 8) == pytest.approx(2.3060041350333704, rel=2e-5)
     assert quantile(0.5, 9) == 0.0
     assert quantile(0.025, 9) == pytest.approx(-quantile(0.975, 9), rel=1e-14)
+
+
+@pytest.mark.parametrize("probability", [0.9, 0.95, 0.975])
+def test_its_error_is_of_the_fifth_order(probability: float) -> None:
+    """Four terms of the expansion are left out: twice the freedom, a 32nd of the error or less."""
+    errors = []
+    with mpmath.workdps(30):
+        for freedom in (8, 16, 32, 64):
+            found = quantile(probability, freedom)
+
+            def beyond(t: mpmath.mpf, freedom: int = freedom) -> mpmath.mpf:
+                tail = mpmath.betainc(
+                    mpmath.mpf(freedom) / 2, 0.5, 0, freedom / (freedom + t * t), regularized=True
+                )
+                return 1 - tail / 2 - probability
+
+            errors.append(float(mpmath.findroot(beyond, found) - found))
+    assert 0.0 < errors[0] < 2e-5 * found * 1.2
+    for before, after in pairwise(errors):
+        assert 31.0 < before / after < 36.0

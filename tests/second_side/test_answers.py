@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -11,7 +12,7 @@ import pytest
 from camgeo.answers.check import check
 from camgeo.answers.lint import Lint, lint
 from camgeo.answers.render import text, to_json
-from camgeo.answers.setup import setup_sheet
+from camgeo.answers.setup import SetupSheet, setup_sheet
 from camgeo.answers.setup.rendering import html
 from camgeo.errors import SceneError
 from camgeo.figure.backplot import figure
@@ -26,8 +27,13 @@ from tests.second_side.scenes import FACED, FROM_BELOW, TOLERANCE, design, scene
 SIDE: Final = FROM_BELOW[FROM_BELOW.index("[second_side]") :]
 
 
+@cache
+def sheet_of(tables: str) -> SetupSheet:
+    return setup_sheet(design(scene(tables)), TOLERANCE)
+
+
 def test_the_sheet_has_a_part_for_each_side() -> None:
-    sheet = setup_sheet(design(scene(FROM_BELOW)), TOLERANCE)
+    sheet = sheet_of(FROM_BELOW)
     assert sheet.side == "first side"
     assert sheet.second is not None
     assert sheet.second.side == f"second side, the work {HOW['x']}"
@@ -44,15 +50,14 @@ def test_the_sheet_has_a_part_for_each_side() -> None:
 
 
 def test_its_json_is_as_its_schema_says() -> None:
-    document = to_json(setup_sheet(design(scene(FROM_BELOW)), TOLERANCE))
+    document = to_json(sheet_of(FROM_BELOW))
     validator("camgeo.answers.setup").validate(document)
     assert document["second_side"]["side"].startswith("second side")
     assert [each["name"] for each in document["second_side"]["operations"]] == [
         "rough outline",
         "outline",
     ]
-    one_sided = scene(FACED.partition("[second_side]")[0])
-    alone = to_json(setup_sheet(design(one_sided), TOLERANCE))
+    alone = to_json(sheet_of(FROM_BELOW.partition("[second_side]")[0]))
     assert not {"side", "second_side"} & set(alone)
 
 

@@ -17,6 +17,7 @@ from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.lifts import HALVES
 from camgeo.stability.measure import measure
 from camgeo.stability.suite import LIMIT
+from tests.long_form import examples
 from tests.mechanism.flat_faces import oscillating_flats, translating_flats
 from tests.strategies import (
     attack,
@@ -27,7 +28,7 @@ from tests.strategies import (
     translating_rollers,
 )
 
-few = settings(attack, max_examples=6)
+few = settings(attack, max_examples=examples(4, long=6))
 
 SPANS = (
     ("30", "100", "40", "120", "70"),
@@ -67,7 +68,7 @@ def places() -> st.SearchStrategy[float]:
     return st.one_of(st.floats(0.01, 0.99), near, near.map(lambda share: 1.0 - share))
 
 
-@attack
+@settings(attack, max_examples=examples(8, long=60))
 @given(spec=specs())
 def test_random_cams_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
     for case in cases_of(spec):

@@ -169,7 +169,7 @@ def decides(request: Request) -> bool:
 
 
 @given(any_wish)
-@settings(attack, max_examples=examples(30, long=2000))
+@settings(attack, max_examples=examples(16, long=2000))
 def test_any_plan(wish: list[Request]) -> None:
     """One test of all invariants, because planning takes longer than examining the plan."""
     plan = accepted(wish)

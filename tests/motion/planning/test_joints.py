@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from decimal import Decimal
 
+import numpy as np
 import pytest
+from hypothesis import assume, given
 
 from camgeo.motion.joints import joints
 from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
+from tests.laws import LAWS
 from tests.motion.planning.wishes import move, planned, rest
+from tests.strategies import attack, plans
 
 
 def orders(plan: MotionPlan) -> list[int]:
@@ -134,3 +138,43 @@ def test_a_gentle_side_is_not_judged_by_a_violent_one() -> None:
     turn = joints(plan)[2]
     assert turn.after == "U"
     assert turn.right[2] == pytest.approx(-0.5, rel=1e-9)
+
+
+@attack
+@given(plan=plans(tuple(LAWS)))
+def test_each_joint_is_where_two_segments_meet_with_what_both_have_there(plan: MotionPlan) -> None:
+    """Places and positions summed up from the segments; both sides from their laws alone."""
+    starts, position, found = [Decimal(0)], 0.0, []
+    for segment in plan.segments:
+        if segment.span:
+            law = segment.law if isinstance(segment, Move) else None
+            to = segment.to if isinstance(segment, Move) else position
+            found.append((law, math.radians(float(segment.span)), to - position, position))
+            starts.append(starts[-1] + segment.span)
+            position = to
+    assume(all(not stroke or abs(stroke) > 1e-3 for _, _, stroke, _ in found))
+    meeting = joints(plan)
+    assert len(meeting) == len(found)
+    for number, joint in enumerate(meeting):
+        assert joint.cam_angle == pytest.approx(math.radians(float(starts[number])), abs=1e-14)
+        assert joint.position == pytest.approx(found[number][3], abs=1e-12)
+        sides = []
+        for (law, span, stroke, start), z in ((found[number - 1], 1.0), (found[number], 0.0)):
+            if law is None or not stroke:
+                sides.append(([start, 0.0, 0.0, 0.0], "R"))
+                continue
+            values = law(np.array([z]))[:, 0]
+            jet = [stroke * each / span**order for order, each in enumerate(values)]
+            jet[0] += start
+            v, a = (abs(each) > 1e-9 for each in values[1:3])
+            sides.append((jet, {(0, 0): "R", (1, 0): "G", (0, 1): "U", (1, 1): "B"}[v, a]))
+        assert (joint.before, joint.after) == (sides[0][1], sides[1][1])
+        for side, (jet, _) in zip((joint.left, joint.right), sides, strict=True):
+            for order in range(4):
+                size = max(abs(each[0][order]) for each in sides) + 1.0
+                assert side[order] == pytest.approx(jet[order], abs=2e-9 * size)
+        jumps = [
+            abs(one - other) > 1e-6 * max(abs(one), abs(other), 1e-6)
+            for one, other in zip(sides[0][0], sides[1][0], strict=True)
+        ]
+        assert joint.order == (jumps.index(True) - 1 if any(jumps) else 3)

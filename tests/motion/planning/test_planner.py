@@ -33,7 +33,7 @@ banded solve multiplies: over spans from 0.001 to 359 degrees 1e-9 was the most.
 UNIQUE = ("auto", "polynomial-5", "polynomial-7", "polynomial", "modified-sine", "straight-line")
 """Laws whose joints are settled without a choice between two that are as good."""
 
-many = settings(attack, max_examples=examples(30, long=80))
+many = settings(attack, max_examples=examples(9, long=80))
 
 
 def plan_of(requests: Sequence[Request]) -> MotionPlan | None:
@@ -386,3 +386,24 @@ def test_joints_are_identified_by_their_angle() -> None:
     found = joints(planned(move(120, 10.0), rest(0), move(240, 0.0)))
     assert [joint.cam_angle for joint in found] == [0.0, math.radians(120.0)]
     assert [type(joint) for joint in found] == [Joint, Joint]
+
+
+@pytest.mark.parametrize("law", ["modified-sine", "scca"])
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_part_of_a_law_is_as_long_as_cam_angles_can_tell(law: str, at_end: bool) -> None:
+    """The shorter part of a move, or its curved share: four times what tells two angles apart."""
+    least = 4.0 * 4.0 * math.ulp(2.0 * math.pi)
+    length = math.radians(120.0)
+    for size, good in ((1.05, True), (0.95, False)):
+        curved = {"curved": 0.5} if law == "scca" else {}
+        share = size * least / length / curved.get("curved", 1.0)
+        parameters = {**curved, "inflection": 1.0 - share if at_end else share}
+        rise = move(120, 10.0, law, parameters=parameters)
+        asked: list[Request] = [rest(60), rise, rest(60), move(120, 0.0)]
+        if good:
+            assert isinstance(planned(*asked).segments[1], Move)
+            continue
+        with pytest.raises(GeometryError, match="too few for cam angles to distinguish") as caught:
+            planned(*asked)
+        assert caught.value.key == "motion[2].law"
+        assert "of its 120," in caught.value.message

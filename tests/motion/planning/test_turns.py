@@ -17,6 +17,7 @@ from camgeo.motion.plan import MotionPlan
 from camgeo.motion.planning.auto import best_law, best_turn, size_of
 from camgeo.motion.planning.request import CRITERIA, Request
 from camgeo.motion.time_course import ConstantSpeed, plan_extremes
+from tests.long_form import examples
 from tests.motion.planning.wishes import laws, move, move_of, planned, rest, through
 from tests.strategies import attack
 
@@ -92,7 +93,7 @@ def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
     found = best_turn(task, v0, 0.0, ((criterion, 1.0),))
     assert found is not None
     sizes = []
-    for factor in (1.0, *np.geomspace(0.5, 4.0, 24)):
+    for factor in (1.0, *np.geomspace(0.5, 4.0, examples(9, long=24))):
         ends = {"a1": factor * found[1]} | ({"a0": factor * found[0]} if task == "U-U" else {})
         law = best_law(task, known | ends, {}, {criterion: 1.0})
         sizes.append(size_of(characteristic(law), criterion))
@@ -114,7 +115,9 @@ def test_auto_with_a_turn_has_nearly_the_least_jerk(there: int, back: int) -> No
         return plan_extremes(plan, ConstantSpeed(1.0), "mm").jerk.magnitude
 
     sharpest = -10.0 * 10.0 / math.radians(min(there, back)) ** 2
-    assert jerk() <= 1.12 * min(jerk(factor * sharpest) for factor in np.geomspace(0.1, 1.2, 16))
+    assert jerk() <= 1.12 * min(
+        jerk(factor * sharpest) for factor in np.geomspace(0.1, 1.2, examples(8, long=16))
+    )
 
 
 def test_beside_a_named_law_the_jerk_takes_the_smoothest_turn() -> None:
