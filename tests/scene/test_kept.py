@@ -63,9 +63,10 @@ def verdicts(scene: Scene, key: str) -> Iterator[str]:
             scene.with_values({key: int(value) if whole else value})
             said = "allowed"
         except SceneError as error:
-            said = "; ".join(
-                f"{each.key if each.key != key else 'it'} {each.message}" for each in error.faults
-            )
+            faults = [
+                f"{'it' if each.key == key else each.key} {each.message}" for each in error.faults
+            ]
+            said = "; ".join(faults).replace(f" {value:g}", " it")
         if runs and runs[-1][2] == said:
             runs[-1] = (runs[-1][0], value, said)
         else:
