@@ -41,6 +41,7 @@ def checked(scene: Path) -> tuple[Design, Check, str]:
 by_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @by_scene
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design, found, shown = checked(scene)

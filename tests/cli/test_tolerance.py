@@ -14,6 +14,7 @@ FEW = ("--count", "128")
 Capture = pytest.CaptureFixture[str]
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has table and record whole
 def test_table_and_record_are_the_same_bytes_again(tmp_path: Path, capsys: Capture) -> None:
     for name in ("errors.csv", "errors.json"):
         files = [tmp_path / each / name for each in ("one", "two")]

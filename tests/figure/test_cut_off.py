@@ -210,6 +210,7 @@ def test_a_whole_disc_has_no_such_entries() -> None:
     }
 
 
+@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
 def test_the_same_bytes_each_time() -> None:
     """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
     first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))

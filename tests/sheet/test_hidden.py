@@ -102,6 +102,7 @@ def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
     assert min(abs(each - wide) for each in found) < 0.01  # of both outlines
 
 
+@pytest.mark.long  # tests/export/test_drawing.py reads sheets back
 def test_it_is_read_back_within_the_tolerance() -> None:
     written = WRITER.write(pair_with(), TOLERANCE)
     deviation = WRITER.measure(pair_with(), written.data)

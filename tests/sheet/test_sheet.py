@@ -16,7 +16,6 @@ from camgeo.sheet.frame import LEFT, MARGIN
 from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
 from camgeo.sheet.scales import scales
 from camgeo.sheet.sheet import measured, sheets_of
-from tests.long_form import some
 from tests.sheet.sheets import (
     EDGES,
     FIXTURES,
@@ -66,7 +65,7 @@ def points_of(sheet: Sheet) -> ComplexArray:
     return np.concatenate(found)
 
 
-@pytest.mark.parametrize(("name", "size", "language"), some(KINDS, of=2))
+@pytest.mark.parametrize(("name", "size", "language"), KINDS)
 def test_all_is_inside_the_frame_and_no_text_is_across_another(
     name: str, size: str, language: str
 ) -> None:
@@ -227,6 +226,7 @@ def test_what_does_not_fit_is_refused_with_its_key(keys: dict[str, object], mess
         sheets_of(design.disc, TOLERANCE)
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such sheets, mark by mark
 def test_a_long_table_has_a_sheet_of_its_own() -> None:
     """Every 5 degrees on A4: nothing is lost, and the first sheet says where it is."""
     scene = parse_scene(HUBBED).with_values(edited({**FULL, "sheet": "A4", "step": 5}))
