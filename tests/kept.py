@@ -2,7 +2,7 @@
 
     python -m tests.kept
 
-writes all of them anew, by running the modules `test_kept*.py` that make them; what changed is
+writes all of them anew, by running the tests that make them, `test_..._as_kept`; what changed is
 read in the difference of the files. For texts, documents, pictures and layouts, which no second
 computation is at hand for: what has a formula is tested by it.
 
@@ -35,6 +35,9 @@ FOLDER: Final = Path(__file__).parents[1] / "fixtures" / "results"
 
 WRITTEN_ANEW: Final = "CAMGEO_WRITE_RESULTS"
 """Variable that asks for files to be written, not compared."""
+
+MAKERS: Final = "as_kept"
+"""How the names of the tests end that make them."""
 
 CLOSE: Final = 1e-9
 """Relative difference of numbers that are the same."""
@@ -198,13 +201,34 @@ def called(
         yield f"camgeo {line}: {code}", f"{shown}{notes}".replace(str(folder), "{}")
 
 
+def files(folder: Path) -> Iterator[tuple[str, str]]:
+    """The files that calls have written into a folder: of long tables the sums."""
+    for path in sorted(each for each in folder.rglob("*") if each.is_file()):
+        text = path.read_text("utf-8")
+        if path.suffix == ".json":
+            text = document(json.loads(text))
+        elif path.suffix == ".csv":
+            head, *rows = text.splitlines()
+            if len(rows) > LONG:
+                cells = [[each or "nan" for each in row.split(",")] for row in rows]
+                text = f"{head}\n{document(summary(cells))}"
+            else:
+                text = "\n".join((head, *(NUMBER.sub(_shortened, each) for each in rows)))
+        yield path.name, text
+
+
+def _shortened(found: re.Match[str]) -> str:
+    return short(float(found[0])) if "." in found[0] else found[0]
+
+
 def main() -> int:
     """Write all results anew."""
     for path in FOLDER.rglob("*.txt"):
         path.unlink()
     os.environ |= {WRITTEN_ANEW: "1", "CAMGEO_EVERY_CASE": "1"}
-    tests = sorted(map(str, Path(__file__).parent.rglob("test_kept*.py")))
-    return int(pytest.main(["-q", "-p", "no:cacheprovider", *tests]))
+    modules = sorted(Path(__file__).parent.rglob("test_*.py"))
+    tests = [str(path) for path in modules if MAKERS in path.read_text("utf-8")]
+    return int(pytest.main(["-q", "-p", "no:cacheprovider", "-k", MAKERS, *tests]))
 
 
 if __name__ == "__main__":
