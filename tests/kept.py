@@ -22,6 +22,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any, Final
 from unittest import mock
@@ -53,7 +54,9 @@ WIDTH: Final = 100
 
 NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*\w)")
 
-HASH: Final = re.compile(r"\b(?=\w*[a-f])[0-9a-f]{12,64}\b|\b[\d,]+(?= bytes)")
+HASH: Final = re.compile(
+    r"\b(?=\w*[a-f])[0-9a-f]{12,64}\b|\b[\d,]+(?= bytes)|(?<=camgeo )\d+\.\d+\.\d+"
+)
 
 USAGE: Final = re.compile(r"^usage: .*?\n(?=\S)", re.DOTALL)
 """Words of argparse, which break lines as each version of Python likes."""
@@ -199,6 +202,35 @@ def called(
             shown = document(data) + "\n"
         notes = USAGE.sub("", err.getvalue())
         yield f"camgeo {line}: {code}", f"{shown}{notes}".replace(str(folder), "{}")
+
+
+def elements(page: str) -> str:
+    """The elements of a page in lines, with the texts in them; of long ones the length."""
+    lines: list[str] = []
+
+    class Reader(HTMLParser):
+        program = False
+
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            self.program = tag in ("script", "style")
+            own = (f" {name}={_cut(value or '')}" for name, value in attrs if name != "content")
+            lines.append(f"<{tag}{''.join(own)}>")
+
+        def handle_data(self, data: str) -> None:
+            if not self.program and data.strip():
+                lines.append(data.strip().replace("\n", "|"))
+
+        def handle_endtag(self, tag: str) -> None:
+            self.program = False
+            lines.append(f"</{tag}>")
+
+    Reader().feed(page)
+    # Elements that hold one text stand in a line.
+    return re.sub(r"(<[^/\n][^\n]*>)\n([^<\n]*)\n?(</[^\n]*>)", r"\1\2\3", "\n".join(lines))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= WIDTH else f"{len(text)} characters"
 
 
 def files(folder: Path) -> Iterator[tuple[str, str]]:

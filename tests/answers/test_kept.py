@@ -304,6 +304,9 @@ def test_what_is_said_of_files_is_as_kept(keeping: Keeping) -> None:
     inspect scenes/inch.toml {}/points.csv --align rotation --robust
     report scenes/inch.toml --quick --json
     report scenes/inch.toml --quick
+    report effects/conjugate_lever.toml --quick --json
+    report effects/conjugate_lever.toml --quick
+    report refused/global_undercut.toml --quick
     build refused/undercut_tappet.toml -o {}/none
     report refused/undercut_tappet.toml
     """,

@@ -42,11 +42,15 @@ from camgeo.writing.write import FileReport
 from camgeo.writing.write import Report as Written
 from camgeo_export.notebook.markup import BADGES, HEAD, TAIL
 from camgeo_export.plots.render import Picture, render
+from tests import kept
 from tests.hostile_scene import HOSTILE, Page, harmless
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 PNG: Final = b"\x89PNG\r\n\x1a\n"
+
+
+PICTURE: Final = re.compile(r"src=\d+ characters")
 
 
 @cache
@@ -130,6 +134,21 @@ def test_texts_stay_texts(text: str) -> None:
         assert page.outline == plain
         alternatives = [each["alt"] or "" for _, each in page.elements if "alt" in each]
         assert any(text in each for each in [*page.texts, *alternatives]) or "\u2028" in text
+
+
+def test_what_notebooks_show_is_as_kept() -> None:
+    """Objects of each kind; pictures by the lengths of their data."""
+    running = Running(12.0, 1.0, 25.0)
+    shown: list[Displayed] = [
+        design("cut_lobe"), design("cut_lobe").findings, gathered(), swept(),
+        laws_of_task("R-R", {}),
+        laws_of_task("R-R", {}, ["modified-sine"], running=running),
+        laws_of_all_tasks(), compare([(name, design(name)) for name in ("cut_lobe", "tappet")]),
+        table_of_scene(design("tappet")), size(design("tappet")), *written("a text"),
+    ]  # fmt: skip
+    pages = ((type(each).__name__, kept.elements(html(each))) for each in shown)
+    kept.compare("export/notebook.txt", ((name, PICTURE.sub("src=picture", page))
+                                         for name, page in pages))  # fmt: skip
 
 
 def test_a_design_shows_its_cam_what_it_states_and_what_is_wrong() -> None:

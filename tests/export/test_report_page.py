@@ -26,6 +26,7 @@ from camgeo.scene.load import load_scene
 from camgeo.scene.scene import Scene
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.report.page import DIGITS, render
+from tests import kept
 from tests.long_form import LONG
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -104,6 +105,13 @@ def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
     assert pages[0].read_bytes() == pages[1].read_bytes() == render(made("plate_translating"))
 
 
+def test_pages_are_as_kept() -> None:
+    """Without the data of charts and solids, which are those of the report."""
+    names = ("plate_translating", "four_bar")
+    pages = ((name, kept.elements(render(made(name)).decode())) for name in names)
+    kept.compare("export/report.txt", pages)
+
+
 def test_nothing_is_loaded_and_only_the_own_script_and_style_run() -> None:
     page = render(made("setzhub"))
     found = Found(page)
@@ -176,9 +184,9 @@ def test_the_solid_is_that_of_the_stl_file() -> None:
 def test_a_part_without_thickness_has_no_solid_and_says_so() -> None:
     scene = load_scene(SCENES / "setzhub.toml")
     part = {key: value for key, value in scene.values["part"].items() if key != "thickness"}
-    kept = {key: value for key, value in scene.values.items()
+    rest = {key: value for key, value in scene.values.items()
             if key in ("camgeo", "name", "cam", "motion", "follower", "linkage")}  # fmt: skip
-    found = report(Design(Scene({**kept, "part": part})), quick=True)
+    found = report(Design(Scene({**rest, "part": part})), quick=True)
     assert not found.solids
     assert Found(render(found)).within["script"][1:] == [bundle("report.js")]
     assert any(each.startswith("solid: ") and "thickness" in each for each in found.left_out)
