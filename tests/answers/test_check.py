@@ -266,6 +266,7 @@ def test_the_engagement_of_what_clears_a_bore() -> None:
         assert steep.value == pytest.approx(math.degrees(bore.largest))
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has both documents
 def test_no_machining_without_a_tool_or_without_a_disc() -> None:
     bare = FIXTURES / "effects" / "conjugate_lever.toml"
     assert check(Design(load_scene(bare))).machining is None

@@ -272,6 +272,7 @@ def test_reader_that_has_had_enough() -> None:
     assert run.stderr == ""
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has such documents
 def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
     scene = str(SCENES.parent / "refused" / "global_undercut.toml")
     assert main(["check", scene, "--json"]) == 1

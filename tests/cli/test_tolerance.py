@@ -48,6 +48,7 @@ def test_what_cannot_be_drawn(words: tuple[str, str], said: str, capsys: Capture
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.long  # tests/figure/test_kept.py has its marks
 def test_a_picture(tmp_path: Path, capsys: Capture) -> None:
     picture = tmp_path / "errors.png"
     assert main(["tolerance", str(LEVER), *FEW, "-o", str(picture)]) == 0

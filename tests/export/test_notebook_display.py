@@ -151,6 +151,7 @@ def test_what_notebooks_show_is_as_kept() -> None:
                                          for name, page in pages))  # fmt: skip
 
 
+@pytest.mark.long  # the test above has its page, those below its picture
 def test_a_design_shows_its_cam_what_it_states_and_what_is_wrong() -> None:
     one = design("cut_lobe")
     bundle = one._repr_mimebundle_()
@@ -230,6 +231,7 @@ def test_a_table_shows_its_beginning_and_its_end(count: int) -> None:
     assert f"{count} row" in page
 
 
+@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
 def test_laws_are_shown_with_their_values_and_curves() -> None:
     law = make_law("modified-sine", "R-R")
     assert "modified-sine" in texts(law)
@@ -278,6 +280,7 @@ def test_a_sweep_is_shown_row_by_row() -> None:
     assert "least" in texts(many)
 
 
+@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
 def test_designs_side_by_side_have_what_differs_and_their_findings() -> None:
     small = Design(design("plate_translating").scene.with_values({"follower.base_radius": 30}))
     found = compare([("as it is", design("plate_translating")), ("small", small)])

@@ -155,6 +155,7 @@ def test_hostile_texts_stay_texts(hostile: str) -> None:
     assert data(page)["charts"][0]["figure"]["texts"][-1]["text"] == hostile
 
 
+@pytest.mark.long  # the test above has the same page whole
 def test_each_chart_has_its_place_sentence_and_table() -> None:
     found = made("four_bar")
     page = render(found)

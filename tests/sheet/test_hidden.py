@@ -82,6 +82,7 @@ def test_hub_and_spacer_are_hidden_as_a_whole() -> None:
         assert chain.layer == "HIDDEN"
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has its sheet
 def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
     """Without the curves of either disc; at a scale of its own, as it is the wider one."""
     pair = pair_with()

@@ -140,6 +140,7 @@ def test_the_scale_is_a_standard_one(name: str) -> None:
         assert sheet.scale in {float(each) for each in scales()}
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such a sheet
 def test_hubs_and_marks_are_drawn() -> None:
     scene = parse_scene(HUBBED).with_values(edited({**FULL, "language": "de"}))
     (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
@@ -154,6 +155,7 @@ def test_hubs_and_marks_are_drawn() -> None:
     assert any("3 x 8, 1 tief, Mitte auf Radius 25 bei 30°" in each for each in texts)
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such a sheet
 def test_flats_and_holes_are_dimensioned() -> None:
     text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }",
                           "d_shaft = { across = 14, angle = 20 }\n"
