@@ -55,7 +55,7 @@ def test_only_what_is_asked_is_computed() -> None:
 
 def test_what_only_one_design_has() -> None:
     inch = Design(load_scene(FIXTURES / "scenes" / "inch.toml"))
-    lever = Design(load_scene(FIXTURES / "effects" / "conjugate_lever.toml"))
+    lever = Design(load_scene(FIXTURES / "effects" / "lever.toml"))
     answer = compare([("a", inch), ("b", lever)], ["peak:contact-force"])
     (line,) = answer.lines
     assert line.cells[0].reason == "has no such finding or column"
