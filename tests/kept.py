@@ -43,6 +43,11 @@ MAKERS: Final = "as_kept"
 CLOSE: Final = 1e-9
 """Relative difference of numbers that are the same."""
 
+PLACES: Final = re.compile("cam.angle")
+ROUGH: Final = 1e-7
+"""What lines name cam angles; there numbers are the same within this: where a value is largest is
+known to half of its digits."""
+
 NOTHING: Final = 1e-11
 """Numbers below this are rounding errors of 0."""
 
@@ -143,17 +148,18 @@ def same(kept: str, found: str) -> bool:
     if NUMBER.sub("#", kept) != NUMBER.sub("#", found):
         return False
     pairs = zip(NUMBER.findall(kept), NUMBER.findall(found), strict=True)
-    return all(one == other or _near(one, other) for one, other in pairs)
+    close = ROUGH if PLACES.search(kept) else CLOSE
+    return all(one == other or _near(one, other, close) for one, other in pairs)
 
 
-def _near(kept: str, found: str) -> bool:
+def _near(kept: str, found: str, close: float) -> bool:
     if "." not in kept + found and "e" not in kept + found:
         return False
     digits = len(re.sub(r"e.*|\D|^-?0\.0*", "", kept))
     exponent = int(kept.partition("e")[2] or 0) - len(kept.partition("e")[0].partition(".")[2])
     unit = 1.01 * 10.0**exponent if digits >= LONG else 0.0
     difference = abs(float(kept) - float(found))
-    return difference <= max(CLOSE * abs(float(kept)), unit, NOTHING)
+    return difference <= max(close * abs(float(kept)), unit, NOTHING)
 
 
 def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:

@@ -27,6 +27,8 @@ from tests import kept
         ("[-2.5]", "[2.5]", False),
         ("[1.00000000001e-5]", "[1e-5]", True),
         ("[1e-5]", "[1e-6]", False),
+        ('"cam_angle_deg": 12.34567891', '"cam_angle_deg": 12.34567812', True),
+        ('"cam_angle_deg": 12.34567891', '"cam_angle_deg": 12.345671', False),
         ("tool 7", "tool 8", False),
         ("[1.5, 2]", "[1.5]", False),
         ("X12.345678 Y1", "X12.345679 Y1", False),
