@@ -66,14 +66,11 @@ def test_a_check_is_as_kept(keeping: Keeping) -> None:
         "check",
         """
     check scenes/conjugate_lever.toml
-    check scenes/conjugate_lever.toml --json
     check scenes/inch.toml
     check scenes/inch.toml --json
     check effects/yoke.toml --json
-    check effects/conjugate_lever.toml
     check refused/undercut_tappet.toml --json
     check refused/global_undercut.toml
-    check scenes/cut_lobe.toml --json
     check milling/moved_clamps.toml
     check milling/moved_clamps.toml --json
     """,
@@ -85,7 +82,7 @@ def test_an_explanation_is_as_kept(keeping: Keeping) -> None:
         "explain",
         """
     explain scenes/conjugate_lever.toml
-    explain scenes/inch.toml build --json
+    explain scenes/inch.toml --json
     explain refused/undercut_tappet.toml
     """,
     )
@@ -222,8 +219,7 @@ def test_what_accuracy_costs_is_as_kept(keeping: Keeping) -> None:
     keeping(
         "accuracy",
         """
-    accuracy scenes/inch.toml --tolerances 1e-1 --ripple --speed 600
-    accuracy scenes/inch.toml --tolerances 1e-1 --json
+    accuracy scenes/inch.toml --tolerances 1e-1 --speed 600 --json
     """,
     )
 
@@ -302,10 +298,8 @@ def test_what_is_said_of_files_is_as_kept(keeping: Keeping) -> None:
     inspect scenes/inch.toml {}/points.csv --tolerance 0.02
     inspect scenes/inch.toml {}/points.csv --align free --json
     inspect scenes/inch.toml {}/points.csv --align rotation --robust
-    report scenes/inch.toml --quick --json
     report scenes/inch.toml --quick
     report effects/conjugate_lever.toml --quick --json
-    report effects/conjugate_lever.toml --quick
     report refused/global_undercut.toml --quick
     build refused/undercut_tappet.toml -o {}/none
     report refused/undercut_tappet.toml

@@ -28,12 +28,11 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 CALLS = """
     plot milling/moved_clamps.toml backplot -o {}/backplot.svg
     plot scenes/groove.toml cam mechanism -o {}/groove.svg
-    plot effects/yoke.toml mechanism effects -o {}/yoke.svg
+    plot effects/yoke.toml mechanism -o {}/yoke.svg
     plot scenes/points.toml motion -o {}/points.svg
     plot refused/global_undercut.toml cam -o {}/undercut.svg
     plot scenes/inch.toml cams -o {}/none.svg
     size scenes/tappet.toml -o {}/size.svg
-    size scenes/inch.toml -o {}/size-inch.svg
     laws --task U-U --curved 0.5 -o {}/laws.svg
     slotted-lever --frame 50 --crank 80 --speed 90 -o {}/slotted-lever.svg
     replay scenes/cut_lobe.toml --step 5 -o {}/replay.svg

@@ -20,7 +20,7 @@ from tests.scene.test_scene import leaves
 NEAR: Final = 1e-6
 """Relative distance of values on both sides of a limit."""
 
-USUAL: Final = (-1.0, 0.0, 1e-10, 1e-9, 0.5, 1.0, 2.0, 90.0, 180.0, 360.0, 1e6, 1e9, 1e10)
+USUAL: Final = (-1.0, 0.0, 1e-10, 1e-9, 90.0, 180.0, 360.0, 1e9, 1e10)
 """Values that are tried of every number."""
 
 HUBBED: Final = {
@@ -55,7 +55,7 @@ def verdicts(scene: Scene, key: str) -> Iterator[str]:
         if type(value) in (int, Decimal) and name.partition(".")[0] == table
     }
     near = (number * (1.0 + side * NEAR) for number in numbers for side in (-1.0, 0.0, 1.0))
-    halves = (0.5 * number * (1.0 + side * NEAR) for number in numbers for side in (-1.0, 1.0))
+    halves = (0.5 * number for number in numbers)
     runs: list[tuple[float, float, str]] = []
     for value in sorted({*near, *halves, *USUAL}):
         whole = type(leaves(scene.values)[key]) is int and value == math.floor(value)
