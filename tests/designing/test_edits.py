@@ -18,7 +18,7 @@ from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.document import document
 from camgeo.scene.load import parse_scene
 from camgeo.scene.tree import edited
-from tests.designing.scenes import FILES, FIXTURES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
 from tests.scene.test_scene import leaves
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
@@ -33,7 +33,7 @@ def comments(text: str) -> list[str]:
     return [line.partition("#")[2] for line in text.splitlines() if "#" in line]
 
 
-@pytest.mark.parametrize("file", FILES, ids=name_of)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_a_number_is_edited_and_set_back(file: pathlib.Path) -> None:
     text, own = file.read_bytes().decode(), design(file)
     numbers = {k: v for k, v in leaves(own.scene.values).items() if type(v) in (int, Decimal)}

@@ -12,7 +12,7 @@ from camgeo.designing.edits import changed
 from camgeo.designing.switching import EXAMPLES
 from camgeo.effects.registry import EFFECTS
 from camgeo.errors import SceneError, UnknownNameError
-from tests.designing.scenes import FILES, FIXTURES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
 from tests.designing.test_edits import comments, exact
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
@@ -26,7 +26,7 @@ def test_examples_are_of_effects() -> None:
 REFUSALS = ("supports a ", "is for roller", "contradicts [")
 
 
-@pytest.mark.parametrize("file", FILES, ids=name_of)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_an_effect_is_switched(file: pathlib.Path) -> None:
     """The scene is valid then; what the machine cannot have is refused with the reason."""
     text, own = file.read_text("utf-8"), design(file)
