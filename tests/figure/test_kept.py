@@ -50,6 +50,8 @@ CALLS = """
         --vary motion.1.law=modified-sine,polynomial-345 --ask diameter --picture {}/axes.svg
     optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
         --largest transmission-angle --evaluations 9 -o {}/optimise.svg
+    optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
+        --keep transmission-angle>=60 --evaluations 9 -o {}/course.svg
 """
 
 
