@@ -15,14 +15,13 @@ from camgeo.accuracy.enough import enough, words
 from camgeo.accuracy.rows import FORMS, ORDER
 from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
 from camgeo.units import RPM
-from tests.long_form import some
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGE = (DOCS / "accuracy.md").read_text(encoding="utf-8")
 
-AGAIN = some(["plate_translating", "setzhub"], of=2)
+AGAIN = ["plate_translating"]
 """Cams that are measured again, at the tolerances that take no time."""
 
 COARSE = (1e-2, 1e-3)
@@ -71,6 +70,7 @@ def test_a_cam_has_its_tolerances_and_its_advice(name: str) -> None:
         assert re.search(r"\d pieces, .*;.*\.$", sentence, re.DOTALL)
 
 
+@pytest.mark.long  # tests/accuracy/test_contours.py measures such rows
 @pytest.mark.parametrize("name", AGAIN)
 def test_figures_measured_again_are_those_of_the_page(
     name: str, monkeypatch: pytest.MonkeyPatch
@@ -88,6 +88,7 @@ def test_figures_measured_again_are_those_of_the_page(
             assert found_again == pytest.approx(reported, abs=most, rel=share)
 
 
+@pytest.mark.long  # tests/accuracy/test_contours.py measures such rows
 def test_the_answer_at_a_speed_is_what_is_measured() -> None:
     speed = 600.0 * RPM
     rows = benefit_rows(

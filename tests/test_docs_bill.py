@@ -52,6 +52,7 @@ def test_every_fixture_scene_is_built_and_runs() -> None:
         assert rows(BUYS, name), name
 
 
+@pytest.mark.long  # tests/accuracy/test_bill.py measures such rows
 @pytest.mark.parametrize("name", ["tappet", "effects/yoke"])
 def test_what_is_built_again_is_that_of_the_page(name: str) -> None:
     """Pieces and machining time."""
@@ -61,6 +62,7 @@ def test_what_is_built_again_is_that_of_the_page(name: str) -> None:
     assert_close([*found[:2], found[8], found[10]], [*written[:2], written[8], written[10]])
 
 
+@pytest.mark.long  # tests/accuracy/test_bill.py measures such rows
 @pytest.mark.parametrize("name", ["tappet", "effects/groove_lever"])
 def test_what_runs_again_is_that_of_the_page(name: str) -> None:
     made = maker()

@@ -43,6 +43,7 @@ def test_every_contour_has_every_tolerance() -> None:
         assert [float(each) for each in found] == list(maker().TOLERANCES)
 
 
+@pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
 def test_rows_measured_again_are_those_of_the_page() -> None:
     """To two units of the last of three digits: another processor rounds pieces differently."""
     for line in maker().lines(measured()):
@@ -62,6 +63,7 @@ def test_the_picture_is_drawn_from_the_rows() -> None:
     assert drawn.to_data()
 
 
+@pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
 def test_harmonics_measured_again_are_those_of_the_page() -> None:
     """To a unit of the last of two digits."""
     for line in maker().spectrum_lines(maker().at_highest_speed(measured())):

@@ -39,7 +39,9 @@ def test_own_seconds_go_to_their_stages_and_the_rest_to_writing(
     assert math.fsum(found.values()) == now[0]
 
 
-@pytest.mark.parametrize("scene", ["tappet", "conjugate_lever"])
+@pytest.mark.parametrize(
+    "scene", ["tappet", pytest.param("conjugate_lever", marks=pytest.mark.long)]
+)
 def test_a_bill_is_of_the_files_of_a_build(scene: str, tmp_path: Path) -> None:
     design = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
     loose, tight = bill_rows(design, (1e-1, 1e-2))

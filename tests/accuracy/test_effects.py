@@ -8,7 +8,6 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
 from decimal import Decimal
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +32,7 @@ from camgeo.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
 from camgeo.figure.accuracy import figure
 from camgeo_export.plots.render import render
+from tests import kept
 from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
 
@@ -393,30 +393,22 @@ def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) 
 # The picture --------------------------------------------------------------------------------------
 
 
-def height(svg: bytes) -> float:
-    """Height of a figure [points]."""
-    text = svg.decode()
-    return float(text.split('viewBox="0 0 ')[1].split('"')[0].split()[1])
-
-
-@cache
-def without_rows() -> bytes:
-    return render(figure(survey_of(()), title="made up"), ".svg")
+def drawn(rows: tuple[EffectRow, ...], *, computing: bool = True) -> str:
+    """Every mark of the figure."""
+    return kept.marks(figure(survey_of(rows), title="made up", computing=computing))
 
 
 def test_the_picture_has_a_panel_more() -> None:
-    without = without_rows()
-    drawn = render(figure(survey_of(ROWS), title="made up"), ".svg")
-    assert height(drawn) > height(without) + 200.0
-    assert render(figure(survey_of(ROWS), title="made up"), ".svg") == drawn
+    without, found = (figure(survey_of(rows), title="made up") for rows in ((), ROWS))
+    assert len(found.panels) == len(without.panels) + 1
+    assert found.size[1] > without.size[1] + 2.5
     slower = (replace(ROWS[0], seconds=0.3), *ROWS[1:])
-    assert render(figure(survey_of(slower), title="made up"), ".svg") != drawn
+    assert drawn(slower) != drawn(ROWS)
 
 
 def test_without_seconds_there_is_no_panel() -> None:
-    assert render(figure(survey_of(ROWS[2:]), title="made up"), ".svg") == without_rows()
-    plain = render(figure(survey_of(()), title="made up", computing=False), ".svg")
-    assert render(figure(survey_of(ROWS), title="made up", computing=False), ".svg") == plain
+    assert drawn(ROWS[2:]) == drawn(())
+    assert drawn(ROWS, computing=False) == drawn((), computing=False)
 
 
 def test_a_single_row_is_drawn() -> None:

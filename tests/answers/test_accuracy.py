@@ -16,6 +16,7 @@ from tests.answers.documents import FIXTURES, SCENES, document
 from tests.cli.test_accuracy import made_up
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_documents_are_what_their_schema_says(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a made-up survey, in the units of every scene."""
@@ -32,6 +33,7 @@ def test_documents_are_what_their_schema_says(scene: Path, monkeypatch: pytest.M
     assert figure(answer).panels
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has the same answer whole
 def test_a_document_of_what_is_measured() -> None:
     found = accuracy(Design(load_scene(FIXTURES / "scenes" / "inch.toml")), (0.1,), ripple=True)
     reported = document(found)

@@ -22,6 +22,7 @@ from camgeo.scene.load import load_scene
 from camgeo.toolpath.engaged import engagement_findings
 from camgeo.wording import clock
 from tests.answers.documents import FIXTURES, RING, SCENES, UNHELD, document, explained
+from tests.long_form import LONG
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
@@ -38,9 +39,23 @@ def checked(scene: Path) -> tuple[Design, Check, str]:
     return design, found, text(found)
 
 
-by_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+KINDS = (
+    "inch",
+    "groove",
+    "four_bar",
+    "cut_lobe",
+    "yoke",
+    "conjugate_lever",
+    "global_undercut",
+    "drop",
+)
+CHOSEN = [path for path in SCENES if LONG or path.stem in KINDS]
+"""Scenes of each kind; all of them in the long form."""
+
+by_scene = pytest.mark.parametrize("scene", CHOSEN, ids=lambda path: path.stem)
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @by_scene
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design, found, shown = checked(scene)
@@ -69,7 +84,7 @@ def test_every_effect_is_reported_in_finite_numbers(scene: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "scene", [each for each in SCENES if each.parent.name == "scenes"], ids=lambda path: path.stem
+    "scene", [each for each in CHOSEN if each.parent.name == "scenes"], ids=lambda path: path.stem
 )
 def test_fixtures_keep_their_limits(scene: Path) -> None:
     design, found, shown = checked(scene)
@@ -265,6 +280,7 @@ def test_the_engagement_of_what_clears_a_bore() -> None:
         assert steep.value == pytest.approx(math.degrees(bore.largest))
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has both documents
 def test_no_machining_without_a_tool_or_without_a_disc() -> None:
     bare = FIXTURES / "effects" / "conjugate_lever.toml"
     assert check(Design(load_scene(bare))).machining is None

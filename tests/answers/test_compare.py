@@ -54,13 +54,14 @@ def test_only_what_is_asked_is_computed() -> None:
 
 
 def test_what_only_one_design_has() -> None:
+    inch = Design(load_scene(FIXTURES / "scenes" / "inch.toml"))
     lever = Design(load_scene(FIXTURES / "effects" / "lever.toml"))
-    answer = compare([("a", Design(SETZHUB)), ("b", lever)], ["peak:contact-force"])
+    answer = compare([("a", inch), ("b", lever)], ["peak:contact-force"])
     (line,) = answer.lines
     assert line.cells[0].reason == "has no such finding or column"
     assert isinstance(line.cells[1].value, float)
     assert "a: peak:contact-force: has no such finding or column" in text(answer)
-    (line,) = compare([("a", Design(SETZHUB)), ("b", lever)], ["machining-time"]).lines
+    (line,) = compare([("a", inch), ("b", lever)], ["machining-time"]).lines
     assert line.cells[0].unit == "s"
     assert line.cells[1].reason == "tool: is not stated: machining-time needs a milling program"
     with pytest.raises(UnknownNameError, match="there is no finding"):

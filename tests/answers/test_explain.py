@@ -13,7 +13,6 @@ from camgeo.answers.render import text
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document, explained
-from tests.long_form import some
 
 SPRUNG = FIXTURES / "effects" / "lift_off_elastic.toml"
 PAIR = FIXTURES / "scenes" / "conjugate_lever.toml"
@@ -21,11 +20,13 @@ MILLED = FIXTURES / "scenes" / "ring.toml"
 REFUSED = sorted((FIXTURES / "refused").glob("*.toml"))
 
 
-@pytest.mark.parametrize("scene", some(SCENES, of=2), ids=lambda path: path.stem)
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     document(explained(scene)[1])
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has both whole
 @pytest.mark.parametrize("scene", [SPRUNG, PAIR], ids=lambda path: path.stem)
 @pytest.mark.parametrize("goal", [goal for goal in GOALS if goal != "build"])
 def test_text_and_document_are_of_one_result(goal: str, scene: Path) -> None:
@@ -52,6 +53,7 @@ def test_each_finding_of_a_check_stands_at_what_made_it(scene: Path) -> None:
     assert sorted(runs) == sorted(found.findings)
 
 
+@pytest.mark.long  # tests/cli/test_explain.py does it by the command
 def test_a_command_that_judges_nothing_has_no_findings() -> None:
     found = explain(Design(load_scene(FIXTURES / "effects" / "lever.toml")), "table")
     assert not found.findings

@@ -42,6 +42,7 @@ def found_on(
     return of_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design = Design(load_scene(scene))

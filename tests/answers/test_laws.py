@@ -18,6 +18,7 @@ from tests.answers.documents import document
 MOVE = Running(4.0 * math.pi, math.radians(60.0), 25.0)
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("running", [None, MOVE], ids=["plain", "running"])
 @pytest.mark.parametrize("task", TASKS)
 def test_documents_are_what_their_schema_says(task: str, running: Running | None) -> None:

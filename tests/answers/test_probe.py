@@ -26,6 +26,7 @@ def probed(name: str, ball: float = 0.0) -> Probing:
     return probe(Design(load_scene(FOLDER / f"{name}.toml")), step=STEP, ball=ball)
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design = Design(load_scene(scene))

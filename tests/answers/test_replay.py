@@ -32,6 +32,7 @@ def changed(found: FollowerReplay, disc: DiscReplay) -> FollowerReplay:
     return replace(found, discs=(disc, *found.discs[1:]))
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
 def test_documents_are_what_their_schema_says(scene: Path) -> None:
     design = Design(load_scene(scene))

@@ -43,6 +43,7 @@ def of(name: str) -> Report:
     return report(Design(load_scene(FIXTURES / f"{name}.toml")), quick=True)
 
 
+@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
 @pytest.mark.parametrize("name", ["scenes/four_bar", "refused/undercut_tappet", "effects/lever"])
 def test_documents_are_what_their_schema_says(name: str) -> None:
     found = of(name)

@@ -23,6 +23,7 @@ from camgeo.figure.accuracy import figure
 from camgeo.figure.marks import Line, Rule, Text
 from camgeo.units import RPM
 from camgeo_export.plots.render import render
+from tests import kept
 from tests.accuracy.rows import file, missing, row
 
 Capture = pytest.CaptureFixture[str]
@@ -201,6 +202,7 @@ def test_a_disc_that_cannot_be_is_refused(tmp_path: Path, capsys: Capture) -> No
 # The picture --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
 @pytest.mark.parametrize(
     ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
 )
@@ -318,13 +320,13 @@ def test_what_is_bought_is_in_text_and_json(
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
     without = [
-        render(figure(survey, title="made up", computing=False), ".svg")
+        kept.marks(figure(survey, title="made up", computing=False))
         for survey in (made_up(), _slower(made_up()))
     ]
     assert without[0] == without[1]
     # Seconds are drawn, and the title.
     drawn = [
-        render(figure(survey, title=title), ".svg")
+        kept.marks(figure(survey, title=title))
         for survey, title in (
             (made_up(), "made up"),
             (_slower(made_up()), "made up"),

@@ -21,7 +21,6 @@ from camgeo.cli.progress import CLEARED, Progress, clear
 from camgeo.scene.new import KINDS
 from camgeo.units import MM_PER
 from camgeo.writing import transaction
-from tests.long_form import some
 from tests.reference import hard_case
 from tests.waiting import until
 
@@ -148,11 +147,11 @@ def test_build_reports_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
     assert main([*call[:-1], "0.02", "--force"]) == 0
 
 
-WHOLE: Final = frozenset(some(KINDS, of=3))
+WHOLE: Final = frozenset((KINDS[0], "groove", "conjugate-lever", "milled"))
 """Kinds of new scenes that are built in every format, the others as drawings."""
 
 
-@pytest.mark.parametrize("kind", some(KINDS, of=2))
+@pytest.mark.parametrize("kind", KINDS)
 def test_new_scene_checks_and_builds(kind: str, tmp_path: Path, capsys: Capture) -> None:
     scene = tmp_path / "my-cam.toml"
     assert main(["new", kind, "-o", str(scene)]) == 0
@@ -271,6 +270,7 @@ def test_reader_that_has_had_enough() -> None:
     assert run.stderr == ""
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has such documents
 def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
     scene = str(SCENES.parent / "refused" / "global_undercut.toml")
     assert main(["check", scene, "--json"]) == 1

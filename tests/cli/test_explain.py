@@ -46,6 +46,7 @@ def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) 
     assert alone <= everything
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has such a scene
 def test_a_scene_without_effects_leaves_all_of_them_alone(capsys: Capture) -> None:
     document = explained(capsys, str(SCENE), "build")
     alone = document["left_alone"]

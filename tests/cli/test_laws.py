@@ -317,6 +317,7 @@ def test_impossible_moves_are_refused(key: str, numbers: tuple[float, float, flo
 # The picture --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_picture_is_the_same_each_time(suffix: str, tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / f"laws{suffix}"

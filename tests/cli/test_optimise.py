@@ -30,6 +30,7 @@ def call(*words: str) -> int:
     return main(["optimise", str(SCENE), *words])
 
 
+@pytest.mark.long  # tests/cli/test_kept.py has scene, record and rows of such a search
 def test_the_scene_of_the_best_design_and_the_record(tmp_path: Path, capsys: Capture) -> None:
     """The scene keeps its comments and its limits; the same seed writes the same bytes."""
     files = [tmp_path / f"best.{end}" for end in ("toml", "json", "csv")]
@@ -67,6 +68,7 @@ def test_a_picture_of_the_front(tmp_path: Path, capsys: Capture) -> None:
     assert picture.read_bytes().startswith(b"<?xml")
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has such a search
 def test_no_design_that_keeps_the_limits(tmp_path: Path, capsys: Capture) -> None:
     best = tmp_path / "best.toml"
     limits = ("--keep", "transmission-angle>=80", "--evaluations", "14")

@@ -143,6 +143,7 @@ def test_the_table(tmp_path: Path) -> None:
         replay(PLATE, "-o", str(target))
 
 
+@pytest.mark.long  # tests/figure/test_kept.py has its marks
 @pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
 def test_the_picture(drawings: Path, tmp_path: Path, suffix: str, start: bytes) -> None:
     words = (PLATE, str(drawings / "plate_translating.dxf"), "-o")

@@ -14,6 +14,7 @@ FEW = ("--count", "128")
 Capture = pytest.CaptureFixture[str]
 
 
+@pytest.mark.long  # tests/answers/test_kept.py has table and record whole
 def test_table_and_record_are_the_same_bytes_again(tmp_path: Path, capsys: Capture) -> None:
     for name in ("errors.csv", "errors.json"):
         files = [tmp_path / each / name for each in ("one", "two")]
@@ -47,6 +48,7 @@ def test_what_cannot_be_drawn(words: tuple[str, str], said: str, capsys: Capture
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.long  # tests/figure/test_kept.py has its marks
 def test_a_picture(tmp_path: Path, capsys: Capture) -> None:
     picture = tmp_path / "errors.png"
     assert main(["tolerance", str(LEVER), *FEW, "-o", str(picture)]) == 0

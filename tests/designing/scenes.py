@@ -8,6 +8,7 @@ import pathlib
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
 from camgeo.scene.new import TEMPLATES
+from tests.long_form import LONG
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures"
 FOLDERS = (FIXTURES / "scenes", FIXTURES / "effects", FIXTURES / "pairs", TEMPLATES)
@@ -20,6 +21,15 @@ def name_of(file: pathlib.Path) -> str:
 
 
 NAMES = [name_of(path) for path in FILES]
+
+
+KINDS = frozenset(
+    ["scenes-inch", "scenes-groove", "scenes-conjugate_lever", "scenes-crank_slider",
+     "scenes-flat_rocker", "scenes-points", "scenes-measured", "scenes-hub_and_holes",
+     "effects-yoke", "effects-four_bar", "pairs-conjugate_pair", "templates-milled"]
+)  # fmt: skip
+CHOSEN = [file for file in FILES if LONG or name_of(file) in KINDS]
+"""Files of each kind; all of them in the long form."""
 
 
 @functools.cache

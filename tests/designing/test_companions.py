@@ -12,7 +12,6 @@ from camgeo.errors import Fault, SceneError
 from camgeo.scene.load import parse_scene
 from tests.designing.scenes import FILES, FIXTURES, design, name_of
 from tests.designing.test_edits import comments, exact
-from tests.long_form import some
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 TEXT = SETZHUB.read_text("utf-8")
@@ -25,7 +24,7 @@ def edit(text: str, edits: dict[str, Any]) -> str:
     return changed(text, str(SETZHUB), None, {"edits": edits}).text
 
 
-@pytest.mark.parametrize("file", some(ROLLERS, of=4), ids=name_of)
+@pytest.mark.parametrize("file", ROLLERS, ids=name_of)
 @pytest.mark.parametrize("contact", ["inner", "outer", "groove"])
 def test_a_cam_runs_on_another_flank(file: pathlib.Path, contact: str) -> None:
     """Formats, effects and milling that do not suit it are told, and nothing else."""

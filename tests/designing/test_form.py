@@ -12,14 +12,14 @@ import pytest
 from camgeo.designing.form import form
 from camgeo.scene.document import document, document_of
 from camgeo.scene.keys import path_of
-from tests.designing.scenes import FILES, NAMES
+from tests.designing.scenes import CHOSEN, FILES, NAMES, name_of
 
 
 def fields(data: bytes) -> dict[str, Any]:
     return {each.key: each for section in form(document(data)) for each in section.fields}
 
 
-@pytest.mark.parametrize("file", FILES, ids=NAMES)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_every_value_of_a_scene_has_its_field(file: pathlib.Path) -> None:
     data = file.read_bytes()
     found = fields(data)

@@ -16,7 +16,7 @@ from camgeo.design import Design
 from camgeo.designing.handles import Handle, dragged, handles
 from camgeo.errors import CamgeoError, SceneError, UnknownNameError
 from camgeo.figure import motion
-from tests.designing.scenes import FILES, NAMES, design
+from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
 
 SETZHUB = design(FILES[[file.stem for file in FILES].index("setzhub")])
 
@@ -28,7 +28,7 @@ def handle(of: Design, name: str) -> Handle:
     return next(each for each in handles(of) if each.name == name)
 
 
-@pytest.mark.parametrize("file", FILES, ids=NAMES)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_a_handle_dropped_where_it_is_changes_nothing(file: pathlib.Path) -> None:
     own = design(file)
     found = handles(own)
@@ -146,7 +146,7 @@ def test_handles_of_the_plan_are_in_its_panel() -> None:
             assert left < each.at[0] < right
 
 
-@pytest.mark.parametrize("file", FILES, ids=NAMES)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_handles_of_the_mechanism_are_on_its_bodies(file: pathlib.Path) -> None:
     """In the picture at cam angle 0, which is made by other code."""
     own = design(file)

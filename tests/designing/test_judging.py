@@ -18,9 +18,13 @@ from camgeo.designing.work import run
 from camgeo.scene.load import load_scene
 from camgeo.scene.new import template
 from tests.answers.documents import FIXTURES, SCENES
-from tests.long_form import some
+from tests.long_form import LONG
 
 REFUSED = FIXTURES / "refused"
+KINDS = ("setzhub", "conjugate_lever", "inch", "global_undercut", "d_shaft")
+JUDGED = [path for path in SCENES if LONG or path.stem in KINDS]
+"""Scenes with all kinds of findings; all of them in the long form."""
+
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 
@@ -28,7 +32,7 @@ def job(path: Path, **arguments: Any) -> Job:
     return Job("findings", path.read_text("utf-8"), str(path), str(path.parent), arguments)
 
 
-@pytest.mark.parametrize("path", some(SCENES, of=2, first=1), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", JUDGED, ids=lambda path: path.stem)
 def test_findings_are_those_of_a_check(path: Path) -> None:
     recent, asked = Recent(), job(path, machining=False)
     found = run(asked, recent)

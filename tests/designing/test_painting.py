@@ -12,7 +12,8 @@ import pytest
 from camgeo.designing.job import Job, JobError
 from camgeo.designing.recent import Recent
 from camgeo.designing.work import run
-from tests.answers.documents import FIXTURES, SCENES
+from tests.answers.documents import FIXTURES
+from tests.designing.scenes import CHOSEN, name_of
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
@@ -31,7 +32,7 @@ def written(found: dict[str, Any]) -> str:
     return json.dumps(found, allow_nan=False)
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", CHOSEN, ids=name_of)
 def test_every_scene_is_painted(path: Path) -> None:
     found = run(job(path))
     text = written(found)

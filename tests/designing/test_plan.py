@@ -10,10 +10,10 @@ import pytest
 
 from camgeo.designing.plan import plan
 from camgeo.scene.document import document, document_of
-from tests.designing.scenes import FILES, NAMES, design
+from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
 
 
-@pytest.mark.parametrize("file", FILES, ids=NAMES)
+@pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_rows_are_the_segments(file: pathlib.Path) -> None:
     found = plan(document(file.read_bytes()))
     own = design(file).drive.plan

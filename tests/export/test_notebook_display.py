@@ -42,6 +42,7 @@ from camgeo.writing.write import FileReport
 from camgeo.writing.write import Report as Written
 from camgeo_export.notebook.markup import BADGES, HEAD, TAIL
 from camgeo_export.plots.render import Picture, render
+from tests import kept
 from tests.hostile_scene import HOSTILE, Page, harmless
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -132,6 +133,22 @@ def test_texts_stay_texts(text: str) -> None:
         assert any(text in each for each in [*page.texts, *alternatives]) or "\u2028" in text
 
 
+def test_what_notebooks_show_is_as_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Objects of each kind, without what is in their pictures."""
+    monkeypatch.setattr("camgeo_export.plots.render.render", lambda *_: PNG)
+    running = Running(12.0, 1.0, 25.0)
+    shown: list[Displayed] = [
+        design("cut_lobe").findings, gathered(), swept(),
+        laws_of_task("R-R", {}),
+        laws_of_task("R-R", {}, ["modified-sine"], running=running),
+        laws_of_all_tasks(), compare([(name, design(name)) for name in ("cut_lobe", "tappet")]),
+        table_of_scene(design("tappet")), size(design("tappet")), *written("a text"),
+    ]  # fmt: skip
+    pages = ((type(each).__name__, kept.elements(html(each))) for each in shown)
+    kept.compare("export/notebook.txt", pages)
+
+
+@pytest.mark.long  # the test above has its page, those below its picture
 def test_a_design_shows_its_cam_what_it_states_and_what_is_wrong() -> None:
     one = design("cut_lobe")
     bundle = one._repr_mimebundle_()
@@ -211,6 +228,7 @@ def test_a_table_shows_its_beginning_and_its_end(count: int) -> None:
     assert f"{count} row" in page
 
 
+@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
 def test_laws_are_shown_with_their_values_and_curves() -> None:
     law = make_law("modified-sine", "R-R")
     assert "modified-sine" in texts(law)
@@ -259,6 +277,7 @@ def test_a_sweep_is_shown_row_by_row() -> None:
     assert "least" in texts(many)
 
 
+@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
 def test_designs_side_by_side_have_what_differs_and_their_findings() -> None:
     small = Design(design("plate_translating").scene.with_values({"follower.base_radius": 30}))
     found = compare([("as it is", design("plate_translating")), ("small", small)])

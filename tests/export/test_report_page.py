@@ -26,6 +26,7 @@ from camgeo.scene.load import load_scene
 from camgeo.scene.scene import Scene
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.report.page import DIGITS, render
+from tests import kept
 from tests.long_form import LONG
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -75,9 +76,14 @@ def data(page: bytes) -> Any:
     return json.loads(Found(page).within["script"][0])
 
 
-def test_the_page_of_setzhub_has_everything_in_one_small_file() -> None:
+def test_the_page_of_setzhub_has_everything_in_one_small_file(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """With price list and certificate, for which the files are made."""
-    whole = report(Design(load_scene(SCENES / "setzhub.toml")))
+    monkeypatch.setattr("camgeo.answers.report.TOLERANCES", (1e-1, 1e-2))  # finer ones take long
+    coarse = {"output.tolerance": 0.05, "output.fit": "fast"}
+    scene = load_scene(SCENES / "setzhub.toml")
+    whole = report(Design(scene if LONG else scene.with_values(coarse)))
     assert whole.certificate is not None
     formats = {each["format"] for each in whole.certificate["files"]}
     assert formats == set(whole.scene.output.formats)
@@ -93,7 +99,7 @@ def test_the_page_of_setzhub_has_everything_in_one_small_file() -> None:
     wanted = {"mechanism", "prices", "chart-0", "solid-0", "certificate-section"}
     assert wanted <= set(identifiers)
     if LONG:
-        assert render(report(Design(load_scene(SCENES / "setzhub.toml")))) == page
+        assert render(report(Design(scene))) == page
 
 
 def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
@@ -102,6 +108,13 @@ def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
     for page in pages:
         assert main(["report", scene, "--quick", "-o", str(page)]) == 0
     assert pages[0].read_bytes() == pages[1].read_bytes() == render(made("plate_translating"))
+
+
+def test_pages_are_as_kept() -> None:
+    """Without the data of charts and solids, which are those of the report."""
+    names = ("plate_translating", "four_bar")
+    pages = ((name, kept.elements(render(made(name)).decode())) for name in names)
+    kept.compare("export/report.txt", pages)
 
 
 def test_nothing_is_loaded_and_only_the_own_script_and_style_run() -> None:
@@ -147,6 +160,7 @@ def test_hostile_texts_stay_texts(hostile: str) -> None:
     assert data(page)["charts"][0]["figure"]["texts"][-1]["text"] == hostile
 
 
+@pytest.mark.long  # the test above has the same page whole
 def test_each_chart_has_its_place_sentence_and_table() -> None:
     found = made("four_bar")
     page = render(found)
@@ -176,9 +190,9 @@ def test_the_solid_is_that_of_the_stl_file() -> None:
 def test_a_part_without_thickness_has_no_solid_and_says_so() -> None:
     scene = load_scene(SCENES / "setzhub.toml")
     part = {key: value for key, value in scene.values["part"].items() if key != "thickness"}
-    kept = {key: value for key, value in scene.values.items()
+    rest = {key: value for key, value in scene.values.items()
             if key in ("camgeo", "name", "cam", "motion", "follower", "linkage")}  # fmt: skip
-    found = report(Design(Scene({**kept, "part": part})), quick=True)
+    found = report(Design(Scene({**rest, "part": part})), quick=True)
     assert not found.solids
     assert Found(render(found)).within["script"][1:] == [bundle("report.js")]
     assert any(each.startswith("solid: ") and "thickness" in each for each in found.left_out)

@@ -11,6 +11,7 @@ import pytest
 import camgeo
 from camgeo.figure.animation import animation
 from camgeo.figure.marks import Area, Line
+from tests import kept
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
@@ -35,3 +36,20 @@ def test_what_turns_stays_in_the_window(path: Path) -> None:
     reach = float(np.hypot(*points.T).max())
     assert bool(turn.note) == (path in WITHOUT_DISC)
     assert max(turn.low.real, turn.low.imag, -turn.high.real, -turn.high.imag) <= -reach
+
+
+TURNS: Final = ("scenes/setzhub", "scenes/groove", "scenes/conjugate_lever", "scenes/tappet",
+                "effects/yoke", "refused/global_undercut")  # fmt: skip
+
+
+def test_turns_are_as_kept() -> None:
+    """What turns, slides and rocks, mark by mark and place by place, and in a drag."""
+    kept.compare(
+        "figure/turns.txt",
+        (
+            (f"{name}{', moving' if moving else ''}", kept.marks(animation(disc, moving=moving)))
+            for name in TURNS
+            for disc in [camgeo.load(FIXTURES / f"{name}.toml").disc]
+            for moving in (False, True)
+        ),
+    )

@@ -109,6 +109,7 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
         assert np.min(away) < -1e-4
 
 
+@pytest.mark.long  # test_figures.py keeps such a figure, test_kept.py a refused one
 @pytest.mark.parametrize("scene", TRIMMED)
 def test_the_disc_is_drawn_with_what_is_cut_off(scene: str) -> None:
     design = camgeo.load(SCENES / f"{scene}.toml")
@@ -210,6 +211,7 @@ def test_a_whole_disc_has_no_such_entries() -> None:
     }
 
 
+@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
 def test_the_same_bytes_each_time() -> None:
     """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
     first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))

@@ -154,6 +154,7 @@ class _Named:
     table: str
 
 
+@pytest.mark.long  # tests/figure/test_figures.py keeps its data
 @pytest.mark.parametrize(
     "case",
     [

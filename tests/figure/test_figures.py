@@ -49,6 +49,7 @@ from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_outline
 from camgeo.stability.measure import Reading
 from camgeo_export.plots.render import draw, render
+from tests import kept
 from tests.cli.test_accuracy import made_up
 from tests.export.stub_product import StubProduct
 
@@ -178,6 +179,11 @@ def test_every_name_in_a_legend_is_that_of_something_drawn(case: str) -> None:
             looks = styles if isinstance(entry.style, Style) else fills
             # A roller is a circle with a cross, and stands in the legend as a small one.
             assert entry.style in looks or entry.label.startswith("roller"), entry
+
+
+def test_figures_are_as_kept() -> None:
+    """Every mark of each: where there are many points, sums of them."""
+    kept.compare("figure/figures.txt", ((case, kept.marks(figure_of(case))) for case in CASES))
 
 
 def test_the_text_in_each_picture() -> None:

@@ -57,6 +57,7 @@ def test_the_train_of_the_scene_is_marked_at_the_natural_periods_of_each_move() 
     assert f"{frequency:.4g} Hz" in rule.label
 
 
+@pytest.mark.long  # tests/effects/test_found_speed.py has the time course
 def test_at_the_found_speed_each_move_has_its_own_duration() -> None:
     design = camgeo.load(PRESS)
     rules = [each for each in marks(design, Rule) if each.axis == "x"]

@@ -114,6 +114,7 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
     assert np.count_nonzero((theta > 0.1 * peak) & (theta < 10.0 * peak)) > 100
 
 
+@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
 def test_the_same_bytes_each_time() -> None:
     """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
     drawn, again = (render(figure(driven_by("exercise")), ".svg") for _ in range(2))

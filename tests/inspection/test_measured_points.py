@@ -24,6 +24,8 @@ def test_units_are_those_of_the_heading_or_as_asked() -> None:
         assert np.array_equal(found.points, 25.4 * expected)
         assert found.normals is None
     assert np.array_equal(read_points(f"x [mm],y\n{PLAIN}", "p.csv", "inch").points, expected)
+    normals = read_points(f"x [mm],y [mm],nx [inch],ny [inch]\n{NORMAL}", "p.csv", "inch")
+    assert np.array_equal(normals.points, expected)  # the unit of a direction means nothing
 
 
 def test_normals_become_unit_vectors() -> None:

@@ -75,6 +75,7 @@ def test_no_design_of_a_grid_is_better() -> None:
     assert best - step < found.made.costs[0] < best + (0.0 if LONG else 0.2)
 
 
+@pytest.mark.long  # tests/sweep/test_pool.py has rows of the loop
 def test_the_same_designs_are_tried_wherever_they_are_computed() -> None:
     """Bit for bit, in all phases of a search, by the same processes throughout."""
     task = task_of(PLAIN, ["follower.base_radius=44:56", "cam.speed=60,90"], least=["peak:a"])

@@ -21,7 +21,7 @@ from camgeo.scene.load import load_scene
 from camgeo.scene.noted import Reads, changes, unchanged
 from camgeo.scene.scene import Scene
 from camgeo.scene.tree import edited
-from tests.long_form import LONG, examples
+from tests.long_form import examples
 
 ROOT: Final = Path(__file__).parents[2]
 
@@ -78,7 +78,7 @@ def fresh(scene: Scene, edits: dict[str, Any]) -> Scene:
     return Scene.of(document_of_tree(edited(scene.stated.scene.exact, edits)), scene.source)
 
 
-@pytest.mark.parametrize("path", SCENES if LONG else SCENES[::4], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_chain_of_edits_makes_the_scene_of_its_values(path: Path) -> None:
     """The same attributes or the same faults, whatever earlier scenes have in common with it."""
     rng = random.Random(path.stem)

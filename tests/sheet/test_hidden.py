@@ -82,6 +82,7 @@ def test_hub_and_spacer_are_hidden_as_a_whole() -> None:
         assert chain.layer == "HIDDEN"
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has its sheet
 def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
     """Without the curves of either disc; at a scale of its own, as it is the wider one."""
     pair = pair_with()
@@ -102,6 +103,7 @@ def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
     assert min(abs(each - wide) for each in found) < 0.01  # of both outlines
 
 
+@pytest.mark.long  # tests/export/test_drawing.py reads sheets back
 def test_it_is_read_back_within_the_tolerance() -> None:
     written = WRITER.write(pair_with(), TOLERANCE)
     deviation = WRITER.measure(pair_with(), written.data)

@@ -16,7 +16,6 @@ from camgeo.sheet.frame import LEFT, MARGIN
 from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
 from camgeo.sheet.scales import scales
 from camgeo.sheet.sheet import measured, sheets_of
-from tests.long_form import some
 from tests.sheet.sheets import (
     EDGES,
     FIXTURES,
@@ -66,7 +65,7 @@ def points_of(sheet: Sheet) -> ComplexArray:
     return np.concatenate(found)
 
 
-@pytest.mark.parametrize(("name", "size", "language"), some(KINDS, of=2))
+@pytest.mark.parametrize(("name", "size", "language"), KINDS)
 def test_all_is_inside_the_frame_and_no_text_is_across_another(
     name: str, size: str, language: str
 ) -> None:
@@ -141,6 +140,7 @@ def test_the_scale_is_a_standard_one(name: str) -> None:
         assert sheet.scale in {float(each) for each in scales()}
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such a sheet
 def test_hubs_and_marks_are_drawn() -> None:
     scene = parse_scene(HUBBED).with_values(edited({**FULL, "language": "de"}))
     (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
@@ -155,6 +155,7 @@ def test_hubs_and_marks_are_drawn() -> None:
     assert any("3 x 8, 1 tief, Mitte auf Radius 25 bei 30°" in each for each in texts)
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such a sheet
 def test_flats_and_holes_are_dimensioned() -> None:
     text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }",
                           "d_shaft = { across = 14, angle = 20 }\n"
@@ -227,6 +228,7 @@ def test_what_does_not_fit_is_refused_with_its_key(keys: dict[str, object], mess
         sheets_of(design.disc, TOLERANCE)
 
 
+@pytest.mark.long  # tests/sheet/test_kept.py has such sheets, mark by mark
 def test_a_long_table_has_a_sheet_of_its_own() -> None:
     """Every 5 degrees on A4: nothing is lost, and the first sheet says where it is."""
     scene = parse_scene(HUBBED).with_values(edited({**FULL, "sheet": "A4", "step": 5}))

@@ -1,0 +1,340 @@
+"""What matplotlib is told to draw: each property of each artist is the one that the mark states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure as Page
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle as Round
+from matplotlib.patches import FancyArrowPatch, Patch
+from matplotlib.text import Annotation
+from matplotlib.transforms import TransformedPath
+
+from camgeo.figure.marks import (
+    Area,
+    Arrow,
+    Band,
+    Box,
+    Circle,
+    Field,
+    Fill,
+    Line,
+    Mark,
+    Rule,
+    Style,
+    Text,
+    over,
+)
+from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel
+from camgeo_export.plots.render import drawn, saved
+
+STYLES: Final = (
+    Style("#12365c"),
+    Style("red", 2.5, (3.0, 1.5), cap="butt", join="miter"),
+    Style("black", 0.0, marker="s", size=4.0, face="#00ff00", edge="blue", edge_width=0.5),
+    Style("gray", 1.0, marker="o", cap="round"),
+)
+
+FILLS: Final = (
+    Fill("#c9dcee"),
+    Fill(edge="red", width=2.0, dashes=(4.0, 2.0)),
+    Fill("yellow", "black", hatched=True, opacity=0.4),
+)
+
+CURVE: Final = over([0.1, 0.4, 0.9], [0.2, 0.7, 0.3])
+
+
+def page(*marks: Mark | Inset, **keys: Any) -> tuple[Page, Axes]:
+    """A figure of one panel with these marks, drawn."""
+    axis = Axis((0.0, 2.0))
+    made = drawn(
+        Figure((4.0, 3.0), (replace(Panel((0.1, 0.2, 0.9, 0.8), axis, axis, marks), **keys),))
+    )
+    return made, made.axes[0]
+
+
+def lay_out(made: Page) -> None:
+    """Places are known once a figure has been drawn."""
+    FigureCanvasAgg(made).draw()  # type: ignore[no-untyped-call]
+
+
+def lined(line: Line2D, style: Style) -> None:
+    assert line.get_color() == style.color
+    assert line.get_linewidth() == style.width
+    assert line.is_dashed() == bool(style.dashes)
+    assert (line.get_linestyle() in ("None", "none")) == (style.width == 0.0)
+    assert line.get_marker() == (style.marker or "None")
+    assert line.get_markersize() == style.size
+    assert line.get_markerfacecolor() == (style.face or style.color)
+    assert line.get_markeredgecolor() == (style.edge or style.color)
+    assert line.get_markeredgewidth() == style.edge_width
+    assert line.get_solid_capstyle() == style.cap
+    assert line.get_solid_joinstyle() == style.join
+
+
+def filled(patch: Patch, fill: Fill) -> None:
+    alpha = fill.opacity
+    face = to_rgba(fill.face, alpha) if fill.face else (0.0, 0.0, 0.0, 0.0)
+    assert patch.get_facecolor() == pytest.approx(face if fill.face else (*face[:3], 0.0))
+    edge = to_rgba(fill.edge, alpha) if fill.edge else None
+    found = to_rgba(patch.get_edgecolor())
+    assert (found[3] > 0.0) == bool(fill.edge)
+    assert edge is None or found == pytest.approx(edge)
+    assert patch.get_linewidth() == fill.width
+    assert bool(patch.get_hatch()) == fill.hatched
+    assert (patch.get_alpha() or 1.0) == alpha
+    solid = patch.get_linestyle() in ("solid", "-")
+    assert solid == (not fill.dashes)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_lines_and_rules(style: Style) -> None:
+    _, axes = page(
+        Line(CURVE, style, layer=2.5, clipped=False), Rule("x", 0.3, style, layer=1.5),
+        Rule("y", 0.6, style, layer=1.7),
+    )  # fmt: skip
+    line, upright, level = axes.lines
+    for each in axes.lines:
+        lined(each, style)
+    assert np.array_equal(line.get_xydata(), CURVE)
+    assert (line.get_zorder(), upright.get_zorder(), level.get_zorder()) == (2.5, 1.5, 1.7)
+    assert not line.get_clip_on()
+    assert upright.get_clip_on()
+    assert np.asarray(upright.get_xdata()).tolist() == [0.3, 0.3]
+    assert np.asarray(level.get_ydata()).tolist() == [0.6, 0.6]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 2.0), (0.0, 2.0))
+
+
+@pytest.mark.parametrize("fill", FILLS)
+def test_areas_circles_and_bands(fill: Fill) -> None:
+    ring, hole = CURVE, 0.5 * CURVE
+    _, axes = page(
+        Area((ring, hole), fill, layer=1.2), Area((ring,), fill, closed=False),
+        Circle((0.5, 0.6), 0.25, fill, layer=1.4),
+    )  # fmt: skip
+    closed, opened, circle = axes.patches
+    for each in axes.patches:
+        filled(each, fill)
+    vertices = closed.get_path().vertices
+    assert np.array_equal(vertices, np.vstack((ring, ring[:1], hole, hole[:1])))
+    assert np.array_equal(opened.get_path().vertices, ring)
+    assert isinstance(circle, Round)
+    assert np.ravel(circle.get_center()).tolist() == [0.5, 0.6]
+    assert circle.get_radius() == 0.25
+    assert (closed.get_zorder(), opened.get_zorder(), circle.get_zorder()) == (1.2, 1.0, 1.4)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_bands_leave_gaps_out_and_fields_lie_within_them(axis: Any) -> None:
+    places = np.linspace(0.0, 1.0, 7)
+    low = np.where(np.arange(7) == 3, np.nan, 0.1 * places)
+    band = Band(axis, places, low, low + 0.5, Fill("#c9dcee", opacity=0.5), layer=1.3)
+    values = np.add.outer(places, places)
+    field = Field(places, places, values, (0.5, 1.2), Fill("#f0b8b4"), band, layer=1.6)
+    _, axes = page(band, field)
+    drawn_band, contours = axes.collections
+    paths = drawn_band.get_paths()
+    assert len(paths) == 2  # on both sides of the gap
+    extent = np.vstack([each.vertices for each in paths])
+    along, across = (extent[:, 0], extent[:, 1]) if axis == "x" else (extent[:, 1], extent[:, 0])
+    assert (along.min(), along.max()) == (0.0, 1.0)
+    assert (across.min(), across.max()) == pytest.approx((0.0, 0.6))
+    assert drawn_band.get_zorder() == 1.3
+    assert drawn_band.get_facecolor()[0] == pytest.approx(to_rgba("#c9dcee", 0.5))
+    assert contours.get_zorder() == 1.6
+    assert contours.get_facecolor()[0] == pytest.approx(to_rgba("#f0b8b4"))
+    sums = np.vstack([each.vertices for each in contours.get_paths()]).sum(axis=1)
+    assert (sums.min(), sums.max()) == pytest.approx((0.5, 1.2))
+    clip = contours.get_clip_path()
+    assert isinstance(clip, TransformedPath)
+    assert np.asarray(clip.get_fully_transformed_path().vertices).shape == extent.shape
+
+
+def test_arrows_end_in_heads_of_their_size() -> None:
+    _, axes = page(Arrow(CURVE, STYLES[1], 9.0, layer=2.2))
+    (arrow,) = axes.patches
+    assert isinstance(arrow, FancyArrowPatch)
+    assert arrow.get_mutation_scale() == 9.0
+    assert arrow.get_edgecolor() == arrow.get_facecolor() == to_rgba("red")
+    assert (arrow.get_linewidth(), arrow.get_zorder()) == (2.5, 2.2)
+
+
+@pytest.mark.parametrize("of", ["data", "panel", "figure"])
+@pytest.mark.parametrize("offset", [None, (3.0, -4.0)])
+def test_texts_are_where_they_are_stated(of: Any, offset: Any) -> None:
+    text = Text(
+        "words", (0.4, 0.3), 7.0, of, offset, "right", "top", turned=True, bold=True, spacing=1.5,
+        box=Box(0.3, 0.6), layer=3.5,
+    )  # fmt: skip
+    if of == "figure" and offset is not None:
+        return  # only texts of panels have one
+    made: Page
+    if of == "figure":
+        made = drawn(Figure((4.0, 3.0), (), (text,)))
+        (found,) = made.texts
+        place = np.array([0.4 * 4.0, 0.3 * 3.0]) * made.dpi
+    else:
+        made, axes = page(text)
+        (found,) = axes.texts
+        where = axes.transAxes if of == "panel" else axes.transData
+        place = where.transform((0.4, 0.3))
+    if isinstance(found, Annotation):
+        assert found.xyann == offset
+        assert found.xycoords == ("axes fraction" if of == "panel" else "data")
+        assert found.anncoords == "offset points"
+    else:
+        assert offset is None
+        assert found.get_transform().transform(found.get_position()) == pytest.approx(place)
+    assert (found.get_text(), found.get_fontsize(), found.get_rotation()) == ("words", 7.0, 90.0)
+    assert (
+        found.get_horizontalalignment(),
+        found.get_verticalalignment(),
+        found.get_fontweight(),
+    ) == ("right", "top", "bold")
+    assert found.get_zorder() == 3.5
+    box = found.get_bbox_patch()
+    assert box is not None
+    assert box.get_alpha() == 0.6
+    assert box.get_facecolor() == pytest.approx(to_rgba("white", 0.6))
+    assert made.get_size_inches() == pytest.approx((4.0, 3.0))
+
+
+def test_plain_texts_and_rings() -> None:
+    _, axes = page(
+        Text("plain", (0.1, 0.1), 9.0), Text("1", (0.5, 0.5), 8.0, box=Box(0.2, ring=True))
+    )
+    plain, ring = axes.texts
+    assert plain.get_bbox_patch() is None
+    assert (plain.get_rotation(), plain.get_fontweight(), plain.get_horizontalalignment()) == (
+        0.0,
+        "normal",
+        "left",
+    )
+    patch = ring.get_bbox_patch()
+    assert patch is not None
+    assert type(patch.get_boxstyle()).__name__ == "Circle"
+    assert patch.get_linewidth() == 0.7
+    assert patch.get_alpha() is None
+
+
+LEGEND: Final = Legend(
+    (Entry("line", STYLES[1]), Entry("dots", STYLES[2]), Entry("area", FILLS[2])),
+    "upper right", (0.9, 0.8), 2, 6.5, 0.3, 0.2, 0.1,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_legends_have_their_entries_at_their_place(whole: bool) -> None:
+    made: Page
+    if whole:
+        made = drawn(Figure((4.0, 3.0), legend=LEGEND))
+        (found,) = made.legends
+    else:
+        made, axes = page(legend=LEGEND)
+        legend = axes.get_legend()
+        assert legend is not None
+        found = legend
+    line, dots, area = found.legend_handles
+    assert isinstance(line, Line2D)
+    assert isinstance(dots, Line2D)
+    assert isinstance(area, Patch)
+    lined(line, STYLES[1])
+    lined(dots, STYLES[2])
+    filled(area, FILLS[2])
+    assert [each.get_text() for each in found.get_texts()] == ["line", "dots", "area"]
+    assert {each.get_fontsize() for each in found.get_texts()} == {6.5}
+    assert (found.borderaxespad, found.borderpad, found.labelspacing) == (0.3, 0.2, 0.1)
+    lay_out(made)
+    corner = found.get_window_extent()
+    frame = made.bbox if whole else made.axes[0].bbox
+    gap = 0.3 * 6.5 * made.dpi / 72.0
+    x = frame.x0 + 0.9 * frame.width - gap
+    y = frame.y0 + 0.8 * frame.height - gap
+    assert (corner.x1, corner.y1) == pytest.approx((x, y), abs=1.0)
+
+
+def test_axes_have_their_limits_ticks_and_labels() -> None:
+    _, axes = page(
+        x=Axis((3.0, 1.0), "angle", ticks=(1.0, 2.0), names=("one", "two"), label_size=7.0),
+        y=Axis((1.0, 100.0), "size", log=True),
+        title="title", title_size=8.0, title_gap=3.0,
+    )  # fmt: skip
+    assert axes.get_xlim() == (3.0, 1.0)
+    assert axes.get_ylim() == (1.0, 100.0)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    assert list(axes.get_xticks()) == [1.0, 2.0]
+    assert [each.get_text() for each in axes.get_xticklabels()] == ["one", "two"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("angle", "size")
+    assert (axes.xaxis.label.get_fontsize(), axes.yaxis.label.get_fontsize()) == (7.0, 9.0)
+    assert (axes.get_title(), axes.title.get_fontsize()) == ("title", 8.0)
+    assert axes.get_position().extents == pytest.approx((0.1, 0.2, 0.9, 0.8))
+    assert axes.axison
+    assert axes.get_aspect() == "auto"
+
+
+@pytest.mark.parametrize("side", ["y", "right"])
+def test_labels_have_their_distance_and_further_scales_their_side(side: str) -> None:
+    made, axes = page(
+        **{side: Axis((0.0, 5.0), "far", label_place=0.4)}, above=Axis((7.0, 8.0), "up")
+    )
+    own = axes if side == "y" else made.axes[1]
+    up = made.axes[-1]
+    assert (up.get_xlim(), up.get_xlabel()) == ((7.0, 8.0), "up")
+    assert own.get_ylim() == (0.0, 5.0)
+    lay_out(made)
+    x, _ = own.yaxis.label.get_transform().transform(own.yaxis.label.get_position())
+    wanted = own.bbox.x0 - 0.4 * made.dpi if side == "y" else own.bbox.x1 + 0.4 * made.dpi
+    assert x == pytest.approx(wanted, abs=1e-6)
+    assert not any(each.get_visible() for each in up.get_xgridlines())
+
+
+@pytest.mark.parametrize(("keys", "holds"), [
+    ({"bare": True}, lambda axes: not axes.axison),
+    ({"equal": True}, lambda axes: axes.get_aspect() == 1.0),
+    ({"x": Axis((0.0, 1.0), numbered=False)},
+     lambda axes: not any(each.label1.get_visible() for each in axes.xaxis.get_major_ticks())),
+    ({"y": Axis((0.0, 1e6), powers=(-2, 3))},
+     lambda axes: axes.yaxis.get_major_formatter()._powerlimits == (-2, 3)),
+])  # fmt: skip
+def test_panels_are_as_they_state(keys: dict[str, Any], holds: Callable[[Axes], bool]) -> None:
+    assert holds(page(**keys)[1])
+    assert not holds(page()[1])
+
+
+def test_an_inset_enlarges_its_window() -> None:
+    axis = Axis((0.2, 0.4))
+    panel = Panel((0.0, 0.0, 1.0, 1.0), axis, axis, (Line(CURVE, STYLES[0]),))
+    inset = Inset(panel, (1.2, 1.1), 0.6, (0.2, 0.2, 0.2), Style("red", 0.8), layer=5.0)
+    made, axes = page(inset)
+    (inner,) = axes.child_axes
+    assert (inner.get_xlim(), inner.get_zorder()) == ((0.2, 0.4), 5.0)
+    lined(inner.lines[0], STYLES[0])
+    low, high = axes.transData.transform([(1.2, 1.1), (1.8, 1.7)])
+    lay_out(made)
+    box = inner.bbox
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((*low, *high), abs=1e-6)
+
+
+def test_figures_stand_in_rows_and_files_are_of_their_kind() -> None:
+    axis = Axis((0.0, 1.0))
+    one = Figure((4.0, 1.0), (Panel((0.0, 0.0, 1.0, 1.0), axis, axis, ()),))
+    other = Figure((4.0, 3.0), one.panels)
+    made = drawn(Figure((4.0, 4.0), rows=(one, other)))
+    low, high = (each.get_window_extent() for each in made.axes)
+    assert (low.height, high.height) == pytest.approx((1.0 * made.dpi, 3.0 * made.dpi), rel=1e-6)
+    assert low.y0 == pytest.approx(3.0 * made.dpi, rel=1e-6)
+    assert high.y0 == pytest.approx(0.0, abs=1e-6)
+    assert saved(made, ".pdf").startswith(b"%PDF")
+    with pytest.raises(ValueError, match=r"no figures of kind .gif; there are .svg, .png and .pdf"):
+        saved(made, ".gif")
+    data, told = made._repr_mimebundle_()
+    assert told["image/png"] == {"width": 384, "height": 384}
+    assert data["image/png"] == saved(made, ".png")
