@@ -30,7 +30,6 @@ from camgeo_export.drawing.document import LAYERS
 from camgeo_export.drawing.strokes import GRAIN
 from camgeo_export.drawing.writer import PDF, SVG, WRITER
 from camgeo_export.verify.dxf import VERIFIER
-from tests.long_form import some
 from tests.sheet.sheets import (
     FIXTURES,
     FULL,
@@ -283,7 +282,7 @@ def test_the_number_of_holes_stands_before_their_diameter() -> None:
     assert found.override().get("dimpost") == "6x %%c<>"
 
 
-@pytest.mark.parametrize("angle", some([255, 30], of=2))
+@pytest.mark.parametrize("angle", [255, pytest.param(30, marks=pytest.mark.long)])
 def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(angle: int) -> None:
     """By the lines and texts that ezdxf draws: nothing goes through what a dimension says."""
     product = part("hub and bolts", angle, sheet="A3")

@@ -204,12 +204,12 @@ def units_by_others(lines: Lines) -> None:
 EDITS: dict[str, tuple[Callable[[Lines], None], tuple[str, ...]]] = {
     each.__name__: (each, names) for each, names in (
         (edges_backwards, ("circle and keyway", "splines")),
-        (loops_backwards, ("circle and flat", "splines")),
+        (loops_backwards, ("circle and flat",)),
         (circles_from_below, ("circle and keyway",)),
         (cones_from_elsewhere, ("circle and flat",)),
         (lines_as_splines, ("circle and keyway", "straight edges")),
         (splines_with_weights, ("circle and keyway", "splines")),
-        (axes_left_out, ("circle and keyway", "splines")),
+        (axes_left_out, ("circle and keyway",)),
         (units_by_others, ("circle and flat",)),
     )
 }  # fmt: skip
