@@ -188,6 +188,6 @@ def test_tables_and_styles_are_those_of_the_sheet(name: str) -> None:
         assert box == pytest.approx([low, high], abs=1e-9)
     (view,) = drawing.viewports.get_config("*Active")
     assert place(view.dxf.center) == pytest.approx(0.5 * (low + high), abs=1e-9)
-    most = max((high - low).real, (high - low).imag)
-    assert view.dxf.height == pytest.approx(1.05 * most, rel=1e-12)
+    side = max((high - low).real, (high - low).imag)
+    assert view.dxf.height == pytest.approx(1.05 * side, rel=1e-12)
     assert view.dxf.aspect_ratio == pytest.approx(4.0 / 3.0)
