@@ -14,14 +14,34 @@ from camgeo import load
 from camgeo.cli.main import main
 from tests.answers.documents import validator
 from tests.end_to_end.built import SCENES, Built
-from tests.long_form import some
+from tests.long_form import LONG
 from tests.quick import BUILT
 
-MEASURED: Final = {"test_gcode": 0, "test_dxf": 1, "test_solids": 1}
-"""Modules that measure files independently of camgeo, each those of every other scene, from this
-number on. What is written of each scene is so measured in one format at least, and verified by
-camgeo in all. The long form measures all files, and the scene that the quick tests build is
-measured in all formats.
+REPEATED: Final = {
+    "conjugate_carriage": "test_conjugate builds it and its return disc",
+    "conjugate_lever": "test_conjugate and test_pair build such discs",
+    "feed": "plate_translating",
+    "four_bar": "setzhub",
+    "points": "measured",
+    "querhub": "setzhub",
+    "schnitt": "setzhub",
+    "shuttle": "setzhub",
+    "vorschub": "setzhub",
+}
+"""Scenes that are built in the long form only, with what is of the same kind: discs and files of
+these differ by the motion alone. What motions and linkages are is tested where they are computed.
+"""
+
+MEASURED: Final = {
+    "test_gcode": ("constant_breadth", "cut_lobe", "groove_clearance", "inch", "measured", "ring",
+                   "straight_moves", "tappet"),
+    "test_dxf": (SOLID := ("crank_slider", "d_shaft", "flat_rocker", "groove", "hub_and_holes",
+                           "knife_edge", "plate_translating", "swallow_tail", "trimmed_ring")),
+    "test_solids": SOLID,
+}  # fmt: skip
+"""Modules that measure files independently of camgeo, with the scenes of which they do, besides the
+one that the quick tests build. What is written of each scene is so measured in one format at least,
+and verified by camgeo in all. The long form measures all files.
 """
 
 HUBS: Final = {"d_shaft", "hub_and_holes"}
@@ -29,18 +49,24 @@ HUBS: Final = {"d_shaft", "hub_and_holes"}
 programs clear areas and change tools. As those of other jobs they are simulated when verified."""
 
 
+def _wanted(module: str, scene: str) -> bool:
+    """Whether a module of this folder examines what is built of a scene."""
+    if module == "test_gcode" and scene in HUBS:
+        return False
+    if LONG or scene == BUILT:
+        return True
+    return scene in MEASURED.get(module, (scene,)) and scene not in REPEATED
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what another module measures of a scene."""
+    """Leave out what another module measures of a scene, and what repeats another scene."""
     kept: list[pytest.Item] = []
     left: list[pytest.Item] = []
     for item in items:
         call: Any = getattr(item, "callspec", None)
-        first = MEASURED.get(item.path.stem) if item.path.parent == Path(__file__).parent else None
-        path = call.params.get("built") if call and first is not None else None
-        wanted = path is None or path.stem == BUILT or path in some(SCENES, of=2, first=first or 0)
-        if path is not None and item.path.stem == "test_gcode":
-            wanted &= path.stem not in HUBS
-        (kept if wanted else left).append(item)
+        here = item.path.parent == Path(__file__).parent
+        path = call.params.get("built") if call and here else None
+        (kept if path is None or _wanted(item.path.stem, path.stem) else left).append(item)
     if left:
         config.hook.pytest_deselected(items=left)
         items[:] = kept

@@ -37,7 +37,7 @@ SUFFIXES = {".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv", ".asc", ".json", *P
 
 SWEEP: Final = [
     "sweep", str(ROOT / "fixtures" / "effects" / "four_bar.toml"),
-    "--vary", "follower.base_radius=66:74:3",
+    "--vary", "follower.base_radius=66:74:2",
     "--vary", "motion.2.law=polynomial-345,modified-sine",
     "--ask", "transmission-angle,peak:alpha_chi,min:mu,peak:kappa,peak:contact-force,diameter",
 ]  # fmt: skip
@@ -94,7 +94,7 @@ def test_rows_of_a_sweep_agree_on_other_processors(tmp_path: Path) -> None:
     assert main([*SWEEP, "-o", str(here)]) == 0
     run_elsewhere(["camgeo", *SWEEP, "-o", str(there)], tmp_path / "home", SETTINGS["all"])
     expected, found = answers(here), answers(there)
-    assert expected.shape == (6, 6)
+    assert expected.shape == (4, 6)
     assert share_apart(expected, found) <= ROWS
     for row, column in np.ndindex(expected.shape):  # one that is off is seen
         off = found.copy()

@@ -19,7 +19,7 @@ from ezdxf.filemanagement import read as parsed
 from camgeo.design import Design
 from camgeo.errors import FileError
 from camgeo.part.engraving import text_of
-from camgeo.product.product import disc_of
+from camgeo.product.product import Product, disc_of
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.sheet.ink import number_of
 from camgeo.sheet.marks import Diameter, Distance
@@ -30,7 +30,6 @@ from camgeo_export.drawing.document import LAYERS
 from camgeo_export.drawing.strokes import GRAIN
 from camgeo_export.drawing.writer import PDF, SVG, WRITER
 from camgeo_export.verify.dxf import VERIFIER
-from tests.long_form import some
 from tests.sheet.sheets import (
     FIXTURES,
     FULL,
@@ -274,8 +273,14 @@ def test_lines_have_the_widths_of_one_group() -> None:
     assert wide == {"OUTLINE", "SECTION", "EDGES", "DIAGRAM"}
 
 
+@cache
+def featured(name: str, angle: int, sheet: str = "A4") -> Product:
+    """A disc with some features, in German."""
+    return part(name, angle, language="de", sheet=sheet)
+
+
 def test_the_number_of_holes_stands_before_their_diameter() -> None:
-    product = part("bolts", 30, language="de")
+    product = featured("bolts", 30)
     drawing = parsed(io.StringIO(WRITER.write(product, TOLERANCE).data.decode("utf-8")))
     (found,) = (each for each in dimensions(drawing) if "6x" in printed(each))
     assert printed(found) == "6x Ø5"
@@ -283,10 +288,19 @@ def test_the_number_of_holes_stands_before_their_diameter() -> None:
     assert found.override().get("dimpost") == "6x %%c<>"
 
 
-@pytest.mark.parametrize("angle", some([255, 30], of=2))
-def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(angle: int) -> None:
+CROWDED = (
+    ("bolts", 30, "A4"),
+    pytest.param("hub and bolts", 255, "A3", marks=pytest.mark.long),  # the same with more of both
+    pytest.param("hub and bolts", 30, "A3", marks=pytest.mark.long),
+)
+
+
+@pytest.mark.parametrize(("name", "angle", "paper"), CROWDED)
+def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(
+    name: str, angle: int, paper: str
+) -> None:
     """By the lines and texts that ezdxf draws: nothing goes through what a dimension says."""
-    product = part("hub and bolts", angle, sheet="A3")
+    product = featured(name, angle, paper)
     (sheet,) = sheets_of(product, TOLERANCE)
     drawing = parsed(io.StringIO(WRITER.write(product, TOLERANCE).data.decode("utf-8")))
     marks = [(view, mark) for view in sheet.views for mark in view.marks

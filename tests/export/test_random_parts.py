@@ -60,7 +60,7 @@ def _or_refused(make: Callable[[], Found]) -> Found | None:
 
 
 @given(st.sampled_from(list(FLANKS)), specs() | tight_specs())
-@attack
+@settings(attack, max_examples=examples(8, long=60))
 def test_random_parts_are_solids(contact: Contact, spec: PartSpec) -> None:
     part = _made(contact, spec)
     solid = _or_refused(lambda: body(part, TOLERANCE, _same))
@@ -73,7 +73,7 @@ def test_random_parts_are_solids(contact: Contact, spec: PartSpec) -> None:
 
 
 @given(st.sampled_from(list(FLANKS)), specs(), chamfers())
-@attack
+@settings(attack, max_examples=examples(6, long=60))
 def test_random_chamfers_are_refused_or_in_the_solid(
     contact: Contact, spec: PartSpec, edges: Chamfers
 ) -> None:

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
@@ -23,6 +23,7 @@ from camgeo.part.spec import DShaft, Keyway, Mark
 from camgeo.printing.drawn_in import drawn_in
 from camgeo.printing.scaled import ScaledBoundary
 from tests.contour.cams import SCENES
+from tests.long_form import examples
 from tests.strategies import attack
 
 TOLERANCE = 1e-3
@@ -97,7 +98,7 @@ HOLES = {
 
 @pytest.mark.parametrize("name", HOLES)
 @given(st.floats(-0.9, 2.0).filter(lambda by: abs(by) > 1e-3))
-@attack
+@settings(attack, max_examples=examples(4, long=60))
 def test_parallels_of_lines_and_arcs(name: str, by: float) -> None:
     """As of shapely, with corners that stay corners."""
     fine = 1e-2 * TOLERANCE

@@ -75,6 +75,9 @@ RARE: Final[frozenset[Layer]] = frozenset(("ENGRAVING",))
 HATCHING: Final = 2.5
 """Distance between the lines of a cut face [mm of paper]."""
 
+BY_LAYER: Final = 256
+"""Colour number of what has the colour of its layer."""
+
 ANSI31: Final = 3.175
 """The same of the pattern of that name at scale 1, for programs that have patterns of their own."""
 
@@ -234,11 +237,11 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Hatched) -> None:
-        hatch = self._space.add_hatch(color=256, dxfattribs={"layer": "HATCH"})
+        hatch = self._space.add_hatch(dxfattribs={"layer": "HATCH"})
         step = ANSI31 * math.sqrt(0.5)
         pattern = [[45.0, (0.0, 0.0), (-step, step), []]]
         scale = HATCHING * self._paper / ANSI31
-        hatch.set_pattern_fill("ANSI31", scale=scale, definition=pattern)
+        hatch.set_pattern_fill("ANSI31", BY_LAYER, scale=scale, definition=pattern)
         corners = [self._at(each) for each in mark.corners.tolist()]
         hatch.paths.add_polyline_path(corners, is_closed=True)
 

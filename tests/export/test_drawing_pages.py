@@ -1,0 +1,244 @@
+"""Pages of a sheet: SVG and PDF draw the same, and that is what the sheet has, grain by grain."""
+
+from __future__ import annotations
+
+import math
+import re
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import cache
+from itertools import pairwise
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.sheet.marks import Chain, Round
+from camgeo.sheet.sheet import sheets_of
+from camgeo_export.drawing.document import LAYERS
+from camgeo_export.drawing.writer import PDF, SVG
+from tests.export.test_drawing_marks import placed, product
+from tests.sheet.sheets import TOLERANCE
+
+KINDS = ("inch", "bolts")
+
+GRAIN = 0.005
+"""Of all coordinates [mm]."""
+
+PATH = re.compile(r"([MmLlAaQqCcZzhf])|(-?\d+(?:\.\d+)?)")
+
+SHARES = np.array([0.25, 0.5, 0.75])
+
+Runs = list[tuple[list[complex], list[complex]]]
+"""Of each run of lines and curves its ends, and places a quarter, a half and three quarters of the
+way along each curve [grains]; y upwards."""
+
+
+def svg_runs(text: str, at: Callable[[complex], complex]) -> Runs:
+    """The runs of a path, read by the rules of SVG."""
+    found: Runs = []
+    words = [tuple(each) for each in PATH.findall(text)]
+    here, start, k = 0j, 0j, 0
+    while k < len(words):
+        letter, k = words[k][0], k + 1
+        numbers = []
+        while k < len(words) and words[k][1]:
+            numbers.append(float(words[k][1]))
+            k += 1
+        if letter.upper() == "Z":
+            found[-1][0].append(found[-1][0][0])
+            here = start
+            continue
+        own = numbers[5:] if letter == "a" else numbers
+        places = [complex(*pair) for pair in zip(own[::2], own[1::2], strict=True)]
+        if letter in "Mm":
+            here = start = places[0] if letter == "M" else here + places[0]
+            found.append(([at(here)], []))
+        elif letter == "a":
+            end = here + places[-1]
+            arc = arc_of(here, end, numbers)
+            found[-1][1].extend(at(each) for each in arc)
+            here = end
+            found[-1][0].append(at(here))
+        else:
+            controls = [here, *(here + each for each in places)]
+            if letter in "qc":
+                found[-1][1].extend(at(each) for each in bezier(controls))
+            here = controls[-1]
+            found[-1][0].append(at(here))
+    return found
+
+
+def arc_of(start: complex, end: complex, numbers: list[float]) -> Iterator[complex]:
+    """Places along an arc (SVG 2, appendix B.2.4)."""
+    radius, _, _, large, positive = numbers[:5]
+    half = 0.5 * (start - end)
+    root = math.sqrt(max(0.0, radius**2 / abs(half) ** 2 - 1.0))
+    sign = -1.0 if large == positive else 1.0
+    centre = 0.5 * (start + end) + sign * root * complex(half.imag, -half.real)
+    turn = float(np.angle((end - centre) / (start - centre))) % (2.0 * math.pi)
+    turn = turn if positive else turn - 2.0 * math.pi
+    yield from (centre + (start - centre) * np.exp(1j * turn * SHARES)).tolist()
+
+
+def bezier(points: list[complex]) -> list[complex]:
+    """Places along a curve, by de Casteljau's algorithm."""
+    rows = [np.full(3, each) for each in points]
+    while len(rows) > 1:
+        rows = [(1.0 - SHARES) * a + SHARES * b for a, b in pairwise(rows)]
+    found: list[complex] = rows[0].tolist()
+    return found
+
+
+def pdf_runs(text: str) -> Runs:
+    """The runs of operators m, l, c and h."""
+    found: Runs = []
+    numbers: list[float] = []
+    for word in text.split():
+        if re.fullmatch(r"-?\d+", word):
+            numbers.append(float(word))
+            continue
+        places = [complex(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
+        numbers = []
+        if word == "m":
+            found.append(([places[0]], []))
+        elif word in "lc":
+            if word == "c":
+                found[-1][1].extend(bezier([found[-1][0][-1], *places]))
+            found[-1][0].append(places[-1])
+        elif word == "h":
+            found[-1][0].append(found[-1][0][0])
+    return found
+
+
+@cache
+def pages(name: str) -> tuple[bytes, bytes]:
+    return tuple(each.write(product(name), TOLERANCE).data for each in (SVG, PDF))  # type: ignore[return-value]  # of two
+
+
+def svg_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
+    """Lines by their widths, and filled outlines in their places."""
+    root = ET.fromstring(pages(name)[0])
+    high = float(str(root.get("viewBox")).split()[3])
+
+    def upwards(point: complex) -> complex:
+        return complex(point.real, high - point.imag)
+
+    lines, shapes, filled = {}, {}, []
+    for each in root.iter():
+        tag = each.tag.rpartition("}")[2]
+        if tag == "path" and each.get("stroke-width"):
+            lines[int(each.get("stroke-width", ""))] = svg_runs(each.get("d", ""), upwards)
+        elif tag == "path":
+            shapes[each.get("id")] = each.get("d", "")
+        elif tag == "use":
+            at = complex(float(each.get("x", "")), float(each.get("y", "")))
+            shape = shapes[each.get("href", "")[1:]]
+            filled.append(svg_runs(shape, lambda point, at=at: upwards(point + at)))  # type: ignore[misc]  # bound now
+    return lines, filled
+
+
+def pdf_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
+    (stream,) = re.findall(rb"stream\n(.*?)\nendstream", pages(name)[1], re.DOTALL)
+    text = zlib.decompress(stream).decode("ascii")
+    lines = {int(width): pdf_runs(own) for width, own in re.findall(r"(\d+) w\n(.*?)\nS", text,
+                                                                    re.DOTALL)}  # fmt: skip
+    filled = []
+    for x, y, own in re.findall(r"q 1 0 0 1 (-?\d+) (-?\d+) cm (.*?) f Q", text):
+        at = complex(int(x), int(y))
+        filled.append([([at + each for each in ends], [at + each for each in along])
+                       for ends, along in pdf_runs(own)])  # fmt: skip
+    return lines, filled
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_both_formats_draw_the_same(name: str) -> None:
+    """Ends of lines to the grain; curves of a PDF are cubics, and have more of them."""
+    (one, filled), (other, also) = svg_page(name), pdf_page(name)
+    assert one.keys() == other.keys()
+    for width, runs in one.items():
+        assert len(runs) == len(other[width])
+        for (ends, along), (cubics, inner) in zip(runs, other[width], strict=True):
+            if not along:
+                assert ends == cubics
+                continue
+            everything = np.array([*cubics, *inner])
+            for places, off in ((ends, 1.0), (along, 200.0)):
+                away = np.abs(everything[:, None] - np.array(places))
+                assert np.max(np.min(away, axis=0)) <= off
+            circle = circle_of(ends, along)
+            if circle is not None:
+                middle, radius = circle
+                assert np.max(np.abs(np.abs(everything - middle) - radius)) <= 3.0
+    assert len(filled) == len(also) > 30
+    for letter, same in zip(filled, also, strict=True):
+        assert [ends[0] for ends, _ in letter] == [ends[0] for ends, _ in same]
+        for (ends, along), (more, inner) in zip(letter, same, strict=True):
+            away = np.array([*ends, *along]) - np.array([*more, *inner])
+            assert np.max(np.abs(away)) <= 1.5
+
+
+def circle_of(ends: list[complex], along: list[complex]) -> tuple[complex, float] | None:
+    """Middle and radius of a run that is a whole circle of quarters."""
+    if len(ends) != 5 or len(along) != 12:
+        return None
+    middle = complex(np.mean(ends[:4]))
+    radii = np.abs(np.array([*ends, *along]) - middle)
+    return (middle, float(np.mean(radii))) if np.ptp(radii) <= 3.0 else None
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_all_chains_of_the_sheet_are_on_the_page(name: str) -> None:
+    """Each with its width: as many runs as chains at least, and each vertex, to half a grain."""
+    (sheet,) = sheets_of(product(name), TOLERANCE)
+    lines, _ = svg_page(name)
+    where = {width: Counter(each for ends, _ in runs for each in ends)
+             for width, runs in lines.items()}  # fmt: skip
+    there = {width: np.array(list(each)) for width, each in where.items()}
+    counts: Counter[int] = Counter()
+    for mark, at, scale in placed(sheet):
+        if isinstance(mark, Chain) and mark.layer != "HIDDEN":
+            vertices: ComplexArray = mark.vertices
+        elif isinstance(mark, Round):
+            vertices = mark.centre + mark.radius * np.exp(0.5j * np.pi * np.arange(4))
+        else:
+            continue
+        width = round(0.01 * LAYERS[mark.layer][2] / GRAIN)
+        points = (at + scale * vertices) / GRAIN
+        whole = np.rint(points.real) + 1j * np.rint(points.imag)
+        if np.ptp(whole.real) or np.ptp(whole.imag):
+            counts[width] += 1
+            near = np.min(np.abs(there[width][:, None] - points), axis=0)
+            assert np.max(near) <= math.sqrt(0.5) + 1e-6
+    for width, count in counts.items():
+        assert len(lines[width]) >= count
+    assert max(lines) == round(0.7 / GRAIN)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_pdf_has_its_objects_where_its_table_says(name: str) -> None:
+    data = pages(name)[1]
+    (sheet,) = sheets_of(product(name), TOLERANCE)
+    assert data.startswith(b"%PDF-1.4\n%")
+    start = int(data[data.rindex(b"startxref\n") + 10 :].split()[0])
+    table = data[start:].decode("ascii")
+    assert table.startswith("xref\n0 6\n0000000000 65535 f \n")
+    places = [int(each) for each in re.findall(r"(\d{10}) 00000 n \n", table)]
+    assert len(places) == 5
+    for number, place in enumerate(places, start=1):
+        assert data[place:].startswith(f"{number} 0 obj\n<<".encode())
+    assert "<< /Size 6 /Root 1 0 R /Info 3 0 R >>" in table
+    assert table.endswith("%%EOF\n")
+    assert b"/Type /Catalog /Pages 2 0 R" in data
+    assert b"/Type /Pages /Kids [ 4 0 R ] /Count 1" in data
+    assert b"/Type /Page /Parent 2 0 R" in data
+    assert b"/Contents 5 0 R" in data
+    size = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", data)
+    assert size is not None
+    paper = [float(each) * 25.4 / 72.0 for each in size.groups()]
+    assert paper == pytest.approx([sheet.width, sheet.height], abs=1e-3)
+    length = re.search(rb"/Length (\d+) /Filter /FlateDecode >>\nstream\n", data)
+    assert length is not None
+    assert data[length.end() + int(length[1]) :].startswith(b"\nendstream")

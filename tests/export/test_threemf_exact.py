@@ -1,0 +1,324 @@
+"""3MF packages read by the XML of the standard library and trimesh: all that is in them."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Callable
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+import trimesh
+
+import camgeo
+from camgeo.part.mass import solid
+from camgeo.part.part import Part
+from camgeo.product.plate import plate_of
+from camgeo.product.product import Product
+from camgeo_export.errors import FileError
+from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.threemf import parts
+from camgeo_export.threemf.parts import check_bodies, packed, parts_of
+from camgeo_export.threemf.writer import WRITER
+from tests.contour.cams import SCENES
+from tests.export.test_solids import PARTS, PartProduct
+
+TOLERANCE = 0.01
+
+CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+
+TYPES = "application/vnd.openxmlformats-package.relationships+xml"
+
+MODEL = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
+
+PLATE: dict[str, Any] = {
+    "output.3mf.plate": ["cam", "return-cam", "roller", "test-ring"],
+    "output.3mf.roller_bore": 6,
+    "drawing.title": "Nocken Ø8 & <mehr>",
+    "print.bore_clearance": 0.2,
+    "print.elephant_foot": {"inset": 0.2, "height": 0.4},
+}
+
+
+def discs(values: dict[str, Any]) -> tuple[Product, ...]:
+    scene = camgeo.load(SCENES / "conjugate_carriage.toml").scene
+    return camgeo.Design(scene.with_values(values)).discs
+
+
+def unpacked(data: bytes) -> dict[str, ET.Element]:
+    """The parts, of which nothing depends on when and where they were made."""
+    with zipfile.ZipFile(io.BytesIO(data)) as package:
+        for entry in package.infolist():
+            assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+            assert (entry.create_system, entry.compress_type) == (3, zipfile.ZIP_DEFLATED)
+        return {name: ET.fromstring(package.read(name)) for name in package.namelist()}
+
+
+def mesh_of(element: ET.Element) -> trimesh.Trimesh:
+    corners = element.iterfind(f"{CORE}mesh/{CORE}vertices/{CORE}vertex")
+    facets = element.iterfind(f"{CORE}mesh/{CORE}triangles/{CORE}triangle")
+    vertices = [[float(each.get(axis, "")) for axis in "xyz"] for each in corners]
+    triangles = [[int(each.get(name, "")) for name in ("v1", "v2", "v3")] for each in facets]
+    return trimesh.Trimesh(vertices, triangles, process=False)
+
+
+def check_body(mesh: trimesh.Trimesh, part: Part) -> None:
+    """Closed, of the moments of the part, with corners on its boundaries at its heights."""
+    assert mesh.is_volume
+    assert mesh.body_count == 1
+    exact, bottom = solid(part), part.layers[0].z0
+    walls = sum(each.arcs(0.01, "fast").contour.length for each in part.boundaries) * part.thickness
+    room, size = TOLERANCE * walls, float(np.max(np.abs(mesh.vertices)))
+    assert mesh.volume == pytest.approx(exact.volume, abs=room)
+    centre = exact.centre - [0.0, 0.0, bottom]
+    assert np.max(np.abs(mesh.center_mass - centre)) <= 2.0 * room * size / exact.volume
+    assert np.max(np.abs(mesh.moment_inertia - exact.inertia)) <= 4.0 * room * size**2
+    vertices = mesh.vertices
+    for level in part.levels:
+        here = vertices[np.abs(vertices[:, 2] - (level.z - bottom)) <= 1e-9]
+        places = here[:, 0] + 1j * here[:, 1]
+        expected = sum(len(each.polyline(0.98 * TOLERANCE).contour) for each in level.boundaries)
+        assert 0.8 * expected <= len(places) <= 1.2 * expected + 8
+    heights = np.unique(np.round(vertices[:, 2], 9))
+    assert heights == pytest.approx([each.z - bottom for each in part.levels], abs=1e-8)
+
+
+@pytest.mark.parametrize("plate", [True, False], ids=["plate", "disc"])
+def test_all_that_is_in_a_package(plate: bool) -> None:
+    disc = discs(PLATE if plate else {})[0]
+    written = WRITER.write(disc, TOLERANCE)
+    found = unpacked(written.data)
+    assert list(found) == ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]
+    types, relations, model = found.values()
+    assert types.tag.endswith("content-types}Types")
+    assert [each.attrib for each in types] == [
+        {"Extension": "rels", "ContentType": TYPES}, {"Extension": "model", "ContentType": MODEL},
+    ]  # fmt: skip
+    (relation,) = relations
+    assert relation.attrib == {
+        "Target": "/3D/3dmodel.model", "Id": "model",
+        "Type": "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel",
+    }  # fmt: skip
+    assert model.tag == f"{CORE}model"
+    assert model.get("unit") == "millimeter"
+    assert model.get("{http://www.w3.org/XML/1998/namespace}lang") == "en"
+    said = {each.get("name"): each.text for each in model.iterfind(f"{CORE}metadata")}
+    advice = f"Compensated for printing: {disc.drawn.printed.advice}"
+    assert said == {
+        "Title": "Nocken Ø8 & <mehr>" if plate else "conjugate_carriage",
+        "Application": f"camgeo {disc.version}",
+        "camgeo:scene": disc.scene_hash,
+        "camgeo:tolerance": "0.01 mm",
+        **({"Description": advice} if plate else {}),
+    }
+    pieces = plate_of(disc)
+    bases = model.findall(f"{CORE}resources/{CORE}basematerials")
+    assert [each.get("id") for each in bases] == (["1"] if plate else [])
+    colours = [(each.get("name"), each.get("displaycolor")) for group in bases for each in group]
+    assert colours == [(each.name, each.colour) for each in pieces]
+    objects = model.findall(f"{CORE}resources/{CORE}object")
+    items = model.findall(f"{CORE}build/{CORE}item")
+    if plate:
+        assert [each.attrib for each in objects] == [
+            {"id": str(number + 2), "type": "model", "name": each.name, "pid": "1",
+             "pindex": str(number)}
+            for number, each in enumerate(pieces)
+        ]  # fmt: skip
+        assert [each.attrib for each in items] == [
+            {"objectid": str(number + 2), "transform": f"1 0 0 0 1 0 0 0 1 {each.x!r} {each.y!r} 0"}
+            for number, each in enumerate(pieces)
+        ]
+    else:
+        assert [each.attrib for each in objects] == [
+            {"id": "1", "type": "model", "name": "conjugate_carriage"}
+        ]
+        assert [each.attrib for each in items] == [{"objectid": "1"}]
+    bodies = [each.part for each in pieces] if plate else [disc.drawn.part]
+    meshes = list(map(mesh_of, objects))
+    for mesh, part in zip(meshes, bodies, strict=True):
+        check_body(mesh, part)
+    facts = dict(written.facts)
+    assert facts.pop("triangles") == sum(len(each.faces) for each in meshes)
+    volume = sum(float(each.volume) for each in meshes)
+    assert facts.pop("volume_mm3") == pytest.approx(volume, rel=1e-9)
+    assert facts.pop("bodies", "") == ("cam, return-cam, roller, test-ring" if plate else "")
+    assert facts == disc.drawn.printed.facts
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_an_stl_has_the_same_body(name: str) -> None:
+    """Facet by facet, to single precision; normals are those of the facets."""
+    product = PartProduct(given=Part(PARTS[name]))
+    element = unpacked(WRITER.write(product, TOLERANCE).data)["3D/3dmodel.model"]
+    (body,) = element.findall(f"{CORE}resources/{CORE}object")
+    mesh = mesh_of(body)
+    data = STL.write(product, TOLERANCE).data
+    count = int.from_bytes(data[80:84], "little")
+    facets = np.frombuffer(data[84:], np.dtype([("n", "<f4", 3), ("c", "<f4", (3, 3)),
+                                                ("a", "<u2")]))  # fmt: skip
+    assert len(facets) == count == len(mesh.faces)
+    assert not np.any(facets["a"])
+    corners = facets["c"].astype(np.float64)
+    assert np.allclose(corners, mesh.triangles, rtol=2.0**-23, atol=0.0)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+    assert np.allclose(facets["n"], normals / sizes, atol=1e-5)
+    check_body(mesh, product.part)
+
+
+# What is read -------------------------------------------------------------------------------------
+
+
+def package(entries: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as file:
+        for name, data in entries.items():
+            file.writestr(zipfile.ZipInfo(name), data, method)
+    return stream.getvalue()
+
+
+def patched(data: bytes, at: int, new: bytes, *, directory: bool = True) -> bytes:
+    """A package with bytes of its first entry in the directory, or of its first file, changed."""
+    start = data.index(b"PK\x01\x02" if directory else b"PK\x03\x04") + at
+    return data[:start] + new + data[start + len(new) :]
+
+
+PLAIN = {"a": b"1", "b": b"2"}
+
+REFUSED: dict[str, tuple[bytes, str]] = {
+    "an absolute name": (package({"/a": b""}), "leads out of the package"),
+    "a name above": (package({"x/../../a": b""}), "leads out of the package"),
+    "a name of another system": (package({"x%y": b""}).replace(b"%", b"\\"), "leads out"),
+    "one name twice": (package({"A": b"", "a": b""}), "it has two parts named a"),
+    "an encrypted part": (patched(package(PLAIN), 8, b"\x01"), "the part a is encrypted"),
+    "another compression": (package(PLAIN, zipfile.ZIP_BZIP2), "compression method 12, which 3MF"),
+    "a part that is longer": (patched(package(PLAIN), 24, b"\x02"), "not as long as|unpacked"),
+    "UTF-16": (package({"a.xml": "<?xml?><a/>".encode("utf-16")}), "is not encoded as UTF-8"),
+    "another encoding": (package({"a.rels": b"<?xml version='1.0' encoding='latin-1'?><a/>"}),
+                         "a.rels: is not encoded as UTF-8"),
+    "a document type": (package({"a.model": b"<!DOCTYPE a><a/>"}), "document type declaration"),
+    "an entity": (package({"A.XML": b"<!ENTITY a 'b'>"}), "document type declaration"),
+    "no package": (b"PK\x03\x04 and nothing else", "cannot be unpacked"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_may_not_be_unpacked(name: str) -> None:
+    data, message = REFUSED[name]
+    with pytest.raises(FileError, match=message):
+        parts_of(data)
+
+
+def test_what_is_no_xml_may_hold_anything() -> None:
+    harmless = {
+        "a.png": b"\0<!DOCTYPE", "b.xml": b"\xef\xbb\xbf<?xml version='1.0' encoding='UTF-8'?><a/>",
+        "c.model": b" <?xml encoding=\"utf8\"?><a/>", "d.rels": b"<a/>",
+    }  # fmt: skip
+    assert parts_of(package(harmless, zipfile.ZIP_DEFLATED)) == harmless
+    assert parts_of(packed(harmless)) == harmless
+
+
+def model(*objects: str, items: str = '<item objectid="1"/>') -> dict[str, bytes]:
+    resources = "".join(objects)
+    return {"3D/m.model": f"<model><resources>{resources}</resources><build>{items}</build></model>"
+            .encode()}  # fmt: skip
+
+
+def of_facets(number: int, name: int = 1, inner: str = "") -> str:
+    return f'<object id="{name}">{"<triangle/>" * number}{inner}</object>'
+
+
+def tripled(count: int) -> dict[str, bytes]:
+    """Two copies of a body within another one, and itself: three times as many facets."""
+    inner = '<components><component objectid="1"/></components>' * 2
+    items = '<item objectid="2"/><item objectid="1"/>'
+    return model(of_facets(count), of_facets(0, 2, inner), items=items)
+
+
+LIMITS: dict[str, tuple[Callable[[int], dict[str, bytes]], str]] = {
+    "MEMBERS": (lambda n: {str(k): b"" for k in range(n)}, "parts"),
+    "UNPACKED": (lambda n: {"a": b"x" * 3, "b": b"x" * (n - 3)}, "bytes unpacked"),
+    "TAG": (lambda n: {"a.xml": b"<a" + b"x" * (n - 1) + b">"}, "a tag of more than"),
+    "ELEMENTS": (lambda n: {"a.xml": b"<" * n, "b.xml": b"<" * n}, "tags"),
+    "ATTRIBUTES": (lambda n: {"a.xml": b"=" * (n - 1), "b.rels": b"="}, "attributes"),
+    "OBJECTS": (lambda n: model(*(of_facets(1, k + 1) for k in range(n))), "objects"),
+    "FACETS": (lambda n: model(of_facets(n)), "facets"),
+}
+
+
+@pytest.mark.parametrize("limit", LIMITS)
+def test_as_much_as_the_limit_is_read_and_no_more(
+    limit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make, message = LIMITS[limit]
+    most = 12
+    monkeypatch.setattr(parts, limit, most)
+    if limit == "TAG":  # which is compiled with it
+        monkeypatch.setattr(parts, "LONG", re.compile(rb"<[^<>!?][^<>]{%d}" % most))
+
+    def check(count: int) -> None:
+        found = parts_of(package(make(count)))
+        if limit in ("OBJECTS", "FACETS"):
+            check_bodies(found)
+
+    check(most)
+    with pytest.raises(FileError, match=message):
+        check(most + 1)
+
+
+def test_all_copies_of_a_body_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "FACETS", 12)
+    check_bodies(tripled(4))
+    with pytest.raises(FileError, match="15 facets"):
+        check_bodies(tripled(5))
+
+
+def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = package({"a": b"x" * 5_000}, zipfile.ZIP_DEFLATED)
+    size = len(zlib_of(data))
+    ratio = 5_000 / size
+    monkeypatch.setattr(parts, "SMALL", 4_999)
+    for allowed, fits in ((math.ceil(ratio), True), (math.ceil(ratio) - 1, False)):
+        monkeypatch.setattr(parts, "RATIO", allowed)
+        if fits:
+            assert len(parts_of(data)["a"]) == 5_000
+            continue
+        with pytest.raises(FileError, match=f"unpacks to {ratio:,.0f} times its size; allowed: "):
+            parts_of(data)
+    monkeypatch.setattr(parts, "SMALL", 5_000)
+    assert len(parts_of(data)["a"]) == 5_000
+
+
+def zlib_of(data: bytes) -> bytes:
+    with zipfile.ZipFile(io.BytesIO(data)) as file:
+        return b"x" * file.infolist()[0].compress_size
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (model(of_facets(1), items='<item objectid="2"/>'), "builds the object '2', which does"),
+        (model(of_facets(1, 1, '<component objectid="3"/>')), "builds the object '3', which does"),
+        (model(of_facets(1, 1, '<component objectid="1"/>')), "the object 1 contains itself"),
+        (model('<object id="1"><vertex x="1" y="1e10" z="0"/></object>'), "a vertex has '1e10'"),
+        (model('<object id="1"><vertex x="1" y="1"/></object>'), "a vertex has nothing"),
+        (model(of_facets(1), items='<item objectid="1" transform="1 a"/>'),
+         "the transform of a item has 'a'|the transform of an item has 'a'"),
+    ],
+)  # fmt: skip
+def test_what_may_not_be_built(given: dict[str, bytes], message: str) -> None:
+    with pytest.raises(FileError, match=message):
+        check_bodies(given)
+
+
+def test_bodies_may_be_spread_over_several_models() -> None:
+    spread = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+    item = f'<item xmlns:p="{spread}" p:path="/3D/other.model" objectid="7"/>'
+    both = model(items=item) | {"3D/other.model": model(of_facets(3, 7), items="")["3D/m.model"]}
+    check_bodies(both)
+    with pytest.raises(FileError, match="builds the object '7'"):
+        check_bodies(model(items=item))

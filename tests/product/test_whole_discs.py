@@ -1,0 +1,269 @@
+"""Whole discs as judged and listed: each figure by another way, each limit at both sides."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgeo
+from camgeo.check.finding import Finding
+from camgeo.errors import UnsafeError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.part.mass import solid
+from camgeo.part.webs import thinnest
+from camgeo.product.judged_part import PartFound, findings_on, part_of, poor_in
+from camgeo.product.milled import MilledDisc
+from camgeo.product.product import Product, disc_of, title_of, with_pair
+from tests.contour.cams import SCENES
+
+PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
+
+DENSE: dict[str, Any] = {"part.density": 7850}
+"""[kg/m^3]."""
+
+
+def design(scene: str, values: dict[str, Any] | None = None) -> camgeo.Design:
+    path = PAIR if scene == "pair" else SCENES / f"{scene}.toml"
+    return camgeo.Design(camgeo.load(path).scene.with_values(values or {}))
+
+
+def by_name(found: tuple[Finding, ...]) -> dict[str, Finding]:
+    return {each.name: each for each in found}
+
+
+# The part, judged ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "scene", ["plate_translating", "hub_and_holes", "conjugate_carriage", "pair"]
+)
+def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
+    disc = design(scene, DENSE).disc
+    found = part_of(disc)
+    assert found.body is not None
+    exact = solid(disc.drawn.part)
+    weight = 7850e-9  # kg/mm^3
+    assert found.body.stated_density == pytest.approx(7850.0, rel=1e-12)
+    assert found.body.mass == pytest.approx(weight * exact.volume, rel=1e-12)
+    assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
+    assert found.body.inertia is not None
+    assert np.allclose(found.body.inertia, weight * exact.inertia, rtol=1e-12, atol=0.0)
+    volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
+    assert volume == pytest.approx(solid(disc.drawn.part.sharp).volume, rel=1e-9)
+    assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
+    alike(disc, found)
+    told = by_name(found.findings)
+    assert told["mass"].value == found.body.mass
+    assert told["mass"].sentence == f"mass {found.body.mass:.6g} kg"
+    assert told["largest-diameter"].value == found.diameter
+    assert found.diameter == 2.0 * disc.drawn.part.outermost.farthest()[0]
+    both = told.get("mass-of-both-discs")
+    assert (both is not None) == (scene == "conjugate_carriage")
+    if both is not None:
+        mine, other = (solid(each.drawn.part) for each in (disc, disc.others[0]))
+        assert both.value == pytest.approx(weight * (mine.volume + other.volume), rel=1e-12)
+        inertia = weight * (mine.axial + other.axial)
+        assert f"moment of inertia about the cam axis {inertia:.6g} kg mm^2" in both.sentence
+    bare = part_of(design(scene).disc).body
+    if bare is not None and bare.density is None:
+        nothing = (bare.mass, bare.axial_inertia, bare.inertia, bare.stated_density)
+        assert nothing == (None,) * 4
+
+
+def alike(disc: Product, found: PartFound) -> None:
+    """What checks state, and what builds warn of, is what is found of the part."""
+    assert findings_on(disc) == found.findings
+    assert poor_in(disc) == tuple(each for each in found.findings if each.severity != "ok")
+
+
+@pytest.mark.parametrize(
+    ("limit", "name", "least"),
+    [
+        ("limits.diameter", "largest-diameter", False),
+        ("limits.mass", "mass", False),
+        ("limits.wall", "smallest-wall", True),
+    ],
+)
+def test_limits_of_a_part_hold_at_the_value_and_break_beyond_it(
+    limit: str, name: str, least: bool
+) -> None:
+    plain = {**DENSE, "part.keyway": None}
+    value = by_name(findings_on(design("plate_translating", plain).disc))[name].value
+    assert value is not None
+    off = -1e-6 if least else 1e-6
+    inside, beyond = 1.0 + off, 1.0 - off
+    for share, severity in ((inside, "ok"), (beyond, "broken")):
+        disc = design("plate_translating", {**plain, limit: share * value}).disc
+        found = by_name(findings_on(disc))[name]
+        assert found.severity == severity
+        assert found.limit == pytest.approx(share * value, rel=1e-12)
+        assert found.value == pytest.approx(value, rel=1e-9)
+        alike(disc, part_of(disc))
+
+
+def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
+    """A tenth of the diameter of the hole; at it a wall is not thin."""
+    thin: dict[str, Any] = {"part.bore": 60}
+    disc = design("plate_translating", {**thin, "part.keyway": None}).disc
+    web = thinnest(disc.drawn.part)
+    assert web is not None
+    found = by_name(findings_on(disc))["smallest-wall"]
+    assert (found.value, found.limit) == (web.thickness, web.usual)
+    assert web.usual == pytest.approx(6.0, rel=1e-12)
+    assert (found.severity == "warning") == (web.thickness < 6.0)
+    verdict = "below" if web.thickness < 6.0 else "at least"
+    assert f"{verdict} 6 mm, 10% of the diameter of the hole" in found.sentence
+    alike(disc, part_of(disc))
+
+
+def test_what_no_file_has_is_told() -> None:
+    screw = {"diameter": 4, "height": 3, "angle": 90}
+    values = {"part.hub": {"diameter": 40, "height": 8}, "part.set_screw": screw}
+    disc = design("plate_translating", values).disc
+    found = by_name(findings_on(disc))["set-screw"]
+    assert found.severity == "warning"
+    assert "4 mm in diameter, 3 mm above the face of the disc in the direction 90 deg" in (
+        found.sentence
+    )
+    alike(disc, part_of(disc))
+
+
+def test_a_part_that_is_impossible_is_told_as_such() -> None:
+    disc = design("plate_translating", {"part.bore": 200, "part.keyway": None}).disc
+    found = part_of(disc)
+    assert (found.diameter, found.layers, found.body) == (None, (), None)
+    assert [(each.name, each.severity) for each in found.findings] == [("part", "invalid")]
+    assert findings_on(disc) == found.findings
+    assert poor_in(disc) == ()
+
+
+# Names --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stem", "place"),
+    [
+        ("conjugate_lever", 0), ("conjugate_lever-return", 1), ("other-return", 1),
+        ("OTHER-RETURN", 1), ("conjugate_lever-return-drawing", 1), ("conjugate_lever-drawing", 0),
+        ("conjugate_lever-return-2-t3", 1), ("conjugate_lever-2-t3", 0),
+        ("conjugate_lever-return-second-side", 1), ("conjugate_lever-return-second-side-1-t12", 1),
+        ("conjugate_lever-second-side-1-t12", 0), ("conjugate_lever-return-x", 0),
+        ("return-conjugate_lever", 0),
+    ],
+)  # fmt: skip
+def test_a_file_belongs_to_the_disc_that_its_name_ends_with(stem: str, place: int) -> None:
+    discs = design("conjugate_lever").discs
+    assert [each.position for each in discs] == [0, 1]
+    assert [each.name for each in discs] == ["conjugate_lever", "conjugate_lever-return"]
+    assert disc_of(discs, stem) is discs[place]
+
+
+def test_titles_tell_which_disc_it_is() -> None:
+    titled = design("pair", {"drawing.title": "Scheibe 7"})
+    assert [title_of(each) for each in with_pair(titled.discs)] == [
+        "Scheibe 7", "Scheibe 7 (return)", "Scheibe 7 (pair)",
+    ]  # fmt: skip
+    plain = design("pair", {"drawing.title": None})
+    names = [each.name for each in with_pair(plain.discs)]
+    assert names == ["conjugate_pair", "conjugate_pair-return", "conjugate_pair-pair"]
+    assert [title_of(each) for each in with_pair(plain.discs)] == names
+
+
+# Milling ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Told(MilledDisc):
+    """A disc of whose programs something is found."""
+
+    def findings(self, *_: Any) -> tuple[Finding, ...]:
+        severities = ("ok", "warning", *(("broken", "broken") if self.program else ()))
+        return tuple(Finding(str(k), each, f"sentence {k}") for k, each in enumerate(severities))
+
+
+def test_a_program_that_is_broken_is_not_made() -> None:
+    disc = design("plate_translating").disc
+    found: Any = Told(disc.drawn, disc.scene)
+    assert [each.name for each in found.safe(None, 0.01)] == ["1"]
+    broken: Any = Told(disc.drawn, disc.scene, program=1)
+    with pytest.raises(UnsafeError, match="must not be run: sentence 2; sentence 3") as caught:
+        broken.safe(None, 0.01)
+    assert caught.value.key == "output.gcode"
+
+
+# The table ----------------------------------------------------------------------------------------
+
+STEP = 0.25
+"""Of tables [deg]."""
+
+TABLES: dict[str, tuple[str, dict[str, Any], str]] = {
+    "inches and a speed": ("inch", {"cam.speed": 90}, "s"),
+    "a rocker behind a slider": ("setzhub", {"cam.speed": 60}, "psi"),
+    "a slider behind a crank": ("crank_slider", {"cam.speed": 30}, "theta"),
+    "a flat face": ("tappet", {"cam.speed": 300}, "s"),
+}
+
+
+def rate(values: FloatArray) -> FloatArray:
+    """By central differences over the cam angle."""
+    return np.asarray((np.roll(values, -1) - np.roll(values, 1)) / (2.0 * math.radians(STEP)))
+
+
+def close(found: FloatArray, expected: FloatArray) -> None:
+    """But for places where something jumps, which are few."""
+    off = np.abs(found - expected) / np.max(np.abs(expected))
+    assert np.quantile(off, 0.97) <= 2e-3
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_columns_are_derivatives_of_each_other_and_curves_parallels(name: str) -> None:
+    scene, values, motion = TABLES[name]
+    made = design(scene, values)
+    columns = {heading.partition(" [")[0]: column
+               for heading, column in made.tabulated.table(STEP).columns.items()}  # fmt: skip
+    phi = np.radians(columns["phi"])
+    assert np.array_equal(columns["phi"], STEP * np.arange(1440))
+    turned = motion != "s"
+    base = np.radians(columns[motion]) if turned else columns[motion]
+    for mark in ("'", "''", "'''"):
+        close(columns[f"{motion}{mark}"], rate(base))
+        base = columns[f"{motion}{mark}"]
+    omega = values["cam.speed"] * 2.0 * math.pi / 60.0
+    assert columns["t"] == pytest.approx(phi / omega, rel=1e-12)
+    for order, timed in enumerate(("omega", "alpha", "j") if turned else ("v", "a", "j"), 1):
+        expected = columns[f"{motion}{order * chr(39)}"] * omega**order
+        expected = np.degrees(expected) if turned else expected
+        found = columns[f"{timed}_{motion}" if turned else timed]
+        assert np.max(np.abs(found - expected)) <= 1e-12 * np.max(np.abs(expected))
+    mm = 25.4 if scene == "inch" else 1.0
+    curve = "contact" if scene == "tappet" else "pitch"
+    z = columns[f"{curve} x"] + 1j * columns[f"{curve} y"]
+    along = rate(z.real) + 1j * rate(z.imag)
+    if curve == "pitch":
+        inner, outer = (columns[f"{each} x"] + 1j * columns[f"{each} y"]
+                        for each in ("inner", "outer"))  # fmt: skip
+        radius = made.cam.follower.roller_radius / mm
+        assert np.abs(inner - z) == pytest.approx(np.full(len(z), radius), rel=1e-12)
+        assert np.max(np.abs(inner + outer - 2.0 * z)) <= 1e-12 * radius
+        leaning = ((inner - z) * np.conj(along)).real / (np.abs(along) * radius)
+        assert np.quantile(np.abs(leaning), 0.97) <= 1e-3
+        assert np.mean(np.abs(inner)) < np.mean(np.abs(z)) < np.mean(np.abs(outer))
+        assert not {"on face", "contact x"} & set(columns)
+        bend = (np.conj(along) * (rate(along.real) + 1j * rate(along.imag))).imag
+        kappa = bend / np.abs(along) ** 3
+        close(np.abs(columns["kappa"]), np.abs(kappa))
+    else:
+        assert not {"pitch x", "inner x", "outer y"} & set(columns)
+        # The contact lies beside the follower's axis by what the lift changes with the angle.
+        assert np.abs(columns["on face"]) == pytest.approx(np.abs(columns["s'"]), abs=1e-9)
+    finite = np.isfinite(columns["r_K"]) & (np.abs(columns["kappa"]) > 1e-9)
+    assert columns["r_K"][finite] == pytest.approx(1.0 / columns["kappa"][finite], rel=1e-9)
+    least = float(np.min(columns["mu"]))
+    told = by_name(tuple(made.findings)).get("transmission-angle")
+    assert told is None or told.value == pytest.approx(least, abs=0.05)
+    assert 0.0 <= least <= float(np.max(columns["mu"])) <= 90.0
