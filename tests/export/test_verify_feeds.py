@@ -85,8 +85,8 @@ def test_only_the_way_back_of_a_loop_runs_at_the_feed(climb: bool) -> None:
         "rough", "outline", allowance=0.3, strategy="trochoidal", stepdown=6.3,
         direction="climb" if climb else "conventional",
     )  # fmt: skip
-    own = f"{programs.PASSES}\nengagement = 80"
-    text = programs.scene(programs.mill(1, 12, own), programs.FIXTURE, loops, part="")
+    words = f"{programs.PASSES}\nengagement = 80"
+    text = programs.scene(programs.mill(1, 12, words), programs.FIXTURE, loops, part="")
     disc = camgeo.loads(text).disc
     program = WRITER.write(disc, TOLERANCE).data.decode()
     assert wrong(disc, program) == []
