@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,6 +23,7 @@ def without_sizes(page: str) -> str:
     return re.sub(r" +[\d,]+ bytes", " bytes", page)
 
 
+@pytest.mark.long  # the page against what stands there; its jobs are proved in milled scenes
 def test_the_page_is_made_by_its_script() -> None:
     assert without_sizes(MAKER.page()) == without_sizes(PAGE), "run python docs/milling_page.py"
 

@@ -33,7 +33,6 @@ from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.stub_product import StubProduct
 from tests.export.verified import TOLERANCE, checked, faults
-from tests.long_form import some
 from tests.packages import repacked
 
 PRODUCT = StubProduct(
@@ -90,12 +89,14 @@ def changed_words(line: str) -> Iterator[tuple[str, str]]:
             yield new or found.group(), " ".join(after.split())
 
 
-def test_a_program_that_is_changed() -> None:
+@pytest.mark.parametrize("part", range(4))
+def test_a_program_that_is_changed(part: int) -> None:
+    """Each fourth line, from one of the first four on."""
     machine = load("linuxcnc")
     good = run("\n".join(PROGRAM), machine)
     assert not faults(GCODE_VERIFIER, PRODUCT, "\n".join(PROGRAM).encode())
     unseen = []
-    lines = some(changed_lines(), of=2)
+    lines = changed_lines()[part::4]
     for k in lines:
         for word, line in changed_words(PROGRAM[k]):
             text = "\n".join([*PROGRAM[:k], line, *PROGRAM[k + 1 :]])
@@ -104,7 +105,9 @@ def test_a_program_that_is_changed() -> None:
             if repr(run(text, machine)) != repr(good):  # as text, since NaN equals nothing
                 unseen.append((PROGRAM[k], word))
     changed = {PROGRAM[k] for k in lines}
-    assert set(unseen) == {(line, word) for line, word in HARMLESS_WORDS if line in changed}
+    harmless = {(line, word) for line, word in HARMLESS_WORDS if line in changed}
+    assert set(unseen) <= harmless
+    assert bool(unseen) == bool(harmless)
 
 
 @pytest.mark.parametrize(

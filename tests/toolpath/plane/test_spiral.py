@@ -97,7 +97,7 @@ def test_the_pace_slows_where_the_end_limits_it() -> None:
 @pytest.mark.parametrize("slowing", [0.0, 0.3, 0.7])
 def test_the_share_grows_from_0_to_1_without_a_jump(slowing: float) -> None:
     morph = replace(inside(), slowing=slowing, turns=6.3)
-    turn = np.linspace(-0.5, 7.0, 20_001)
+    turn = np.linspace(-0.5, 7.0, 5_001)
     share, slope = morph.share(turn)
     assert np.all(np.diff(share) >= 0.0)
     assert share[0] == 0.0

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
 from camgeo.toolpath.moves import ArcFeed
-from tests.long_form import some
+from tests.long_form import examples
 from tests.toolpath.strategies import test_around, test_inside, test_others, test_outside
 from tests.toolpath.strategies.sound import TOOL, cleared, made, require_sound, round_hole
 
@@ -53,8 +53,8 @@ def slowest(cut: Cut) -> float:
     ("cut", "climb"),
     [
         pytest.param(cut, climb, id=f"{cut.strategy}-{cut.name}-{climb}")
-        for k, cut in enumerate(CUTS)
-        for climb in some((True, False), of=2, first=k % 2)
+        for cut in CUTS
+        for climb in (True, False)
     ],
 )
 def test_the_contact_is_no_faster_than_the_feed(cut: Cut, climb: bool) -> None:
@@ -64,7 +64,7 @@ def test_the_contact_is_no_faster_than_the_feed(cut: Cut, climb: bool) -> None:
         assert slowest(cut) < 0.95 * cut.tool.feed
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=examples(5, long=10), deadline=None)
 @given(radius=st.floats(5.8, 30.0), diameter=st.floats(4.0, 11.0), finish=st.booleans())
 def test_bores(radius: float, diameter: float, finish: bool) -> None:
     """Of any size: the last round at its wall runs at the stated feed there."""

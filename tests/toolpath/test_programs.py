@@ -1,0 +1,251 @@
+"""Whole programs of small scenes: what they leave of the blank, how they run, and all that is said.
+
+What is left is counted at points beside the walls, with no area and no chord: a point is gone if
+the cutter has passed over it, low enough.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgeo.part.part import Part, Wall
+from camgeo.toolpath.cut import ContourCut, PointCut
+from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Stop
+from camgeo.toolpath.tool import CHAMFER_MILL, DRILL
+from tests.toolpath.programs import FILE, NAMES, TOLERANCE, document, milled, toolpath
+
+RAMP = math.radians(3.0)
+"""Of a tool that states none."""
+
+EDGE = 1e-4
+"""Rounding of places [mm]."""
+
+
+def same(found: Any, kept: Any, where: str) -> Iterator[str]:
+    """What differs between two documents, numbers by more than rounding."""
+    if isinstance(found, float) and isinstance(kept, float | int):
+        if not math.isclose(found, kept, rel_tol=1e-8, abs_tol=1e-6):
+            yield f"{where}: {found}, not {kept}"
+    elif isinstance(found, dict) and isinstance(kept, dict) and found.keys() == kept.keys():
+        for key, value in found.items():
+            yield from same(value, kept[key], f"{where}.{key}")
+    elif isinstance(found, list) and isinstance(kept, list) and len(found) == len(kept):
+        for k, (one, other) in enumerate(zip(found, kept, strict=True)):
+            yield from same(one, other, f"{where}[{k}]")
+    elif found != kept:
+        yield f"{where}: {found}, not {kept}"
+
+
+@cache
+def kept() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_all_that_is_said_of_a_program(name: str) -> None:
+    """Cuts, moves, findings, times, depths, places: as they were found and looked at before."""
+    found = json.loads(json.dumps(document(name)))
+    assert not list(same(found, kept()[name], name))
+    assert kept().keys() == set(NAMES)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A feed move of an operation: from `start` to `end`, heights of the tip, and its arc."""
+
+    operation: Operation
+    start: complex
+    end: complex
+    high: float
+    low: float
+    centre: complex
+    sweep: float
+    feed: float
+
+    @property
+    def way(self) -> float:
+        """Length in the plane [mm]."""
+        if self.sweep:
+            return abs(self.start - self.centre) * abs(self.sweep)
+        return abs(self.end - self.start)
+
+
+@cache
+def steps(name: str) -> tuple[Step, ...]:
+    """The feed moves of a program, by a small interpreter of its own."""
+    found = []
+    for operation in toolpath(name).operations:
+        at = (math.nan, math.nan, math.nan)
+        for move in operation.moves:
+            if isinstance(move, Stop):
+                continue
+            start, end = complex(*at[:2]), complex(*move.end[:2])
+            if not isinstance(move, Rapid):
+                centre, sweep = 0j, 0.0
+                if isinstance(move, ArcFeed):
+                    centre = complex(*move.centre)
+                    turn = np.angle((end - centre) / (start - centre)) * (1 if move.ccw else -1)
+                    sweep = float(turn % (2.0 * math.pi)) * (1 if move.ccw else -1)
+                found.append(Step(operation, start, end, at[2], move.end[2], centre, sweep,
+                                  move.feed))  # fmt: skip
+            at = move.end
+    return tuple(found)
+
+
+def radii_at(operation: Operation, over: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """(n,) radius of the cutter [mm] at heights over its tip."""
+    tool = operation.tool
+    if tool.tip_angle is not None:
+        return np.minimum(tool.radius, over * math.tan(0.5 * tool.tip_angle))
+    corner = tool.corner_radius
+    short = np.maximum(corner - over, 0.0)
+    return np.asarray(tool.radius - corner + np.sqrt(np.maximum(corner**2 - short**2, 0.0)))
+
+
+def beside(wall: Wall, off: float, count: int = 60) -> np.ndarray[Any, Any]:
+    """(n,) places in the waste beside a wall, or in the part where `off` [mm] is below 0, evenly
+    along it.
+    """
+    places = wall.boundary.offset(off).arcs(0.005, "fast").contour.points(1e-3)
+    closed = np.append(places, places[:1])
+    along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(closed)))))
+    even = np.linspace(0.0, along[-1], count, endpoint=False)
+    return np.asarray(
+        np.interp(even, along, closed.real) + 1j * np.interp(even, along, closed.imag)
+    )
+
+
+def gone(
+    name: str, places: np.ndarray[Any, Any], z: float, *, surely: bool = True
+) -> np.ndarray[Any, Any]:
+    """(n,) whether the material at places is gone at the height z [mm]: surely, by moves that are
+    all as low, or perhaps, by any that get there.
+    """
+    found = np.zeros(len(places), dtype=bool)
+    for operation in toolpath(name).operations:
+        own = [each for each in steps(name) if each.operation is operation]
+        start, end, centre = (np.array([getattr(each, key) for each in own])
+                              for key in ("start", "end", "centre"))  # fmt: skip
+        sweep, way = (np.array([getattr(each, key) for each in own]) for key in ("sweep", "way"))
+        ends = np.array([(each.high, each.low) for each in own])
+        low = np.where((way > 0.0) & surely, np.max(ends, axis=1), np.min(ends, axis=1))
+        at = places[:, None]
+        apart = np.minimum(np.abs(at - start), np.abs(at - end))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ahead = np.mod(np.angle((at - centre) / (start - centre)) * np.sign(sweep), 2 * np.pi)
+            seen = (at - start) * np.conj(end - start) / way
+        off = np.abs(np.abs(at - centre) - np.abs(start - centre))
+        bent, straight = sweep != 0.0, (sweep == 0.0) & (way > 0.0)
+        apart = np.where(bent & (ahead <= np.abs(sweep)), off, apart)
+        beside = straight & (seen.real >= 0.0) & (seen.real <= way)
+        apart = np.where(beside, np.abs(seen.imag), apart)
+        over = (apart < radii_at(operation, z - low)) & (low <= z)
+        found |= np.any(over, axis=1)
+    return found
+
+
+def finished(name: str, part: Part) -> Iterator[tuple[Wall, float]]:
+    """The walls that a program leaves as they are to be, and down to where [mm]."""
+    for wall in part.walls:
+        bottoms = [
+            cut.bottom for cut in milled(name).cuts
+            if wall.boundary.name in cut.produced and not cut.allowance
+            and cut.tool.kind != CHAMFER_MILL and isinstance(cut, ContourCut)
+        ]  # fmt: skip
+        if bottoms:
+            yield wall, max(wall.z0, min(bottoms))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_part_is_left_and_nothing_beside_it(name: str) -> None:
+    """A twentieth of a millimetre beside the walls, near both ends of each and in its middle."""
+    part = milled(name).part
+    checked = 0
+    for wall, bottom in finished(name, part):
+        cut = next(each for each in reversed(milled(name).contour_cuts)
+                   if wall.boundary.name in each.produced)  # fmt: skip
+        low = bottom if cut.tabs is None else cut.bottom + cut.tabs.height
+        for z in (low + 0.05, 0.5 * (bottom + wall.z1), wall.z1 - 0.55):
+            assert np.all(gone(name, beside(wall, 0.05), z)), (wall.boundary.name, z)
+            perhaps = gone(name, beside(wall, -0.05), z, surely=False)
+            assert not np.any(perhaps), (wall.boundary.name, z)
+            checked += 1
+        if cut.tabs is not None:  # each is as wide as stated at its top, and wider below it
+            length = wall.boundary.arcs(0.01, "fast").contour.length
+            left = ~gone(name, beside(wall, 0.05, 600), low - 0.05, surely=False)
+            width = float(np.mean(left)) * length / cut.tabs.count
+            assert cut.tabs.width <= width < cut.tabs.width + cut.tool.diameter
+            assert not np.all(~gone(name, beside(wall, 0.05), bottom + 0.05))
+    assert checked or name in ("engraved", "a second side, faced free")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_how_a_program_runs(name: str) -> None:
+    """Traverses at their heights, passes no deeper than the tool may, ramps no steeper; no feed
+    above the tool's, and on the way down none above the plunge feed along Z.
+    """
+    heights = toolpath(name).heights
+    for operation in toolpath(name).operations:
+        cut, tool, at = operation.cut, operation.tool, None
+        deep = [cut.top, *cut.depths]
+        downs = [one - other for one, other in pairwise(deep)]
+        assert min(downs) > 0.0
+        if tool.stepdown is not None and not (isinstance(cut, ContourCut) and cut.cleared):
+            assert max(downs) < tool.stepdown + EDGE
+        for move in operation.travel:
+            if isinstance(move, Rapid):
+                assert move.end[2] in (heights.clearance, heights.retract) or tool.kind == DRILL
+                if at is not None and at[:2] != move.end[:2]:
+                    assert at[2] == move.end[2] == heights.clearance
+            at = move.end
+        assert at is not None
+        assert at[2] == heights.clearance
+    steepest = 0.0
+    for each in steps(name):
+        cut, tool = each.operation.cut, each.operation.tool
+        drop = each.high - each.low
+        assert 0.0 < each.feed <= tool.feed * (1.0 + 1e-9)
+        assert each.low >= cut.bottom - 1e-9
+        if drop > 1e-9 and not isinstance(cut, PointCut):
+            assert each.feed * drop / math.hypot(each.way, drop) <= tool.plunge_feed + EDGE
+        if drop > 1e-9 and each.way:
+            slope = math.atan2(drop, each.way)
+            assert slope <= (tool.ramp_angle or RAMP) + 1e-7
+            steepest = max(steepest, slope / (tool.ramp_angle or RAMP))
+    assert steepest == 0.0 or steepest > 0.05
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_contact_runs_at_the_feed(name: str) -> None:
+    """On level rounds along walls: the side of the wall by places of it, not by a rule."""
+    part = {wall.boundary.name: wall.boundary for wall in milled(name).part.walls}
+    for each in steps(name):
+        cut = each.operation.cut
+        if not isinstance(cut, ContourCut) or each.high != each.low or not each.way:
+            continue
+        if cut.left or not cut.right:  # between two walls, or along an edge
+            continue
+        radius = abs(each.start - each.centre)
+        slow = each.feed < cut.tool.feed * (1.0 - 1e-9)
+        if not each.sweep:
+            assert not slow
+            continue
+        around = (each.sweep > 0.0) == cut.climb
+        share = radius / (radius + cut.contact_radius) if around else 1.0
+        assert each.feed == pytest.approx(cut.tool.feed * share, rel=1e-9)
+        wall = part[cut.right].arcs(TOLERANCE, "fast").contour.points(TOLERANCE)
+        middle = each.centre + (each.start - each.centre) * np.exp(0.5j * each.sweep)
+        near = wall[int(np.argmin(np.abs(wall - middle)))]
+        if abs(abs(near - middle) - cut.tool.radius) < 3.0 * TOLERANCE and radius > 1.0:
+            outside = abs(near - each.centre) > radius
+            assert outside == around
