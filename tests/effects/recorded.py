@@ -27,7 +27,6 @@ from camgeo.check.finding import Finding
 from camgeo.design import Design
 from camgeo.effects.effect import Bound, Column, Result
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.recorded_scenes import OF_FIXTURES, OF_SMALL, of_fixture, small
 from tests.effects.scenes import SCENES
@@ -46,10 +45,13 @@ STATED: Final = 1.5
 
 NUMBER: Final = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
-SHOWN: Final[FloatArray] = (np.arange(5) + 0.381966) * TURN / 5.0
+OFFSET: Final = 0.381966 * TURN
+"""The ends of a motion are hardly ever among angles that begin there."""
+
+SHOWN: Final = np.linspace(OFFSET / 5.0, TURN + OFFSET / 5.0, 5, endpoint=False)
 """Angles at which values of columns are kept."""
 
-DENSE: Final[FloatArray] = (np.arange(360) + 0.381966) * TURN / 360.0
+DENSE: Final = np.linspace(OFFSET / 360.0, TURN + OFFSET / 360.0, 360, endpoint=False)
 """Angles over which they are summed."""
 
 WEIGHTS: Final = np.array([np.ones_like(DENSE), np.cos(DENSE), np.sin(DENSE), np.cos(7.0 * DENSE)])
