@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from functools import cache
@@ -15,7 +14,7 @@ from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.motion.laws import FAMILIES
 from camgeo.part.materials import MATERIALS
 from tests.answers.documents import explained
-from tests.effects.recorded import RECORD
+from tests.effects.recorded import record
 from tests.long_form import LONG
 from tests.pages import page_maker
 
@@ -151,13 +150,6 @@ def found_of(name: str) -> tuple[set[str], set[str]]:
         findings |= {each for each, _ in found.get("findings", ())}
         columns |= {*found.get("columns", ())}
     return findings, columns
-
-
-@cache
-def record() -> dict[str, dict[str, Any]]:
-    """The results that `tests/effects/test_recorded.py` holds."""
-    found: dict[str, dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
-    return found
 
 
 @pytest.mark.parametrize("name", EFFECTS)

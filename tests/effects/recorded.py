@@ -1,11 +1,11 @@
 """Complete results of effects, measured and compared with those of a record.
 
-    python -m tests.effects.recorded
+    python -m tests.effects.recorded [small] [mechanisms] [states] [fixtures]
 
-writes the record, `fixtures/results/effects.json`, anew: all findings of all effects of the scenes
-in `fixtures/effects` and of `recorded_scenes`, and of each column its values at some angles and
-what is left of it in a few sums over the turn and over both sides of its borders. Whoever changes
-an effect on purpose writes it and reads the difference.
+writes the record, `fixtures/results/effects.json`, or groups of it, anew: all findings of all
+effects of the scenes in `fixtures/effects` and of `recorded_scenes`, and of each column its values
+at some angles and what is left of it in a few sums over the turn and over both sides of its
+borders. Whoever changes an effect on purpose writes it and reads the difference.
 
 Values agree if they are no further apart than the record states as the error of the figure, so a
 solver that keeps what is stated keeps the record.
@@ -16,7 +16,9 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,7 +30,15 @@ from camgeo.design import Design
 from camgeo.effects.effect import Bound, Column, Result
 from camgeo.errors import EffectError, GeometryError
 from camgeo.units import TURN
-from tests.effects.recorded_scenes import OF_FIXTURES, OF_SMALL, of_fixture, small
+from tests.effects.recorded_scenes import (
+    OF_FIXTURES,
+    OF_SMALL,
+    OF_STATES,
+    TRIMMED,
+    of_fixture,
+    of_state,
+    small,
+)
 from tests.effects.scenes import SCENES
 
 FIXTURES: Final = SCENES.parent
@@ -108,6 +118,24 @@ def result_of(design: Design, effect: str) -> Result | None:
     except (EffectError, GeometryError):
         return None
     return result
+
+
+def differences(name: str, design: Design) -> list[str]:
+    """Where results of a design are not those of the record."""
+    kept = record()[name]
+    if list(kept) != list(design.scene.effects):
+        return [f"{name}: effects {list(design.scene.effects)} instead of {list(kept)}"]
+    found = []
+    for effect in design.scene.effects:
+        own = json.loads(json.dumps(measured(design, effect)))
+        found += [f"{name}, {effect}: {each}" for each in differs(own, kept[effect])]
+    return found
+
+
+@cache
+def record() -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
+    return found
 
 
 def measured(design: Design, effect: str) -> dict[str, Any]:
@@ -235,23 +263,29 @@ def designs(group: str) -> Iterator[tuple[str, Design]]:
             yield path.stem, load(path)
     elif group == "small":
         yield from ((name, small(name)) for name in OF_SMALL)
+    elif group == "states":
+        yield from ((name, of_state(name)) for name in (*OF_STATES, *TRIMMED))
     else:
         yield from ((name, of_fixture(name)) for name in OF_FIXTURES)
 
 
-GROUPS: Final = ("small", "mechanisms", "fixtures")
+GROUPS: Final = ("small", "mechanisms", "states", "fixtures")
 
 
-def write(path: Path = RECORD) -> None:
+def write(groups: Iterable[str] = GROUPS, path: Path = RECORD) -> None:
+    """Write the record of `groups` anew, and keep that of the others."""
+    kept = json.loads(path.read_text("utf-8")) if path.exists() else {}
     lines = []
-    for name, design in (each for group in GROUPS for each in designs(group)):
-        effects = ",\n".join(
-            f"  {json.dumps(effect)}: {json.dumps(measured(design, effect))}"
-            for effect in design.scene.effects
-        )
-        lines.append(f" {json.dumps(name)}: {{\n{effects}\n }}")
+    for group in GROUPS:
+        for name, design in designs(group):
+            results = kept.get(name) if group not in groups else None
+            results = results or {each: measured(design, each) for each in design.scene.effects}
+            effects = ",\n".join(
+                f"  {json.dumps(effect)}: {json.dumps(each)}" for effect, each in results.items()
+            )
+            lines.append(f" {json.dumps(name)}: {{\n{effects}\n }}")
     path.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
 
 
 if __name__ == "__main__":
-    write()
+    write(sys.argv[1:] or GROUPS)

@@ -10,6 +10,7 @@ from typing import Final
 from camgeo.design import Design
 from camgeo.scene.load import parse_scene
 from tests.effects.scenes import SCENES, design
+from tests.state.test_outline import STEEPER, trimmed
 
 SMALL: Final = """
 camgeo = 1
@@ -143,6 +144,20 @@ damping = 0.1
 second = { natural_frequency = 300, mass_ratio = 0.2, damping = 0.03 }
 [effects.power-balance]
 [effects.reactions]
+""",
+        (),
+    ),
+    "elastic train": (
+        held(900.0)
+        + """
+[effects.vibration]
+masses = [
+  { mass = 0.4, stiffness = 700, damping = 0.04 },
+  { mass = 0.3, stiffness = 500, viscous = 0.03, ground_stiffness = 9 },
+  { mass = 0.2, stiffness = 300, damping = 0.06 },
+]
+[effects.shock-spectrum]
+highest_ratio = 4
 """,
         (),
     ),
@@ -478,6 +493,40 @@ ground_viscous_torque = 0.01
 }
 """Effects of scenes of the fixtures."""
 
+RAN: Final = "[effects.kinematics]\n[effects.contact-force]\n[effects.drive-torque]\n"
+
+OF_STATES: Final[dict[str, tuple[str, str, dict[str, str]]]] = {
+    "written contour": (
+        "plate_translating",
+        held(400.0) + RAN.replace("[effects.contact-force]\n", ""),
+        {"contour": "arcs"},
+    ),
+    "written polyline behind a linkage": (
+        "crank_slider",
+        "[effects.inertia]\nmass = 2\n[effects.load]\nconstant = 3\n" + RAN,
+        {"contour": "polyline"},
+    ),
+    "written flank of a groove": (
+        "groove",
+        "[effects.inertia]\nmoment_of_inertia = 0.05\n[effects.lift-off]\n" + RAN,
+        {"contour": "arcs", "flank": "outer"},
+    ),
+    "written disc of a pair": (
+        "conjugate_lever",
+        "[effects.inertia]\nmoment_of_inertia = 0.05\n" + RAN,
+        {"contour": "spline", "flank": "return"},
+    ),
+    "written side of a yoke": (
+        "constant_breadth",
+        "[effects.inertia]\nmass = 2\n" + RAN,
+        {"contour": "arcs", "flank": "opposite"},
+    ),
+}
+"""Effects of scenes of the fixtures for the motion that their written contours make."""
+
+TRIMMED: Final = {"trimmed " + name.replace("_", " "): name for name in STEEPER}
+"""Discs that do not make the whole motion of a linkage or a face."""
+
 DEFAULT_SPEED: Final = {"flat_rocker": 240}
 """Of scenes that have none."""
 
@@ -497,3 +546,13 @@ def of_fixture(name: str) -> Design:
     scene, effects = OF_FIXTURES[name]
     speed = DEFAULT_SPEED.get(scene)
     return design(scene, effects, *([("[cam]\n", f"[cam]\nspeed = {speed}\n")] if speed else []))
+
+
+def of_state(name: str) -> Design:
+    """One of `OF_STATES` or of `TRIMMED`."""
+    if name in TRIMMED:
+        return trimmed(TRIMMED[name])
+    scene, effects, state = OF_STATES[name]
+    edits = {f"state.{key}": each for key, each in ({"motion": "written"} | state).items()}
+    made = design(scene, effects).scene.with_values({**edits, "output.tolerance": 0.01})
+    return Design(made)

@@ -219,21 +219,21 @@ def test_the_margin_is_of_the_flank_that_pushes_if_there_are_two(scene: str) -> 
     """
     made = design(scene, f"[effects.friction]\n{HELD_BOTH_WAYS[scene]}\n")
     follower, found = made.cam.follower, made.effect("friction")
+    assert isinstance(follower, (TranslatingRoller, OscillatingRoller))
     phi = np.linspace(0.0, TURN, 4000, endpoint=False) + 1e-4
     lift, slope = made.cam.drive.motion.jet(phi)[:2]
-    out = slope * (-1.0 if follower.direction == "inward" else 1.0) > 0.0
     returning = made.effects.subject.returning
     centre = made.cam.disc.pitch_curve
     angle = centre.pressure_angle(phi)
     if returning is not None:
-        angle = np.where(out, angle, returning.state.curve.pressure_angle(phi))
+        angle = np.where(slope > 0.0, angle, returning.state.curve.pressure_angle(phi))
     if isinstance(follower, TranslatingRoller):
         lever = (2.0 * (40.0 - lift) + 45.0) / 45.0 if scene == "groove_clearance" else 1.0
         largest = np.arctan2(1.0, (0.3 if scene == "groove_clearance" else 0.6) * lever)
     else:
         arm = np.full(phi.shape, abs(follower.start_arm))
         if returning is not None:
-            arm = np.where(out, arm, abs(returning.state.curve.follower.start_arm))
+            arm = np.where(slope > 0.0, arm, abs(returning.state.curve.follower.start_arm))
         largest = np.arccos(0.6 * 25.0 / arm)
     moving = np.abs(slope) > 1e-6
     (column,) = (each for each in found.columns if each.name == "jamming margin")
