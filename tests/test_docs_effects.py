@@ -14,6 +14,7 @@ from camgeo.effects.registry import EFFECTS, find_effect
 from camgeo.motion.laws import FAMILIES
 from camgeo.part.materials import MATERIALS
 from tests.answers.documents import explained
+from tests.effects.recorded import record
 from tests.long_form import LONG
 from tests.pages import page_maker
 
@@ -47,12 +48,6 @@ def maker() -> Any:
     return made
 
 
-def accuracy() -> str:
-    """The table of estimates on the page."""
-    (table,) = re.findall(r"^\| effect \| at .*?\n(?=\n)", section("Accuracy"), re.M | re.S)
-    return str(table)
-
-
 def masked(text: str) -> tuple[str, list[float]]:
     """The text without numbers, and these."""
     text = CLAIM.sub("claim", TIMES.sub("times  ", text))
@@ -65,10 +60,10 @@ def section(name: str) -> str:
     return str(text)
 
 
-def test_the_page_is_made_from_its_texts_and_the_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The estimates, for which every effect is computed six times, in the long form alone."""
-    if not LONG:
-        monkeypatch.setitem(maker().INSERTS, "accuracy", lambda *_: accuracy())
+# Its parts are held below, and what it says of findings and columns against the record of results.
+@pytest.mark.long
+def test_the_page_is_made_from_its_texts_and_the_code() -> None:
+    """With estimates, for which every effect is computed six times."""
     text, numbers = masked(maker().page())
     written, figures = masked(PAGE)
     assert text == written, "run python docs/effects_page.py"
@@ -151,10 +146,9 @@ def found_of(name: str) -> tuple[set[str], set[str]]:
     """Names of findings and of columns that an effect has in the example scenes."""
     findings, columns = set(), set()
     for scene in SCENES:
-        design = maker().design(scene)
-        if name in design.scene.effects:
-            findings |= {each.name for each in design.effects.findings(name)}
-            columns |= {each.name for each in design.effect(name).columns}
+        found = record()[scene].get(name, {})
+        findings |= {each for each, _ in found.get("findings", ())}
+        columns |= {*found.get("columns", ())}
     return findings, columns
 
 

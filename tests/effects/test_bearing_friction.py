@@ -18,7 +18,7 @@ from camgeo.effects.speed_fluctuation.march import _linear
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from tests.effects.scenes import SCENES
-from tests.long_form import examples
+from tests.long_form import LONG, examples
 
 ROUNDING: Final = 1e-12
 
@@ -191,10 +191,12 @@ def test_at_lift_off_behind_a_linkage_the_force_is_0() -> None:
     """The spring presses on the slider, and loads the pivot through the coupler."""
     told = {each.name: each.value for each in linked_press().effects.findings("lift-off")}
     fast = {"cam.speed": 500.0}
-    over = {each.name: each.value for each in linked_press(**fast).effects.findings("lift-off")}
-    assert (over["least-preload"] or 0.0) > 480.0
-    pressed = {**fast, "effects.spring.preload": over["least-preload"]}
-    for change in ({"cam.speed": told["lift-off-speed"]}, pressed):
+    changes = [{"cam.speed": told["lift-off-speed"]}]
+    if LONG:  # the least preload of a loaded pivot without a linkage is below
+        over = {each.name: each.value for each in linked_press(**fast).effects.findings("lift-off")}
+        assert (over["least-preload"] or 0.0) > 480.0
+        changes.append({**fast, "effects.spring.preload": over["least-preload"]})
+    for change in changes:
         extremes = linked_press(**change).effect("contact-force").extremes
         assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
 

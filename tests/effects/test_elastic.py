@@ -22,7 +22,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.load import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
-from tests.long_form import examples, some
+from tests.long_form import examples
 
 FINEST = 1e-12
 
@@ -192,7 +192,7 @@ CHAINS = [
 ]
 
 
-@pytest.mark.parametrize("chain", some(CHAINS, of=2, first=1))
+@pytest.mark.parametrize("chain", CHAINS)
 def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     """Within what the integration changes from one tolerance to the next, and what is told."""
     contact = chain.of.effect(CONTACT_FORCE)
@@ -206,7 +206,7 @@ def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     assert off <= 1e-6 * contact.extremes.magnitude
 
 
-@pytest.mark.parametrize("made", some([press, lever, pressing, valve], of=2, first=1))
+@pytest.mark.parametrize("made", [press, lever, pressing, valve])
 def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
     """Within 1e-6: it is pressed on its flank just below, and would be pulled just above."""
     of = made(400.0).of
@@ -368,21 +368,22 @@ def test_without_damping_there_is_no_lift_off_speed() -> None:
 
 
 def test_a_stiff_train_is_all_but_rigid() -> None:
-    stiff = loaded("lift_off_elastic", effects__vibration={"stiffness": 2e9, "damping": 0.3})
+    stiffness = examples(2e6, long=2e9)
+    stiff = loaded("lift_off_elastic", effects__vibration={"stiffness": stiffness, "damping": 0.3})
     here, there = (value(of, "lift-off", "lift-off-speed") for of in (stiff, rigid()))
     assert here == pytest.approx(there, rel=1e-3)
     own = [
         {"effects__load": {"segments": [-20.0, 35.0, 0.0]}, **each}
         for each in (
             {"state__output": "rigid"},
-            {"effects__vibration": {"stiffness": 2e9, "damping": 0.3}},
+            {"effects__vibration": {"stiffness": stiffness, "damping": 0.3}},
         )
     ]
-    # What a jump leaves has decayed, and y''/w^2 of the lift is a millionth of it.
+    # What a jump leaves has decayed, and y''/w^2 of the lift is a 1e-5 of it.
     one, other = (loaded("lift_off_elastic", **each).effect(CONTACT_FORCE) for each in own)
     phi = PHI + 0.02  # none is at a jump
     off = np.max(np.abs(one.normal(phi, "right") - other.normal(phi, "right")))
-    assert off <= 1e-5 * one.extremes.magnitude
+    assert off <= 2e4 / stiffness * one.extremes.magnitude
 
 
 def test_only_what_is_in_front_of_the_train_is_struck() -> None:

@@ -31,7 +31,6 @@ from camgeo.errors import EffectError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.units import RPM, TURN
 from tests.effects.test_elastic import loaded
-from tests.long_form import some
 
 TOTAL: Final = 1.5e-3
 """[t] all that moves in the scene, of which the train has its masses."""
@@ -171,7 +170,7 @@ CASES: Final = {
 }
 
 
-@pytest.mark.parametrize("name", some(CASES, of=4))
+@pytest.mark.parametrize("name", CASES)
 def test_flights_are_those_of_bodies_with_newtons_law_each(name: str) -> None:
     """Within what is told, and what the oracle changes from one tolerance to the next."""
     of = CASES[name]()

@@ -204,6 +204,47 @@ def test_guide_friction_by_the_largest_pressure_angle(overhang: float) -> None:
     assert margin.value == pytest.approx(math.degrees(np.min(wanted[slope > 0.0])), abs=1e-3)
 
 
+HELD_BOTH_WAYS: Final = {
+    "groove_clearance": "guide = 0.3\nguide_length = 45\nguide_overhang = 40",
+    "conjugate_carriage": "guide = 0.6",
+    "groove": "pivot = 0.6\npivot_diameter = 50",
+    "conjugate_lever": "pivot = 0.6\npivot_diameter = 50",
+}
+
+
+@pytest.mark.parametrize("scene", HELD_BOTH_WAYS)
+def test_the_margin_is_of_the_flank_that_pushes_if_there_are_two(scene: str) -> None:
+    """A flank that pushes may lean as far as the guide allows, or until its force passes the pivot
+    at mu r; the inner or main one drives outward, the other one inward.
+    """
+    made = design(scene, f"[effects.friction]\n{HELD_BOTH_WAYS[scene]}\n")
+    follower, found = made.cam.follower, made.effect("friction")
+    assert isinstance(follower, (TranslatingRoller, OscillatingRoller))
+    phi = np.linspace(0.0, TURN, 4000, endpoint=False) + 1e-4
+    lift, slope = made.cam.drive.motion.jet(phi)[:2]
+    returning = made.effects.subject.returning
+    centre = made.cam.disc.pitch_curve
+    angle = centre.pressure_angle(phi)
+    if returning is not None:
+        angle = np.where(slope > 0.0, angle, returning.state.curve.pressure_angle(phi))
+    if isinstance(follower, TranslatingRoller):
+        lever = (2.0 * (40.0 - lift) + 45.0) / 45.0 if scene == "groove_clearance" else 1.0
+        largest = np.arctan2(1.0, (0.3 if scene == "groove_clearance" else 0.6) * lever)
+    else:
+        arm = np.full(phi.shape, abs(follower.start_arm))
+        if returning is not None:
+            arm = np.where(slope > 0.0, arm, abs(returning.state.curve.follower.start_arm))
+        largest = np.arccos(0.6 * 25.0 / arm)
+    moving = np.abs(slope) > 1e-6
+    (column,) = (each for each in found.columns if each.name == "jamming margin")
+    own = np.degrees(largest - angle)
+    assert column.values(phi, "right")[moving] == pytest.approx(own[moving], abs=1e-9)
+    (margin,) = (each for each in found.findings if each.name == "jamming-margin")
+    worst = int(np.argmin(np.where(moving, own, np.inf)))
+    assert margin.value == pytest.approx(own[worst], abs=1e-3)
+    assert margin.cam_angle == pytest.approx(phi[worst], abs=math.radians(1.0))
+
+
 def test_a_roller_centre_beyond_the_far_end_of_the_guide() -> None:
     """b = 5 mm: at the top the guide lies 10 to 15 mm on this side of the roller's centre."""
     made = design("plate_translating", "")

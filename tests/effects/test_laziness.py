@@ -241,8 +241,14 @@ def test_a_fresh_interpreter_imports_effects_and_their_needs(
     assert not loaded & {"ezdxf", "trimesh", "manifold3d", "matplotlib", "camgeo_export", "mpmath"}
 
 
-def test_flights_wires_and_trimmed_flanks_are_imported_where_there_are_some() -> None:
-    loaded = modules_of(SCENES.parent / "effects" / "lever.toml", "judge")
+def test_flights_wires_and_trimmed_flanks_are_imported_where_there_are_some(
+    tmp_path: Path,
+) -> None:
+    scene = tmp_path / "scene.toml"
+    held = "[effects.inertia]\nmass = 0.1\n[effects.spring]\nstiffness = 4\npreload = 300\n"
+    text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
+    scene.write_text(f"{text}\n{held}[effects.lift-off]\n", "utf-8")
+    loaded = modules_of(scene, "judge")
     assert {"camgeo.effects.lift_off.force_closed", "camgeo.effects.spring.result"} <= loaded
     assert not loaded & {
         "camgeo.effects.lift_off.flight", "camgeo.effects.spring.coils", "camgeo.state.outline",

@@ -19,6 +19,7 @@ from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
+from tests.long_form import examples
 
 ROUNDING = 1e-12
 """A few thousand roundings of the largest force; see the tests of the contact force."""
@@ -444,6 +445,7 @@ def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.Monke
         assert errors[-1] <= tolerance
     assert errors[1] <= errors[0]
     monkeypatch.setattr(flight, "ORDERS", (1, 2))
+    monkeypatch.setattr(flight, "MOST_HALVINGS", examples(3, long=flight.MOST_HALVINGS))
     rough = subject.effects.recomputed("lift-off", 1e-10).result("lift-off")
     assert rough.flights == ()
     assert "the tolerance is 1e-10" in one(rough, "impact-speed").sentence

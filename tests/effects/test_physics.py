@@ -23,7 +23,6 @@ from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
-from tests.long_form import some
 
 STEP: Final = 2e-3
 """Of the differences [rad]."""
@@ -563,7 +562,7 @@ MIRRORS: Final[dict[str, list[tuple[str, str]]]] = {
 }
 
 
-@pytest.mark.parametrize("scene", some(MIRRORS, of=2))
+@pytest.mark.parametrize("scene", MIRRORS)
 def test_a_scene_and_its_mirror_image_have_the_same_forces(scene: str) -> None:
     """All columns of all effects, mirrored in the y axis, weights and centres too."""
     rocks = scene in ("shuttle", "groove")

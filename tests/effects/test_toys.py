@@ -158,33 +158,45 @@ def finding(reported: str) -> dict[str, Any]:
     return found
 
 
-def test_it_is_computed_with_what_it_needs(home: Path, tmp_path: Path) -> None:
-    file = scene(tmp_path, NOISE)
-    (_, explained), (_, checked) = run(home, ("explain", file), ("check", file, "--json"))
+@pytest.fixture(scope="module")
+def said(home: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
+    """What calls of camgeo say of scenes with the effect; one interpreter makes them all."""
+    folder = tmp_path_factory.mktemp("scenes")
+    for each in ("loud", "mm", "inch"):
+        (folder / each).mkdir()
+    loud = scene(folder / "loud", NOISE)
+    quiet = f"{SPRING}\n[effects.noise]\ngain = 0\ngap = 3\n"
+    calls: dict[str, tuple[str | Path, ...]] = {
+        "explain": ("explain", loud),
+        "check": ("check", loud, "--json"),
+        "mm": ("check", scene(folder / "mm", quiet), "--json"),
+        "inch": ("check", scene(folder / "inch", quiet, "inch"), "--json"),
+        "build": ("build", loud, "--only", "csv", "-o", folder / "out"),
+    }
+    answers = dict(zip(calls, run(home, *calls.values()), strict=True))
+    tables = [each.read_text("utf-8") for each in (folder / "out").glob("*.csv")]
+    return answers | {"table": (len(tables), "".join(tables))}
+
+
+def test_it_is_computed_with_what_it_needs(said: dict[str, tuple[int, str]]) -> None:
+    explained, checked = said["explain"][1], said["check"][1]
     assert "effects.noise" in explained
     assert "effects.contact-force" in explained
     loud = finding(checked)["value"]
     assert loud > GAIN * 80.0  # of the preload alone
 
 
-def test_its_lengths_are_in_the_unit_of_the_scene(home: Path, tmp_path: Path) -> None:
-    quiet = f"{SPRING}\n[effects.noise]\ngain = 0\n"
-    (tmp_path / "inch").mkdir()
-    files = (
-        scene(tmp_path, f"{quiet}gap = 3\n"),
-        scene(tmp_path / "inch", f"{quiet}gap = 3\n", "inch"),
-    )
-    (_, mm), (_, inch) = run(home, *(("check", file, "--json") for file in files))
-    assert finding(mm)["value"] == 3.0
-    assert finding(inch)["value"] == pytest.approx(3.0 * 25.4, rel=1e-15)
+def test_its_lengths_are_in_the_unit_of_the_scene(said: dict[str, tuple[int, str]]) -> None:
+    assert finding(said["mm"][1])["value"] == 3.0
+    assert finding(said["inch"][1])["value"] == pytest.approx(3.0 * 25.4, rel=1e-15)
 
 
-def test_its_columns_are_in_the_table(home: Path, tmp_path: Path) -> None:
-    file = scene(tmp_path, NOISE)
-    ((code, reported),) = run(home, ("build", file, "--only", "csv", "-o", tmp_path / "out"))
+def test_its_columns_are_in_the_table(said: dict[str, tuple[int, str]]) -> None:
+    code, reported = said["build"]
     assert code == 0, reported
-    (table,) = (tmp_path / "out").glob("*.csv")
-    lines = [line for line in table.read_text("utf-8").splitlines() if not line.startswith("#")]
+    count, table = said["table"]
+    assert count == 1
+    lines = [line for line in table.splitlines() if not line.startswith("#")]
     (name,) = (each for each in next(csv.reader(lines)) if "noise" in each)
     rows = list(csv.DictReader(lines))
     assert max(float(row[name]) for row in rows) > GAIN * 80.0

@@ -18,7 +18,6 @@ from camgeo.design import Design
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import load_scene, parse_scene
-from tests.long_form import some
 from tests.reference import reference
 
 INCH = 25.4
@@ -460,7 +459,7 @@ masses = [{", ".join(masses)}]
     return Design(load_scene(file))
 
 
-@pytest.mark.parametrize("frequency", some(["5_5", "40", "5", "6", "10"], of=3))
+@pytest.mark.parametrize("frequency", ["5_5", "40", "5", "6", "10"])
 def test_a_chain_of_eight_masses_under_a_harmonic_force(frequency: str, tmp_path: Path) -> None:
     """The displacement of the loaded mass, a cos(w t) - b sin(w t) with a + i b as printed."""
     case = example("chain_of_eight")

@@ -1,0 +1,77 @@
+"""All figures of all effects of many scenes are those of the record, see `tests.effects.recorded`.
+
+What the figures have to be is held by the other modules here, each against a model of its own; the
+record holds all of them, also where no other model would be worth it: places, limits, sentences,
+stated errors, each column all round.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Final
+
+import pytest
+
+from tests.effects.recorded import GROUPS, designs, differences, differs, record
+
+DEAR: Final = ("press", "linked_press", "tappet")
+"""Motors before elastic trains, at seconds each; a smaller one is among the small scenes."""
+
+
+def off(group: str, *, dear: bool = False) -> list[str]:
+    """Where results of a group are not those of the record."""
+    found = []
+    for name, design in designs(group):
+        if (name in DEAR) is dear:
+            found += differences(name, design)
+    return found
+
+
+def test_small_scenes_have_the_results_of_the_record() -> None:
+    assert not off("small")
+
+
+def test_mechanisms_of_all_kinds_have_the_results_of_the_record() -> None:
+    assert not off("mechanisms")
+
+
+def test_the_scenes_of_effects_have_the_results_of_the_record() -> None:
+    assert not off("fixtures")
+
+
+@pytest.mark.long  # the kinds of effects are those of the small scenes
+def test_dear_scenes_have_the_results_of_the_record() -> None:
+    assert not off("fixtures", dear=True)
+
+
+def test_the_record_has_no_scene_that_is_gone() -> None:
+    known = [name for group in GROUPS for name, _ in designs(group)]
+    assert list(record()) == known
+
+
+def test_each_difference_is_told() -> None:
+    """Of a result with a finding and a column, each number and text off by more than may be."""
+    kept = record()["windup"]["drive-torque"]
+    assert not [*differs(kept, kept)]
+    for number, each in enumerate(leaves(kept)):
+        changed = json.loads(json.dumps(kept))
+        change(changed, each)
+        assert [*differs(changed, kept)], (number, each)
+
+
+def leaves(of: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """The ways to all numbers and texts, but for the scale that bounds are compared with."""
+    if isinstance(of, dict):
+        return [
+            one for key, each in of.items() if key != "size" for one in leaves(each, (*way, key))
+        ]
+    if isinstance(of, list):
+        return [one for key, each in enumerate(of) for one in leaves(each, (*way, key))]
+    return [way]
+
+
+def change(of: Any, way: tuple[Any, ...]) -> None:
+    for key in way[:-1]:
+        of = of[key]
+    old = of[way[-1]]
+    of[way[-1]] = 1.01 * old + 1e-3 + abs(old) if isinstance(old, (int, float)) else f"{old}, other"
