@@ -150,7 +150,7 @@ def designs(every: tuple[tuple[str, Edits], ...]) -> Iterator[tuple[str, Design 
 
 
 def place(angle: float | None) -> str:
-    """A cam angle [rad] as it is kept: an extreme is flat, so that its place has half the digits."""
+    """A cam angle [rad] as it is kept: an extreme is flat, its place has half the digits."""
     return "-" if angle is None else f"{angle:.7f}"
 
 
