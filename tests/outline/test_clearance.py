@@ -103,6 +103,17 @@ def test_the_centre_is_nearest_to_the_axis_where_it_says(pitch: PitchCurve) -> N
     assert surely_clear_of_axis(pitch, 0.6 * nearest)
 
 
+def test_a_centre_that_is_slow_but_far_from_the_axis_is_surely_clear_of_it() -> None:
+    """On a guide 40 mm beside the axis, of which the move takes most: |Z'| falls below 32 mm."""
+    half = Decimal(180)
+    law = LAWS["polynomial-345"]
+    plan = MotionPlan((Move(half, 60.0, law), Move(half, 0.0, law)))
+    for rotation in (1, -1):
+        pitch = PitchCurve(plan, TranslatingRoller(50.0, 5.0, offset=40.0), rotation)
+        assert float(np.min(np.abs(pitch.jet(DENSE)[1]))) < 45.0
+        assert surely_clear_of_axis(pitch, 45.0)
+
+
 TO_LINE = math.radians(20.0)
 """Swing that brings the rocker onto the line of centres."""
 
@@ -117,13 +128,13 @@ def test_a_rocker_stays_on_one_side_until_it_reaches_the_line_of_centres(
     swing: float, stays: bool, law: str, side: int
 ) -> None:
     third = Decimal(120)
-    plan = MotionPlan(
-        (Dwell(third), Move(third, swing, LAWS[law]), Move(third, 0.0, LAWS[law]))
-    )  # fmt: skip
     base = math.sqrt(100.0**2 + 60.0**2 - 2.0 * 100.0 * 60.0 * math.cos(TO_LINE))
-    rocker = OscillatingRoller(100.0 + 0.0j, 60.0, base, 5.0, side, -1)
-    for rotation in (1, -1):
-        assert stays_on_one_side(PitchCurve(plan, rocker, rotation)) == stays
+    for direction in (1, -1):
+        to = -direction * swing
+        plan = MotionPlan((Dwell(third), Move(third, to, LAWS[law]), Move(third, 0.0, LAWS[law])))
+        rocker = OscillatingRoller(100.0 + 0.0j, 60.0, base, 5.0, side, direction)
+        for rotation in (1, -1):
+            assert stays_on_one_side(PitchCurve(plan, rocker, rotation)) == stays
 
 
 @pytest.mark.parametrize(("stroke", "stays"), [(39.999999, True), (40.000001, False)])
