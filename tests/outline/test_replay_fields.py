@@ -34,7 +34,7 @@ Made = tuple[Replay, Contour | None]
 
 
 def of_contour(pitch: Any, contour: Contour, side: str = "inner") -> Made:
-    return replay_contour(pitch, contour, side), contour  # type: ignore[arg-type]  # a flank's name
+    return replay_contour(pitch, contour, side), contour
 
 
 def star_of(follower: Any, seed: int, sigma: int) -> Made:
@@ -154,6 +154,10 @@ def test_its_summary_is_that_of_its_samples(made: Made) -> None:
     most = max(0.0, float(np.max(lost)), float(np.max(replay.press * replay.lift.outward * inside)))
     assert best.value == pytest.approx(most, rel=1e-3, abs=1e-12)
     assert best.value >= np.max(lost)
+    near = best.place + STEP * np.linspace(-1.1, 1.1, 2001)
+    beside = replay.lift.at(near % TURN) - replay.lift.motion.jet(near % TURN)[0]
+    top = float(np.max(replay.press * replay.lift.outward * beside))
+    assert best.value >= top - 1e-7 * abs(top) - 1e-13
     fine = replay.lift.motion.jet(dense)
     for peak, order in ((replay.demanded_velocity, 1), (replay.demanded_acceleration, 2)):
         assert peak == pytest.approx(float(np.max(np.abs(fine[order]))), rel=1e-5, abs=1e-12)
