@@ -463,7 +463,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
 
 
-@settings(attack, max_examples=examples(6, long=12))
+@settings(attack, max_examples=examples(4, long=12))
 @given(
     curve=pitch_curves(SMOOTH),
     contact=st.sampled_from(["inner", "outer", "groove"]),
