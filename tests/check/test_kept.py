@@ -73,6 +73,7 @@ FINDINGS: Final[tuple[tuple[str, Edits], ...]] = (
     ("scenes/four_bar", {"motion[2].to": -48}),
     ("scenes/crank_slider", {"cam.speed": None}),
     ("refused/drop", {}),
+    ("refused/drop", {"limits.undercut": "trim"}),
     ("refused/global_undercut", {}),
     ("refused/global_undercut", {"limits.undercut": "trim"}),
     ("refused/undercut_tappet", {}),
