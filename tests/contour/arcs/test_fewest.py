@@ -48,7 +48,7 @@ SAGITTA = 2e-6
 """Chords of the dense curve by which is measured, see `Dense` [mm]."""
 
 some = settings(
-    max_examples=6,
+    max_examples=examples(4, long=6),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
