@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.pages import page_maker
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 
+@pytest.mark.long
+# That sizes are right is tested in tests/check, what `camgeo size` says in tests/answers/test_size.
 def test_the_page_is_made_by_its_script() -> None:
     written = (DOCS / "sizing.md").read_text(encoding="utf-8")
     assert page_maker("sizing_page").page() == written, "run python docs/sizing_page.py"

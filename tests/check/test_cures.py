@@ -396,6 +396,37 @@ def test_a_move_between_moves_cannot_grow() -> None:
     assert "too little room" in cure.sentence
 
 
+@pytest.mark.parametrize(
+    ("more", "works"), [(5.0, True), (14.99, True), (15.01, False), (25.0, False), (33.0, False)]
+)
+def test_two_moves_grow_as_long_as_the_rest_between_them_has_room(more: float, works: bool) -> None:
+    """Of 30 degrees each, and 30 at rest. The roller is the radius of curvature over a longer move,
+    so that is the least that both need; the rest gives 15 to each. A move by nothing is no rest."""
+    law = LAWS["polynomial-345"]
+    needed = 30 + Decimal(str(more))
+    still = Move(Decimal(270), 0.0, law)
+    longer = MotionPlan((Move(needed, 100.0, law), Move(90 - needed, 0.0, law), still))
+    bends = curvature_extremes(PitchCurve(longer, TranslatingRoller(40.0, 1.0), 1))
+    inside = (bends.phi > 1e-6) & (bends.phi < math.radians(float(needed)) - 1e-6)
+    tightest = float(np.max(bends.values[inside]))
+    moves = (Move(Decimal(30), 100.0, law), Dwell(Decimal(30)), Move(Decimal(30), 0.0, law), still)
+    cam = cam_of(MotionPlan(moves), TranslatingRoller(40.0, 1.0 / tightest))
+    cure = by_knob(cures((cam,)))["longer segment"]
+    assert cure.works == works, cure.sentence
+    if not works:
+        assert (cure.key, cure.value_from, cure.cost) == ("motion[1].span", 30, None)
+        assert "too little room" in cure.sentence
+        return
+    first, rest, second, _ = applied(cam, cure).drive.plan.segments
+    assert 0 <= first.span - needed <= 2 * STEP
+    assert second.span == first.span
+    assert rest.span == 90 - 2 * first.span
+    assert cure.cost == pytest.approx(more / 30.0, rel=1e-6)
+    assert {cure.key, *(each.key for each in cure.also)} == {
+        "motion[1].span", "motion[2].dwell", "motion[3].span"
+    }  # fmt: skip
+
+
 def test_undercut_in_a_rest_or_in_a_turn_is_no_matter_of_span_or_law() -> None:
     dwell = MotionPlan(
         (
@@ -463,7 +494,7 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
 
 
-@settings(attack, max_examples=examples(6, long=12))
+@settings(attack, max_examples=examples(4, long=12))
 @given(
     curve=pitch_curves(SMOOTH),
     contact=st.sampled_from(["inner", "outer", "groove"]),

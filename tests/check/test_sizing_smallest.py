@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -13,7 +14,12 @@ from camgeo.check.sizing.conditions import conditions
 from camgeo.check.sizing.smallest import active_conditions, rate, size
 from camgeo.check.sizing.task import task_of
 from camgeo.errors import GeometryError
+from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.motion.plan import MotionPlan, Move
+from camgeo.units import TURN
+from tests.cams import cam_of
 from tests.check.sizing_scenes import BENT, EASY, required
+from tests.laws import LAWS
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
@@ -57,6 +63,38 @@ def test_no_smaller_circle_is_seen_anywhere(name: str) -> None:
     for share in np.linspace(0.7, 0.9995, 8):
         places = task.start + share * found.answer.base_radius * np.exp(1j * theta)
         assert not np.any(now.met(places))
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize(("law", "roller"), [("polynomial-345", 15.0), ("modified-sine", 40.0)])
+def test_a_roller_that_comes_to_the_axis_decides(law: str, roller: float, rotation: int) -> None:
+    """A follower that is let in by 20 mm and turns there at once: nothing but that distance, and
+    the transmission angle elsewhere, keeps the cam from being smaller."""
+    half, angle = Decimal(180), math.radians(20.0)
+    plan = MotionPlan((Move(half, 20.0, LAWS[law]), Move(half, 0.0, LAWS[law])))
+    task = task_of(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
+    found = size(task, angle, 1.0)
+    assert found.answer is not None
+    dense = np.linspace(0.0, TURN, 721)
+
+    def margins(place: complex) -> tuple[float, float, float]:
+        curve = task.pitch_curve_at(place)
+        return (
+            float(np.min(np.abs(curve.point(dense)))) / roller - 1.0,
+            1.0 - roller * float(np.max(curve.curvature(dense))),
+            float(np.min(curve.transmission_angle(dense))) - angle,
+        )
+
+    best, radius = found.answer.place, found.answer.base_radius
+    assert min(margins(best)) >= -1e-9
+    assert margins(best)[0] <= 1e-8
+    over = {each.name: each.cam_angle for each in found.active}
+    assert over["roller-over-axis"] == pytest.approx(math.pi, abs=1e-6)
+    assert "transmission-angle" in over
+    for shrink in (1e-5, 1e-3, 0.03):
+        for theta in np.angle(best) + np.linspace(-0.6, 0.6, 61):
+            place = radius * (1.0 - shrink) * np.exp(1j * theta)
+            assert place.imag > -20.0 or min(margins(complex(place))) < 0.0
 
 
 def test_an_angle_that_no_place_keeps() -> None:

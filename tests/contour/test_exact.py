@@ -18,9 +18,9 @@ from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples
 
-some = settings(max_examples=examples(20, long=40), deadline=None)
+some = settings(max_examples=examples(12, long=40), deadline=None)
 
-few = settings(max_examples=15, deadline=None)
+few = settings(max_examples=examples(7, long=15), deadline=None)
 """For what is measured at every size of tolerance, down to thousands of chords."""
 
 RADIUS = 8.0

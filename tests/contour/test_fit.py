@@ -42,7 +42,7 @@ SAGITTA = 2e-6
 """Chords of the dense curve by which is measured, see `Dense` [mm]."""
 
 some = settings(
-    max_examples=examples(8, long=15),
+    max_examples=examples(5, long=15),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

@@ -1,7 +1,4 @@
-"""The number of pieces on all fixture cams, compared with the limits for small tolerances.
-
-Each scene in one form, by turns; in the long form in all of them.
-"""
+"""The number of pieces on all fixture cams, compared with the limits for small tolerances."""
 
 from __future__ import annotations
 
@@ -24,7 +21,6 @@ from camgeo.outline.path import Path as Outline
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.paths import break_count
 from tests.end_to_end.built import SCENES
-from tests.long_form import some
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
@@ -49,9 +45,7 @@ def flanks(scene: Path) -> list[CurveBoundary]:
 
 
 PAIRS: Final = [
-    pytest.param(scene, form, id=f"{scene.stem}-{form}")
-    for k, scene in enumerate(SCENES)
-    for form in some(TARGETS, of=len(TARGETS), first=k % len(TARGETS))
+    pytest.param(scene, form, id=f"{scene.stem}-{form}") for scene in SCENES for form in TARGETS
 ]
 
 

@@ -1,6 +1,6 @@
 """Fixture scenes at four tolerances: written, measured as read back, and verified.
 
-One scene of three is written, each in one form at one end of the tolerances: a drawing of arcs, a
+Each scene is written in one form at one end of the tolerances: a drawing of arcs, a
 program and one of its solids, or a drawing of chords or splines. `test_targets` fits the curves of
 every scene at all tolerances, `test_solids` proves that both solids are one body, and `test_verify`
 verifies all files of all scenes at their own tolerance. The long form writes and verifies every
@@ -23,7 +23,7 @@ from camgeo.design import Design
 from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
 from camgeo.writing.write import Report
 from tests.end_to_end.built import SCENES
-from tests.long_form import LONG, some
+from tests.long_form import LONG
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4, 1e-5)
 
@@ -61,7 +61,7 @@ def _written(number: int) -> list[tuple[Form, float]]:
     return [(form, tolerance) for tolerance in (loose, tight) for form in FORMS] + between
 
 
-@pytest.mark.parametrize("scene", some(SCENES, of=3), ids=lambda path: path.stem)
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None:
     base = camgeo.load(scene)
     number = SCENES.index(scene)

@@ -19,7 +19,15 @@ from camgeo.design import Design
 from camgeo.mechanism.translating_roller import TranslatingRoller
 from camgeo.motion.motion import Dwell, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.outline.moments import ROUNDING, Moments, area, path_moments, total
+from camgeo.outline.moments import (
+    ROUNDING,
+    Moments,
+    area,
+    path_moments,
+    path_second_moments,
+    piece_second_moments,
+    total,
+)
 from camgeo.outline.path import Path, Pivot, whole
 from camgeo.scene.load import parse_scene
 from tests.effects.scenes import design
@@ -224,3 +232,45 @@ def test_run_the_other_way_everything_changes_its_sign() -> None:
     assert other.area == pytest.approx(-one.area, rel=1e-15)
     assert other.first == pytest.approx(-one.first, rel=1e-15)
     assert other.counter_clockwise().first == pytest.approx(one.first, rel=1e-15)
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize("eccentricity", [0.0, 5.0, 30.0])
+def test_an_eccentric_disc_has_the_second_moments_of_its_circle(
+    eccentricity: float, rotation: int
+) -> None:
+    """Steiner: pi R^4 / 2 and the area times the square of the distance, in its direction twice."""
+    path = eccentric(eccentricity, 40.0, rotation, guide=0.7)
+    found = path_second_moments(path, 1e-12).counter_clockwise()
+    mass, away = math.pi * 40.0**2, cmath.rect(eccentricity, 0.7)
+    polar = 0.5 * mass * 40.0**2 + mass * eccentricity**2
+    assert abs(found.polar - polar) <= found.polar_error
+    assert abs(found.square - mass * away * away) <= found.square_error + 1e-12 * polar
+    assert found.polar_error < 1e-11 * polar
+    assert found.square_error < 1e-11 * polar
+    turned = path_second_moments(path, 1e-12).scaled(-2.0).counter_clockwise()
+    assert turned.polar == pytest.approx(2.0 * found.polar, rel=1e-14)
+    assert turned.square == pytest.approx(2.0 * found.square, rel=1e-13, abs=1e-9 * polar)
+    assert turned.polar_error == pytest.approx(2.0 * found.polar_error)
+    assert turned.square_error == pytest.approx(2.0 * found.square_error)
+
+
+def test_second_moments_of_lines_and_arcs_are_those_of_fine_triangles() -> None:
+    """A D of half a circle of 3 mm about 2 + 1j and its chord, and three quarters of a turn."""
+    for sweep in (math.pi, 1.5 * math.pi, -0.5 * math.pi):
+        centre, first = 2.0 + 1.0j, 3.0 * cmath.exp(0.4j)
+        start, end = centre + first, centre + first * cmath.exp(1j * sweep)
+        found = piece_second_moments(
+            np.array([start, end]), np.array([end, start]), np.array([sweep, 0.0]),
+            np.array([centre, 0j]),
+        )  # fmt: skip
+        along = start + (centre + first * np.exp(1j * sweep * np.linspace(0, 1, 40_001)) - start)
+        one, two = along[:-1] - start, along[1:] - start
+        signed = 0.5 * (np.conj(one) * two).imag
+        a, b, c = start, along[:-1], along[1:]
+        polar = np.sum(
+            signed / 12.0 * (abs(a) ** 2 + np.abs(b) ** 2 + np.abs(c) ** 2 + np.abs(a + b + c) ** 2)
+        )
+        square = np.sum(signed / 12.0 * (a * a + b * b + c * c + (a + b + c) ** 2))
+        assert found.polar == pytest.approx(float(polar), rel=1e-7)
+        assert found.square == pytest.approx(complex(square), rel=1e-7)

@@ -23,7 +23,8 @@ from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.clearance import stays_on_one_side
 from camgeo.outline.crossings import Node, crosses_itself, find_crossings
-from camgeo.outline.envelope import KINK, Envelope
+from camgeo.outline.cusps import backward_ranges
+from camgeo.outline.envelope import KINK, Envelope, envelope_of
 from camgeo.outline.moments import area
 from camgeo.outline.outline import Outline, _unsettled, real_outline
 from camgeo.outline.path import Path, Pivot, Stretch
@@ -71,6 +72,55 @@ def test_no_roller_reaches_what_is_kept(pitch: PitchCurve, side: int) -> None:
     # And it is the boundary of what the rollers reach: each point is touched by one.
     away = distances(pitch, dense(outline.path, 5))
     assert np.max(away) <= radius + ROUNDING * size_of(pitch)
+
+
+@pytest.mark.parametrize(
+    ("laws", "spans", "stroke", "base", "roller", "rotation"),
+    [
+        (("straight-line", "quadratic-parabola"), (85, 79, 26), 38.22, 21.1, 14.92, 1),
+        (("simple-sine", "straight-line"), (97, 13, 119), 38.32, 18.39, 13.83, -1),
+        (("simple-sine", "straight-line"), (110, 58, 23), 6.48, 33.17, 22.22, 1),
+        (("straight-line", "quadratic-parabola"), (64, 26, 13), 25.58, 38.09, 33.67, -1),
+    ],
+)
+def test_undercut_that_meets_a_turn_about_a_corner(
+    laws: tuple[str, str],
+    spans: tuple[int, int, int],
+    stroke: float,
+    base: float,
+    roller: float,
+    rotation: int,
+) -> None:
+    """Both run back: they are one range, beside a shock."""
+    first, rise, back = map(Decimal, spans)
+    plan = MotionPlan(
+        (
+            Dwell(first),
+            Move(rise, stroke, LAWS[laws[0]]),
+            Move(back, 0.0, LAWS[laws[1]]),
+            Dwell(360 - first - rise - back),
+        )
+    )
+    pitch = PitchCurve(plan, TranslatingRoller(base, roller), rotation)
+    flank = flank_of(pitch, -1)
+    outline = real_outline(flank)
+    rounding = ROUNDING * size_of(pitch)
+    for path in (outline.path, *outline.lobes):
+        away = distances(pitch, dense(path, 40))
+        assert np.min(away) >= roller - rounding
+        assert np.max(away) <= roller + rounding
+    assert outline.dropped
+    envelope = envelope_of(flank)
+    ranges = backward_ranges(envelope)
+    turns = envelope.starts[envelope.is_pivot]
+    assert any(np.any((turns - low) % envelope.total < high - low) for low, high in ranges)
+    places = (np.arange(4000) + 0.5) * envelope.total / 4000
+    inside = np.zeros(4000, dtype=bool)
+    for low, high in ranges:
+        inside |= (places - low) % envelope.total < high - low
+    pace = envelope.samples(places).pace
+    sure = np.abs(pace) > 1e-9
+    assert np.array_equal(inside[sure], pace[sure] < 0.0)
 
 
 @settings(attack, max_examples=examples(8, long=40))

@@ -153,7 +153,7 @@ def star(rng: np.random.Generator) -> Outline:
     return Outline.around(rng, radii=(9.0, 36.0), sweeps=(-2.4, 2.4), straight=0.5)
 
 
-@settings(attack, max_examples=examples(16, long=40))
+@settings(attack, max_examples=examples(8, long=40))
 @given(st.integers(0, 10**9), st.booleans(), st.sampled_from([1, -1]))
 def test_lift_by_the_smallest_distance(seed: int, rocker: bool, sigma: int) -> None:
     """From outside the roller is let in until its centre is a roller radius from the contour."""

@@ -20,6 +20,7 @@ from camgeo.outline.outline import real_outline
 from camgeo.outline.replay import replay_outline
 from camgeo.outline.replay_lift import PlayedLift
 from camgeo.units import TURN
+from tests.contour.cams import dwell, move, translating
 from tests.integrals import cells, integrals
 from tests.outline.clearing import distances
 from tests.strategies import SMOOTH, attack, linked_pitch_curves, pitch_curves, signs
@@ -101,6 +102,24 @@ def test_each_derivative_is_that_of_the_one_before(
 
 
 @few
+@given(curve=mechanisms, press=signs(), clearance=st.floats(1e-3, 0.5))
+def test_the_leverage_is_how_fast_a_lift_leaves_the_flank(
+    curve: PitchCurve, press: int, clearance: float
+) -> None:
+    """A lift that is a little larger takes the centre off its parallel by the leverage times it."""
+    assume_easy(curve, clearance)
+    phi, lift = np.linspace(0.0, TURN, 24)[:-1], played(curve, press, clearance)
+    lever, held = lift.leverage(phi), lift.jet(phi)[0]
+    unit = 1.0 / abs(curve.follower.reach)
+    away = [
+        distances(curve, centres(curve, phi, held + step)) for step in (-1e-5 * unit, 1e-5 * unit)
+    ]
+    # The centre runs outside the pitch curve, or inside, where the distance falls.
+    rate = press * (away[1] - away[0]) / (2e-5 * unit)
+    assert rate == pytest.approx(lever, rel=1e-4, abs=1e-5 / unit)
+
+
+@few
 @given(curve=mechanisms, press=signs())
 def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -> None:
     """To first order in the clearance, with an error that falls as the clearance does."""
@@ -118,6 +137,15 @@ def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -
         errors.append(max(abs(error) - 4e-5, 0.0))
     assert errors[0] <= 0.02
     assert errors[1] <= 0.11 * errors[0] + 1e-6
+
+
+def test_a_play_that_cannot_be_followed_is_refused() -> None:
+    """Beyond the smallest radius of curvature, less than 20 mm, the parallel runs back."""
+    curve = translating(move(40, 20.0), move(40, 0.0), dwell(280)).pitch
+    with pytest.raises(GeometryError, match="play is too large to be followed"):
+        PlayedLift(path_of(curve.follower, curve.rotation), WorkingCurve(curve, -20.0)).jet(
+            np.linspace(0.0, TURN, 91)
+        )
 
 
 def test_a_trimmed_flank_is_left_to_its_drawing() -> None:

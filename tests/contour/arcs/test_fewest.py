@@ -48,7 +48,7 @@ SAGITTA = 2e-6
 """Chords of the dense curve by which is measured, see `Dense` [mm]."""
 
 some = settings(
-    max_examples=6,
+    max_examples=examples(4, long=6),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
@@ -213,9 +213,14 @@ def test_cam_that_rests_all_turn_is_a_circle() -> None:
     assert fit.deviation < 1e-11
 
 
-def test_what_no_arcs_can_be_made_of_is_refused_as_by_the_fast_fit() -> None:
+@pytest.mark.long
+# The fast fit, which it falls back on, refuses the same in tests/contour/test_fit.
+def test_tolerance_beyond_arithmetic_is_refused() -> None:
     with pytest.raises(ToleranceError, match="tolerance 1e-14 mm requested"):
         fewest_arcs(whole(flank("querhub", -1)), 1e-14)
+
+
+def test_what_no_arcs_can_be_made_of_is_refused_as_by_the_fast_fit() -> None:
     torn = translating(dwell(40), move(140, 15.0, "straight-line"), dwell(60), move(120, 0.0))
     with pytest.raises(GeometryError, match="torn apart at cam angle 40 degrees"):
         fewest_arcs(whole(torn), 0.001)

@@ -26,7 +26,7 @@ from tests.long_form import examples
 flanks = pytest.mark.parametrize("name", FLANKS, ids=str)
 
 some = settings(
-    max_examples=examples(6, long=12),
+    max_examples=examples(4, long=12),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
@@ -96,7 +96,7 @@ def test_within_tolerance_on_both_sides(name: tuple[str, int]) -> None:
     assert fit.deviation <= 1.05 * found + 1e-9
 
 
-@settings(some, max_examples=examples(5, long=8))
+@settings(some, max_examples=examples(4, long=8))
 @given(curves(), st.sampled_from([1e-2, 1e-3, 1e-4]))
 def test_any_cam(curve: WorkingCurve, tolerance: float) -> None:
     path = whole(curve)

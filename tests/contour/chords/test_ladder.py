@@ -18,9 +18,10 @@ from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import TURN, curves, flank
+from tests.long_form import examples
 
 some = settings(
-    max_examples=12,
+    max_examples=examples(7, long=12),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

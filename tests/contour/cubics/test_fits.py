@@ -28,6 +28,7 @@ from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move
 from tests.contour.cams import translating as cam
 from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path
 from tests.contour.splines import curve_of, dense, tangents
+from tests.long_form import examples
 from tests.measuring import DensePath
 
 Fitter = Callable[[Path, float], SplineFit]
@@ -37,7 +38,7 @@ FITTERS: tuple[Fitter, ...] = (fit_spline, fewest_cubics)
 TIGHT = (1e-4, 1e-5, 1e-6, 1e-7)
 
 some = settings(
-    max_examples=6,
+    max_examples=examples(4, long=6),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

@@ -14,9 +14,12 @@ from camgeo.errors import GeometryError
 from tests.contour.cams import outline
 from tests.contour.splines import dense
 from tests.contour.test_spline import blob, slot
+from tests.long_form import examples
 from tests.measuring import DensePath
 
-some = settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+some = settings(
+    max_examples=examples(7, long=12), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 
 
 def _measured(contour: SplineContour, tolerance: float) -> tuple[float, float]:

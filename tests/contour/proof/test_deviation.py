@@ -36,7 +36,7 @@ SAGITTA = 2e-6
 """Error of the dense curve used for measuring [mm]."""
 
 some = settings(
-    max_examples=examples(15, long=30), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    max_examples=examples(9, long=30), deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 
 names = st.sampled_from(FLANKS)

@@ -33,7 +33,7 @@ TRIMMED = tuple(name for name in PATHS if name != "cusp")
 
 names = pytest.mark.parametrize("name", TRIMMED)
 
-some = settings(attack, max_examples=examples(12, long=25))
+some = settings(attack, max_examples=examples(8, long=25))
 
 
 def fitted(name: str, straight: bool) -> tuple[Path, Contour]:
