@@ -20,7 +20,7 @@ DENSE = 60_000
 """Points of a flank."""
 
 ROUND = 20_000
-"""Points of a circle, or of the arcs of a bore or a mark: chords of one of 75 mm lie 1e-6 mm off."""
+"""Points of a circle, of the arcs of a bore or a mark: chords of one of 75 mm lie 1e-6 mm off."""
 
 
 def _none() -> ComplexArray:
