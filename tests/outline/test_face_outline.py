@@ -207,6 +207,20 @@ def test_a_tail_however_small_is_found(share: float) -> None:
     assert 0.0 <= lost < 20.0 * share
 
 
+@pytest.mark.parametrize("base", [25.0, 80.0, 86.6, 86.67])
+def test_blind_to_all_extremes_it_drops_the_same(
+    base: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The cells find where the envelope runs back, with no help but that of the breaks."""
+    known = outline_of(tappet(base))
+    assert known.dropped
+    none = np.empty(0), np.empty(0, dtype=np.intp)
+    monkeypatch.setattr("camgeo.curve.extremes.roots_in_rows", lambda *_: none)
+    found = outline_of(tappet(base))
+    assert np.array(found.dropped) == pytest.approx(np.array(known.dropped), abs=1e-9)
+    assert area(found.path) == pytest.approx(area(known.path), rel=1e-12)
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_sizes_tiny_and_huge(scale: float) -> None:
     one = outline_of(tappet())
