@@ -211,7 +211,8 @@ def test_wrong_calls_are_2(options: list[str], capsys: Capture) -> None:
 def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "mine.toml"
     target.write_text("mine")
-    call = ["size", SETZHUB, "--scene", str(target), "-o", str(tmp_path / "size.svg")]
+    scene = str(SCENES / "plate_translating.toml")
+    call = ["size", scene, "--scene", str(target), "-o", str(tmp_path / "size.svg")]
     assert main(call) == 2
     assert target.read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.outline.cells import Cells, enclose, halved
+from camgeo.outline import cells as cells_module
+from camgeo.outline.cells import Cells, enclose, halved, overlapping
 from camgeo.outline.envelope import Envelope
 from tests.reference import hard_case, pitch_curve_of
 from tests.strategies import attack, signs, wild_pitch_curves
@@ -101,3 +102,42 @@ def test_no_cells_have_no_halves() -> None:
     envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
     cells = cells_of(envelope, 4)
     assert len(halved(envelope, cells.some(np.zeros(len(cells), dtype=np.bool_)))) == 0
+
+
+def test_as_many_cells_are_halved_as_may_be_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    envelope = envelope_of(pitch_curve_of({**hard_case("HC21c")[0], "kappa": 1}), -1)
+    cells = cells_of(envelope, 4)
+    borders = len(envelope.borders)
+    for most, more in ((len(cells), 0), (len(cells) - 3 * borders, 3)):
+        monkeypatch.setattr(cells_module, "MOST", most)
+        monkeypatch.setattr(cells_module, "MORE", more)
+        fine = halved(envelope, cells)
+        assert len(fine) == 2 * len(cells)
+        assert np.array_equal(fine.low[::2], cells.low)
+        assert np.array_equal(fine.high[1::2], cells.high)
+        assert np.array_equal(fine.origin, np.repeat(cells.origin, 2))
+        monkeypatch.setattr(cells_module, "MOST", most - 1)
+        with pytest.raises(GeometryError, match="bends more tightly than can be resolved"):
+            halved(envelope, cells)
+
+
+def test_pairs_that_overlap_are_those_of_all_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of upright boxes, one by one; as many as may be examined, and no more."""
+    envelope = envelope_of(pitch_curve_of({**hard_case("HC22")[0], "kappa": 1}), -1)
+    cells = cells_of(envelope, 9)
+    x, y = np.abs(cells.tangent.real), np.abs(cells.tangent.imag)
+    wide, high = x * cells.along + y * cells.across, y * cells.along + x * cells.across
+    left, right = cells.middle.real - wide, cells.middle.real + wide
+    low, top = cells.middle.imag - high, cells.middle.imag + high
+    one, other = np.triu_indices(len(cells), 1)
+    beside = (left[one] <= right[other]) & (left[other] <= right[one])
+    over = (low[one] <= top[other]) & (low[other] <= top[one])
+    both = {*zip(one[beside & over].tolist(), other[beside & over].tolist(), strict=True)}
+    monkeypatch.setattr(cells_module, "MOST_PAIRS", int(np.sum(beside)))
+    first, second = overlapping(envelope, cells)
+    assert np.all(first < second)
+    assert {*zip(first.tolist(), second.tolist(), strict=True)} == both
+    assert len(first) == len(both)
+    monkeypatch.setattr(cells_module, "MOST_PAIRS", int(np.sum(beside)) - 1)
+    with pytest.raises(GeometryError, match="lie too close to be separated"):
+        overlapping(envelope, cells)

@@ -24,6 +24,7 @@ from camgeo.motion.laws import make_law
 from camgeo.motion.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.convex import Convexity, convexity, touch
+from camgeo.outline.face_lift import contact_places
 from camgeo.outline.moments import area
 from camgeo.outline.outline import Outline, real_outline
 from camgeo.outline.replay import replay_contour, replay_outline
@@ -164,6 +165,29 @@ def test_an_arc_that_two_corners_cut_off_is_left_out() -> None:
     check_against_half_planes(pitch, outline)
 
 
+@pytest.mark.parametrize("rotation", [1, -1])
+def test_the_contact_runs_over_the_corners_too(rotation: int) -> None:
+    """Where a stretch is dropped its corner is touched, as far along the face as it lies then."""
+    pitch = replace(tappet(), rotation=rotation)
+    outline = outline_of(pitch)
+    places, angles = contact_places(pitch, outline.path)
+    assert np.all((angles >= 0.0) & (angles < TURN))
+    phi = np.arange(0.0, TURN, math.radians(0.01))
+    normal = demanded(pitch, phi)[0]
+    along = (np.conj(normal) * pitch.point(phi)).imag
+    sense = np.sign(np.sum(along * touch(pitch, phi).contact[0]))
+    for corner in outline.path.pivots:
+        inside = (phi - corner.before) % TURN < (corner.after - corner.before) % TURN
+        along[inside] = (np.conj(normal[inside]) * corner.centre).imag
+    along *= sense
+    # At the end of a corner's range its place changes by up to 10 um from sample to sample.
+    assert np.min(along) - 0.01 <= np.min(places) <= np.min(along) + 1e-9
+    assert np.max(along) - 1e-9 <= np.max(places) <= np.max(along) + 0.01
+    for k in (np.argmin(places), np.argmax(places)):
+        nearest = int(np.argmin(np.abs(phi - angles[k])))
+        assert along[nearest] == pytest.approx(float(places[k]), abs=0.05)
+
+
 @pytest.mark.parametrize("share", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_a_tail_however_small_is_found(share: float) -> None:
     """A base radius just below the least one: cusps at the deepest place, and a blunt corner."""
@@ -181,6 +205,20 @@ def test_a_tail_however_small_is_found(share: float) -> None:
         assert hit[1] - hit[0] == pytest.approx(width, rel=0.05)
     lost = replay_outline(pitch, outline.path).largest_loss.value
     assert 0.0 <= lost < 20.0 * share
+
+
+@pytest.mark.parametrize("base", [25.0, 80.0, 86.6, 86.67])
+def test_blind_to_all_extremes_it_drops_the_same(
+    base: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The cells find where the envelope runs back, with no help but that of the breaks."""
+    known = outline_of(tappet(base))
+    assert known.dropped
+    none = np.empty(0), np.empty(0, dtype=np.intp)
+    monkeypatch.setattr("camgeo.curve.extremes.roots_in_rows", lambda *_: none)
+    found = outline_of(tappet(base))
+    assert np.array(found.dropped) == pytest.approx(np.array(known.dropped), abs=1e-9)
+    assert area(found.path) == pytest.approx(area(known.path), rel=1e-12)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])

@@ -54,7 +54,10 @@ def test_all_pairs_in_one_cell() -> None:
 
 
 def test_too_many_layers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On average, three pieces over most of the turn."""
-    monkeypatch.setattr(layers, "MOST_PAIRS", 5)
+    """Three pieces over three of six cells each: nine pairs, as many as may be, and no more."""
+    low, width = np.array([0.0, 0.1, 0.2]), np.array([6.0, 6.0, 6.0])
+    monkeypatch.setattr(layers, "MOST_PAIRS", 9)
+    assert outermost(low, width)[1].tolist() == [0, 1, 2, layers.NONE]
+    monkeypatch.setattr(layers, "MOST_PAIRS", 8)
     with pytest.raises(GeometryError, match="its pieces lie in 2 layers; smooth it first"):
-        outermost(np.array([0.0, 0.1, 0.2]), np.array([6.0, 6.0, 6.0]))
+        outermost(low, width)
