@@ -250,7 +250,9 @@ def test_the_page_has_its_pictures() -> None:
         assert (DOCS / "images" / name).read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("name", ["effects-groove", "effects-spectrum"])
+@pytest.mark.parametrize(
+    "name", ["effects-spectrum", pytest.param("effects-groove", marks=pytest.mark.long)]
+)
 def test_a_picture_can_be_drawn(name: str) -> None:
     assert maker().picture(name).startswith(b"\x89PNG")
 

@@ -442,7 +442,7 @@ damping = 0.1
 """,
     ),
     "motor that the pivot stops": (
-        "setzhub",
+        "shuttle",
         TURNED.replace("[60, -30]", "[40, 20]")
         + """
 [effects.friction]
@@ -452,7 +452,7 @@ pivot_diameter = 40
 [effects.speed-fluctuation]
 moment_of_inertia = 0.01
 no_load_speed = 200
-stall_torque = 3
+stall_torque = 1
 """,
     ),
     "motor before a pivot": (

@@ -210,6 +210,8 @@ ELASTIC: Final[dict[str, dict[str, Any]]] = {
 }
 
 
+# A rigid one is above; the speed of an elastic one with a loaded pivot is in `test_recorded`.
+@pytest.mark.long
 @pytest.mark.parametrize("name", ELASTIC)
 def test_an_elastic_train_lifts_off_where_its_force_loads_the_pivot(name: str) -> None:
     """At the speed that is told the force of the steady state falls to 0, and not before."""

@@ -320,6 +320,8 @@ def test_errors_hold_against_newtons_law(tolerance: str) -> None:
     assert np.max(np.abs(turn.turn.omega(PHI) - omega)) <= turn.turn.speed_error + 1e-9
 
 
+# Without friction it is that of Newton's law above, and with it the shaft does the work below.
+@pytest.mark.long
 def test_with_friction_it_satisfies_the_equation_of_motion() -> None:
     """Over one turn in time, from its own state, with the torque of `drive-torque`."""
     made = scene(("[effects.contact-force]", FRICTION + "[effects.contact-force]"))

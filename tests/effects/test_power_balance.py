@@ -202,6 +202,8 @@ def found_of(text: str) -> dict[str, float]:
     return {each.name: each.value for each in found if each.value is not None}
 
 
+# Its power at each angle is that of all others above, and the works are in `test_recorded`.
+@pytest.mark.long
 def test_works_of_a_turn_add_up() -> None:
     """In a turn springs and masses give back what they take at constant speed; the work of the
     drive is that of friction.

@@ -14,8 +14,8 @@ import pytest
 
 from tests.effects.recorded import GROUPS, designs, differences, differs, record
 
-DEAR: Final = ("press", "linked_press", "tappet")
-"""Motors before elastic trains, at seconds each; a smaller one is among the small scenes."""
+DEAR: Final = ("press", "linked_press", "tappet", "camshaft_windup")
+"""Motors and shafts before elastic trains, at seconds each; smaller ones are among the small."""
 
 
 def off(group: str, *, dear: bool = False) -> list[str]:

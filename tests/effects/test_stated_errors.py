@@ -108,7 +108,7 @@ def assert_true(of: Design, name: str, *tolerances: float) -> None:
             assert each.holds, (name, tolerance, each)
 
 
-@settings(max_examples=examples(3, long=50), deadline=None)
+@settings(max_examples=examples(2, long=50), deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_no_figure_of_any_scene_is_off_by_more_than_stated(rng: Random) -> None:
     found = drawn(rng)
