@@ -14,13 +14,13 @@ from camgeo.toolpath.machine import load
 from camgeo.verifying.linting import Bench
 from camgeo_export.errors import FileError
 from camgeo_export.gcode.moves import Event
-from camgeo_export.interpreter.run import run
+from camgeo_export.interpreter.run import LINTER, run
 from tests.interpreter.programs import GOOD
 from tests.toolpath.programs import keep
 
 FILE: Final = Path(__file__).resolve().parents[2] / "fixtures" / "results" / "runs.json"
 
-BENCH: Final = Bench()
+BENCH: Final = Bench(clearance=4.0, radii=((1, 1.5), (2, 6.0)))
 
 MARK: Final = "G1 X5.0\n"
 """Before this block of a cut, or the same in conversational words, others are put in."""
@@ -64,9 +64,47 @@ CONVERSATIONAL: Final = (
 """The same for the conversational format."""
 
 
+COMPENSATED: Final = tuple(
+    f"G1 {side} D{offset} X-4.0\nG1 X-3.0\n{way}\nG40\nG1 X4.0"
+    for side in ("G41", "G42") for offset in (1, 2)
+    for way in (
+        "G1 X-1.0 Y14.0\nG1 X3.0 Y10.0", "G1 X-3.0 Y10.5\nG1 X3.0 Y10.5", "G1 X0.0\nG1 X-2.0",
+        "G2 X1.0 Y10.0 I2.0 J0.0\nG1 X3.0", "G3 X1.0 Y10.0 I2.0 J0.0\nG1 X3.0",
+        "G2 X1.0 Y14.0 I0.0 J4.0\nG3 X3.0 Y12.0 I2.0 J0.0\nG1 Y10.0", "G0 X0.0", "G1 Z-3.5",
+        "G1 X-2.9\nG1 X-2.9 Y10.05\nG1 X3.0", "T2 M6", "G1 X3.0 Y8.0\nG1 X-3.0 Y7.0",
+    )
+)  # fmt: skip
+"""Paths beside which a small cutter runs, or one that is too large."""
+
+MORE: Final = (
+    "G2 X1.0 Y10.0 I3.0 J0.0 P1.5", "G2 X1.0 Y10.0 I3.0 J0.0 P2", "G2 X1.0 Y10.0 I3.0 J0.0 P0",
+    "G1 X=IC(1.0)", "G1 X=AC(9.0) Y=IC(-1.0)", "G2 X1.0 Y10.0 I=AC(-2.0) J=AC(10.0)",
+    "G2 X1.0 Y10.0 CR=3.5", "G2 X1.0 Y10.0 CR=-3.5", "G2 X-5.0 Y10.0 I3.0 J0.0 TURN=1",
+    "G91\nG53 G0 X0.0\nG90", "G91\nG28 X1.0\nG90", "G91\nG1 X1.0 Y-0.5 F200\nG90",
+    "(operation a)\nG1 X9.0", "; operation b\nG1 X9.0", "M0 (turn it)", "(turn it)\nM0",
+    "G1 X9.0 M5", "G1 X9.0 M8 M9", "G4 F2", "G4 P2", "G4 U1.0", "S2000 M4\nG1 X9.0",
+    "G0 Z4.5\nG0 X0.0\nG1 Z-3.0", "G0 Z3.5\nG0 X0.0\nG1 Z-3.0",
+    "G0 Z5.0\nT2 M6\nG43 H2\nS900 M3\nG1 Z-3.0 F50", "G0 Z5.0 X1.0", "SUPA G0 Z0", "D0", "D2",
+    "OFFN=0.1",
+)  # fmt: skip
+"""Further blocks, of single controllers and of several lines."""
+
+SAID: Final = (
+    "CC X+0 Z+0", "CC X+0 PR+3", "CC", "CC PR+2 PA+30\nC X+0 Y+10 DR+", "L X+4 R0 F200 M5",
+    "L M91", "L X-4 RL\nL X-3\nL X-1 Y+14\nL X+3 Y+10\nL X+4 R0",
+    "L X-4 RR\nL X-3\nL X-1 Y+14\nL X+3 Y+10\nL X+4 R0",
+    "L X-4 RL\nL X-3\nCR X+1 Y+10 R+2 DR-\nL X+4 R0",
+    "L X-4 RR\nL X-3\nCR X+1 Y+10 R+2 DR-\nL X+4 R0",
+    "L Z+5 FMAX\nTOOL CALL 2 Z S500 DR+0.2\nL Z-3 F100", "M3 M8", "L IZ+1", "L X+4 F200 F300",
+)  # fmt: skip
+"""Further conversational blocks."""
+
 BLOCKS: Final = {
-    **dict.fromkeys(("linuxcnc", "fanuc", "sinumerik"), PUT_IN), "heidenhain": CONVERSATIONAL
-}  # fmt: skip
+    **dict.fromkeys(("linuxcnc", "sinumerik"), (*PUT_IN, *MORE)),
+    "heidenhain": (*CONVERSATIONAL, *SAID),
+    "haas": COMPENSATED,
+    "fanuc": MORE,
+}
 """What is put in; the other controllers read their words like one of these."""
 
 
@@ -101,6 +139,7 @@ def said(machine: str, text: str) -> Any:
     """Findings by line, a sum over the moves of each kind, and what else happens."""
     try:
         found = run(text, load(machine), BENCH)
+        linted = LINTER.lint(text.encode(), load(machine), BENCH)
     except FileError as error:
         return str(error)
     rows: dict[str, float] = {}
@@ -115,6 +154,7 @@ def said(machine: str, text: str) -> Any:
              *((each.what, each.allowed) if machine in TOLD else ())]
             for each in found.findings
         ],
+        "lint": [linted.moves, linted.complete, len("".join(linted.texts.values()))],
         "moves": rows,
         "events": " ".join(map(_event, found.events)),
         "modes": [repr(found.mm_per_unit), repr(found.step), repr(found.blending),
