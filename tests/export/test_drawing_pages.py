@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.sheet.marks import Chain, Round
+from camgeo.sheet.marks import Chain, Filled, Label, Round
 from camgeo.sheet.sheet import sheets_of
 from camgeo_export.drawing.document import LAYERS
 from camgeo_export.drawing.writer import PDF, SVG
@@ -143,6 +143,8 @@ def svg_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
 def pdf_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
     (stream,) = re.findall(rb"stream\n(.*?)\nendstream", pages(name)[1], re.DOTALL)
     text = zlib.decompress(stream).decode("ascii")
+    across, _, _, up, *_ = map(float, text.split()[:6])
+    assert (across, up) == pytest.approx([GRAIN * 72.0 / 25.4] * 2, rel=1e-6)
     lines = {int(width): pdf_runs(own) for width, own in re.findall(r"(\d+) w\n(.*?)\nS", text,
                                                                     re.DOTALL)}  # fmt: skip
     filled = []
@@ -171,7 +173,7 @@ def test_both_formats_draw_the_same(name: str) -> None:
             circle = circle_of(ends, along)
             if circle is not None:
                 middle, radius = circle
-                assert np.max(np.abs(np.abs(everything - middle) - radius)) <= 3.0
+                assert np.max(np.abs(np.abs(everything - middle) - radius)) <= 1.5
     assert len(filled) == len(also) > 30
     for letter, same in zip(filled, also, strict=True):
         assert [ends[0] for ends, _ in letter] == [ends[0] for ends, _ in same]
@@ -215,6 +217,35 @@ def test_all_chains_of_the_sheet_are_on_the_page(name: str) -> None:
     for width, count in counts.items():
         assert len(lines[width]) >= count
     assert max(lines) == round(0.7 / GRAIN)
+    for runs in lines.values():  # a single line does not lead back
+        assert all(len(ends) == 2 for ends, along in runs if len(set(ends)) == 2 and not along)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
+    """A text begins, has its middle or ends at its place; what is filled has its own corners."""
+    (sheet,) = sheets_of(product(name), TOLERANCE)
+    _, filled = svg_page(name)
+    corners = [np.array(ends) for runs in filled for ends, _ in runs]
+    firsts = np.array([ends[0] for runs in filled for ends, _ in runs])
+    for mark, at, scale in placed(sheet):
+        if isinstance(mark, Filled):
+            wanted = np.array([(at + scale * each) / GRAIN for each in mark.corners])
+            assert any(
+                len(each) == len(wanted) + 1 and np.max(np.abs(each[:-1] - wanted)) <= 1.0
+                for each in corners
+            )
+        elif isinstance(mark, Label) and mark.text.strip():
+            place, size = (at + scale * mark.at) / GRAIN, mark.height / GRAIN
+            along = (firsts - place) * np.exp(-1j * mark.angle)
+            low, high = {"left": (-0.5, 2.0), "centre": (-2.0, 2.0), "right": (-2.0, 0.5)}[
+                mark.across
+            ]
+            near = (along.real >= low * size) & (along.real <= high * size)
+            assert np.any(near & (along.imag > -0.5 * size) & (along.imag < 1.5 * size)), mark
+    frame = np.array([sheet.width, sheet.height]) / GRAIN
+    assert np.all((firsts.real > 0.0) & (firsts.real < frame[0]))
+    assert np.all((firsts.imag > 0.0) & (firsts.imag < frame[1]))
 
 
 @pytest.mark.parametrize("name", KINDS)

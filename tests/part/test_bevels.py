@@ -198,6 +198,18 @@ def test_a_chamfer_goes_along_a_flat() -> None:
     assert edge.moments(1e-10).area == pytest.approx(bore.moments(1e-10).area, rel=1e-14)
 
 
+def test_a_chamfer_around_a_pin_is_narrower_than_it() -> None:
+    """At its radius the edge would be a point."""
+    rim, pin = circle("rim", 40.0), circle("hub", 3.0)
+    part = Part((Layer(-10.0, 0.0, (rim,)), Layer(0.0, 20.0, (pin,), "hub")))
+    inside = bevelled(part, Chamfers(hub=Chamfer(math.nextafter(3.0, 0.0))), 0.01)
+    assert [each.boundary.name for each in inside.bevels] == ["hub"]
+    with pytest.raises(GeometryError, match="less than the radius of the hub, 3 mm") as caught:
+        bevelled(part, Chamfers(hub=Chamfer(3.0)), 0.01)
+    assert caught.value.key == "part.chamfers.hub.width"
+    assert caught.value.value == "3"
+
+
 def test_a_chamfer_needs_heights() -> None:
     with pytest.raises(GeometryError) as caught:
         edged(Contact.INNER, PartSpec(bore=20.0), outline=Chamfer(1.0))
