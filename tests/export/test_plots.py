@@ -63,7 +63,7 @@ def page(*marks: Mark | Inset, **keys: Any) -> tuple[Page, Axes]:
 
 def lay_out(made: Page) -> None:
     """Places are known once a figure has been drawn."""
-    FigureCanvasAgg(made).draw()  # type: ignore[no-untyped-call]
+    FigureCanvasAgg(made).draw()  # type: ignore[no-untyped-call]  # the stubs lack its types
 
 
 def lined(line: Line2D, style: Style) -> None:

@@ -20,7 +20,7 @@ from camgeo.figure import (  # noqa: F401  what the commands draw
     tolerance,
 )
 from camgeo.figure.model import Figure
-from camgeo.figure.sweep import pictures  # noqa: F401
+from camgeo.figure.sweep import pictures  # noqa: F401  what `sweep` draws
 from tests import kept
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

@@ -14,6 +14,7 @@ from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.scene.load import parse_scene
 from tests.findings import effect_findings
+from tests.scene.scenes import LINKED
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "scenes"
 FOUR_BAR = (FIXTURES / "four_bar.toml").read_text(encoding="utf-8")
@@ -219,3 +220,10 @@ def test_data_of_another_linkage_are_refused_from_outside_too() -> None:
         with pytest.raises(GeometryError) as caught:
             _ = effect_findings(made)
         assert caught.value.key.startswith("effects.")
+
+
+@pytest.mark.parametrize("stated", ["outward", "inward"])
+def test_where_nothing_moves_no_direction_contradicts_the_linkage(stated: str) -> None:
+    head = LINKED.partition("[[motion]]")[0].replace('"outward"', f'"{stated}"')
+    scene = parse_scene(f"{head}[[motion]]\ndwell = 360\n")
+    assert len(scene.plan.segments) == 1
