@@ -17,7 +17,6 @@ from camgeo.answers.replay import replay
 from camgeo.answers.setup import setup_sheet
 from camgeo.answers.size import size
 from camgeo.answers.slotted_lever import slotted_lever
-from camgeo.answers.tolerance import tolerance
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.scene.load import load_scene
@@ -25,7 +24,6 @@ from tests.answers.documents import FIXTURES, document
 
 INCH = "scenes/inch.toml"
 TAPPET = "scenes/tappet.toml"
-LEVER = "tolerance/lever.toml"
 
 
 def design(name: str) -> Design:
@@ -38,7 +36,6 @@ CASES: dict[str, Callable[[Path], Answer]] = {
     "inspect scenes/groove.toml {}": lambda points: inspect(design("scenes/groove.toml"), points),
     f"size {TAPPET}": lambda _: size(design(TAPPET)),
     f"setup {INCH}": lambda _: setup_sheet(design(INCH)),
-    f"tolerance {LEVER}": lambda _: tolerance(design(LEVER)),
     f"compare {INCH} {TAPPET} --ask diameter": lambda _: compare(
         [("inch", design(INCH)), ("tappet", design(TAPPET))], ["diameter"]
     ),

@@ -334,6 +334,7 @@ def test_the_picture_is_the_same_each_time(suffix: str, tmp_path: Path, capsys: 
         assert target.read_bytes() == data
 
 
+@pytest.mark.long  # tests/cli/test_commands.py has it of builds
 def test_another_picture_is_not_written_over_it(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "laws.svg"
     call = ["laws", "--task", "R-B", "-o", str(target)]
