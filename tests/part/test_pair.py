@@ -182,6 +182,14 @@ def test_what_has_no_room(changes: dict[str, Any], spacer: float, key: str, mess
     assert error.value.key.startswith(f"part.{'pair.' if key == 'spacer' else ''}{key}")
 
 
+def test_nothing_lies_around_the_spacer() -> None:
+    """Nor in it without going through both discs."""
+    spec = replace(PLAIN, bore=None, pair=Pair(7.0, 6.0), bolt_circle=Holes(1, 4.0, 20.0))
+    with pytest.raises(GeometryError, match="the bolt hole 1 lies around the spacer") as error:
+        paired(spec)
+    assert error.value.key == "part.pair.spacer"
+
+
 def test_a_pair_needs_thickness_and_a_spacer_around_its_bore() -> None:
     with pytest.raises(GeometryError, match="thickness") as error:
         PartSpec(pair=Pair(5.0, 30.0))
