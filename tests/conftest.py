@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-from hypothesis import find, settings
+from hypothesis import Phase, find, settings
 from hypothesis.strategies import none
 
 from tests import thinned
@@ -46,6 +46,10 @@ EXAMPLES: Final = examples(30, long=100)
 settings.register_profile("fixed", derandomize=True, deadline=None, max_examples=EXAMPLES)
 settings.register_profile(
     "random", settings.get_profile("fixed"), derandomize=False, print_blob=True
+)
+# A failure is enough, the smallest example that fails is not looked for.
+settings.register_profile(
+    "first", settings.get_profile("fixed"), phases=(Phase.explicit, Phase.generate)
 )
 settings.load_profile("fixed")
 

@@ -335,7 +335,8 @@ def verdict(tree: Path, changed: Mutant, number: int) -> str:
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tree), str(tree / "export")))}
     try:
         while modules:
-            words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+            words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                     "--hypothesis-profile=first"]  # fmt: skip
             child = subprocess.Popen(
                 ["timeout", "-k", "5", str(WAIT), "prlimit", f"--cpu={math.ceil(left)}", *words,
                  *modules[:batch]],
