@@ -12,7 +12,6 @@ from tests.toolpath.programs import TOLERANCE, milled, rounded, toolpath
 from tests.toolpath.test_programs import same
 from tests.toolpath.wrongs import FILE, REFUSED, RUN, WAYS, flawed, refusal, shifted
 
-
 DEEPER = ("a second side, faced free", "a second side, the other half")
 """Programs that may run lower: of one the cutter is seen to go too deep no more, see below, and the
 first side has cut there already.
