@@ -236,6 +236,14 @@ SIDES: Final = {
         {"about": "y", "direction": "conventional", "compensation": 'compensation = "wear"'},
     ),
     "a second side, the other half": (second_side.HALVES, {"about": "x"}),
+    "a second side, planned for what is left": (
+        second_side.HALVES.partition("[[second_side.operation]]")[0].replace("bore = 18\n", "")
+        + operation("bore", tool=4, allowance=0.3)
+        + "\n"
+        + operation("finish", "bore", 4)
+        + "\n",
+        {"about": "x"},
+    ),
 }
 """Scenes that are cut from both sides, of which the second is told of."""
 
