@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.design import Design
-from camgeo.product.milled import MilledDisc
+from camgeo.product.milled import MilledDisc, job
 from camgeo.scene.load import parse_scene
 from camgeo.toolpath.backplot import KINDS, plotted
 from camgeo.toolpath.blank import box, described
@@ -235,6 +235,15 @@ SIDES: Final = {
         second_side.FROM_BELOW,
         {"about": "y", "direction": "conventional", "compensation": 'compensation = "wear"'},
     ),
+    "a second side, the other half": (second_side.HALVES, {"about": "x"}),
+    "a second side, planned for what is left": (
+        second_side.HALVES.partition("[[second_side.operation]]")[0].replace("bore = 18\n", "")
+        + operation("bore", tool=4, allowance=0.3)
+        + "\n"
+        + operation("finish", "bore", 4)
+        + "\n",
+        {"about": "x"},
+    ),
 }
 """Scenes that are cut from both sides, of which the second is told of."""
 
@@ -270,6 +279,8 @@ def document(name: str) -> dict[str, Any]:
     runs = runs_of(plan)
     cuts = [operation.cut for operation in plan.operations]
     setup = setup_of(cuts, runs, part, stock, disc.spec.holding, FINENESS)
+    if name in SIDES:  # it starts from what the first side leaves
+        setup = job(disc, tuple(cuts), runs, TOLERANCE)[-1].setup
     limits = limits_of(plan.operations)
     deepest: dict[int, list[float]] = {}
     for each in depths(setup, runs):

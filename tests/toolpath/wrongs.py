@@ -231,6 +231,7 @@ RUN: Final = (
     "planned, from a plate with tabs", "planned, on a skin", "planned, a groove in one round",
     "stated, all kinds", "stated, a spiral from a plate",
     "clamps that move", "a second side, faced free", "a second side, cut from below",
+    "a second side, the other half",
 )  # fmt: skip
 """Programs that are run otherwise than they are planned."""
 
