@@ -220,6 +220,12 @@ def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:
         pytest.fail(f"{path.name} has {len(before)} lines, found {len(after)}", pytrace=False)
 
 
+def compare_documents(name: str, parts: Mapping[str, Any]) -> None:
+    """Compare documents with the file of that name, in which small letters and digits stand."""
+    path = re.sub(r"[^a-z0-9/]+", "_", name.lower())
+    compare(f"{path}.txt", ((head, document(each)) for head, each in parts.items()))
+
+
 def called(
     lines: str, folder: Path, judge: Callable[[dict[str, Any]], None] = lambda _: None
 ) -> Iterator[tuple[str, str]]:

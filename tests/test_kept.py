@@ -32,11 +32,24 @@ from tests import kept
         ("tool 7", "tool 8", False),
         ("[1.5, 2]", "[1.5]", False),
         ("X12.345678 Y1", "X12.345679 Y1", False),
+        ("2.1e-15 deg at 303.75 deg", "0 deg at 0 deg", True),
+        ("2.1e-15 deg at 303.75 deg", "0 mm at 0 deg", False),
+        ("2.1e-9 deg at 303.75 deg", "2.1e-9 deg at 0 deg", False),
     ],
 )
 def test_numbers_within_a_billionth_are_the_same(one: str, other: str, same: bool) -> None:
     assert kept.same(one, other) == same
     assert kept.same(other, one) == same
+
+
+def test_what_two_processors_do_not_agree_on_is_left_open() -> None:
+    line = kept.common("9.5 mm at (1.48, 0) mm", "9.5 mm at (-1.48, 0) mm")
+    assert line == "9.5 mm at (~, 0) mm"
+    assert kept.same(line, "9.5 mm at (7, 0) mm")
+    assert not kept.same(line, "9.5 mm at (7, 1) mm")
+    assert kept.common("1.5 mm", "1.5 mm") == "1.5 mm"
+    with pytest.raises(ValueError, match="one mm\nanother mm"):
+        kept.common("one mm", "another mm")
 
 
 def test_numbers_are_kept_to_ten_digits() -> None:

@@ -66,7 +66,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         call: Any = getattr(item, "callspec", None)
         here = item.path.parent == Path(__file__).parent
         path = call.params.get("built") if call and here else None
-        (kept if path is None or _wanted(item.path.stem, path.stem) else left).append(item)
+        (kept if path is None or _wanted(item.path.stem, Path(path).stem) else left).append(item)
     if left:
         config.hook.pytest_deselected(items=left)
         items[:] = kept

@@ -1,7 +1,4 @@
-"""Small damages to small files of each format, and all that verify and lint say of them.
-
-`python -m tests.export.damages` writes fixtures/results/damages.json again.
-"""
+"""Small damages to small files of each format, and all that verify and lint say of them."""
 
 from __future__ import annotations
 
@@ -39,8 +36,6 @@ from tests.packages import repacked
 from tests.toolpath import programs
 
 ROOT: Final = Path(__file__).resolve().parents[2]
-
-FILE: Final = ROOT / "fixtures" / "results" / "damages.json"
 
 TOLERANCE: Final = 0.01
 """Of all these files [mm]."""
@@ -432,13 +427,3 @@ def document(name: str) -> dict[str, Any]:
 
 def _of(check: dict[str, Any]) -> tuple[str, str]:
     return check["name"], check.get("of", "")
-
-
-def main() -> None:
-    """Write the results of all files."""
-    found = {name: document(name) for name in FILES}
-    programs.keep(found, FILE)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,32 +1,21 @@
 """Small damages to files of each format: which are told, by which checks, where, and by how much.
 
-fixtures/results/damages.json has all of it, as it was found and looked at before.
+All of it is kept, as it was found and looked at before.
 """
 
 from __future__ import annotations
 
-import json
-from functools import cache
-from typing import Any
-
 import pytest
 
-from tests.export.damages import FILE, FILES, HARMLESS, PROGRAMS, document, said, written
+from tests import kept
+from tests.export.damages import FILES, HARMLESS, PROGRAMS, document, said, written
 from tests.toolpath import programs
-from tests.toolpath.test_programs import same
-
-
-@cache
-def kept() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
-    return found
 
 
 def require_kept(name: str) -> None:
     """That all is said that was said before, and that the good file passes."""
-    found = json.loads(json.dumps(document(name)))
-    assert found.keys() == kept()[name].keys()
-    assert not list(same(found, kept()[name], name))
+    found = document(name)
+    kept.compare_documents(f"export/damages/{name}", found)
     assert all(each["ok"] is not False for each in found[""]["other"])
     told = [
         row for what, row in found.items() if any(not each.get("ok", 1) for each in row["other"])
@@ -35,26 +24,26 @@ def require_kept(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in FILES if name.startswith("dxf")])
-def test_drawings(name: str) -> None:
+def test_drawings_are_as_kept(name: str) -> None:
     require_kept(name)
 
 
-def test_a_drawing_for_a_laser() -> None:
+def test_a_drawing_for_a_laser_is_as_kept() -> None:
     require_kept("svg")
 
 
 @pytest.mark.parametrize("name", [name for name in FILES if name.startswith("step")])
-def test_solids(name: str) -> None:
+def test_solids_are_as_kept(name: str) -> None:
     require_kept(name)
 
 
 @pytest.mark.parametrize("name", ["3mf", "stl"])
-def test_meshes(name: str) -> None:
+def test_meshes_are_as_kept(name: str) -> None:
     require_kept(name)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_programs(name: str) -> None:
+def test_programs_are_as_kept(name: str) -> None:
     require_kept(name)
 
 
@@ -68,10 +57,11 @@ def test_what_changes_nothing_is_no_damage(name: str, what: str) -> None:
     good, other = (
         [{**each, "note": ""} for each in said(name, data.encode())] for data in (text, after)
     )
-    assert not list(same(json.loads(json.dumps(other)), json.loads(json.dumps(good)), what))
+    one, two = (kept.document(each).splitlines() for each in (good, other))
+    assert len(one) == len(two)
+    assert all(map(kept.same, one, two))
 
 
 def test_all_kinds_of_files_are_there() -> None:
-    assert kept().keys() == FILES.keys()
     kinds = {kind for kind, _, _ in FILES.values()}
     assert kinds == {"dxf", "svg", "step", "3mf", "stl", "gcode"}

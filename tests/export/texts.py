@@ -1,14 +1,10 @@
-"""The texts of programs for all controllers, and of jobs of all kinds, with their cuts summed up.
-
-`python -m tests.export.texts` writes fixtures/results/programs.json again.
-"""
+"""The texts of programs for all controllers, and of jobs of all kinds, with their cuts summed up."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Final
 
 from camgeo.design import Design
@@ -21,8 +17,6 @@ from camgeo_export.gcode.writer import WRITER
 from tests.export.stub_product import StubProduct
 from tests.interpreter.results import weighted
 from tests.toolpath import programs
-
-FILE: Final = Path(__file__).resolve().parents[2] / "fixtures" / "results" / "programs.json"
 
 TOLERANCE: Final = 0.01
 
@@ -93,12 +87,3 @@ def said(disc: Product) -> Any:
         facts = {key: str(value) for key, value in written.facts.items()}
         found.append([summed(text), facts, WRITER.measure(piece, written.data)])
     return found
-
-
-def main() -> None:
-    """Write the texts."""
-    programs.keep({name: {"": said(product(name))} for name in (*STUBS, *JOBS)}, FILE)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,13 +1,9 @@
-"""Small programs with one block changed, and all that running them says.
-
-`python -m tests.interpreter.results` writes fixtures/results/runs.json again.
-"""
+"""Small programs with one block changed, and all that running them says."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 from typing import Any, Final
 
 from camgeo.toolpath.machine import load
@@ -16,9 +12,6 @@ from camgeo_export.errors import FileError
 from camgeo_export.gcode.moves import Event
 from camgeo_export.interpreter.run import LINTER, run
 from tests.interpreter.programs import GOOD
-from tests.toolpath.programs import keep
-
-FILE: Final = Path(__file__).resolve().parents[2] / "fixtures" / "results" / "runs.json"
 
 BENCH: Final = Bench(clearance=4.0, radii=((1, 1.5), (2, 6.0)))
 
@@ -178,12 +171,3 @@ def document(machine: str) -> dict[str, Any]:
             own = {key: value for key, value in own.items() if value != good[key]}
         found[name] = own
     return found
-
-
-def main() -> None:
-    """Write the results of all machines."""
-    keep({machine: document(machine) for machine in GOOD}, FILE)
-
-
-if __name__ == "__main__":
-    main()

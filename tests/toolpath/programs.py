@@ -1,7 +1,4 @@
-"""Small scenes with milling programs of each kind, and all that camgeo says of these programs.
-
-`python -m tests.toolpath.programs` writes fixtures/results/milling.json again.
-"""
+"""Small scenes with milling programs of each kind, and all that camgeo says of these programs."""
 
 from __future__ import annotations
 
@@ -30,8 +27,6 @@ from camgeo.toolpath.verdict import FINENESS
 from tests.second_side import scenes as second_side
 
 ROOT: Final = Path(__file__).resolve().parents[2]
-
-FILE: Final = ROOT / "fixtures" / "results" / "milling.json"
 
 TOLERANCE: Final = 0.02
 """Of all these programs [mm]."""
@@ -364,33 +359,3 @@ def moves_of(moves: tuple[Move | Stop, ...]) -> dict[str, list[float]]:
         found[name] = (np.array(found.get(name, np.zeros(5))) + row).tolist()
     found["ends"] = [*travel[0].end, *travel[-1].end]
     return found
-
-
-def rounded(value: Any) -> Any:
-    """The same document with ten digits of each number."""
-    if isinstance(value, dict):
-        return {key: rounded(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [rounded(each) for each in value]
-    return float(f"{value:.10g}") if isinstance(value, float) else value
-
-
-def keep(found: dict[str, Any], file: Path) -> None:
-    """Write documents, one line for each entry of each."""
-    lines = [
-        f"{json.dumps(name)}: {{\n"
-        + ",\n".join(f"{json.dumps(key)}: {json.dumps(rounded(each))}" for key, each in own.items())
-        + "\n}"
-        for name, own in found.items()
-    ]
-    file.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
-
-
-def main() -> None:
-    """Write the results of all scenes."""
-    found = {name: document(name) for name in NAMES}
-    keep(found, FILE)
-
-
-if __name__ == "__main__":
-    main()

@@ -6,7 +6,6 @@ the cutter has passed over it, low enough.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +20,8 @@ from camgeo.part.part import Part, Wall
 from camgeo.toolpath.cut import ContourCut, PointCut
 from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Stop
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL
-from tests.toolpath.programs import FILE, NAMES, TOLERANCE, document, milled, toolpath
+from tests.kept import compare_documents
+from tests.toolpath.programs import NAMES, TOLERANCE, document, milled, toolpath
 
 RAMP = math.radians(3.0)
 """Of a tool that states none."""
@@ -30,33 +30,10 @@ EDGE = 1e-4
 """Rounding of places [mm]."""
 
 
-def same(found: Any, kept: Any, where: str) -> Iterator[str]:
-    """What differs between two documents, numbers by more than rounding."""
-    if isinstance(found, float) and isinstance(kept, float | int):
-        if not math.isclose(found, kept, rel_tol=1e-8, abs_tol=1e-6):
-            yield f"{where}: {found}, not {kept}"
-    elif isinstance(found, dict) and isinstance(kept, dict) and found.keys() == kept.keys():
-        for key, value in found.items():
-            yield from same(value, kept[key], f"{where}.{key}")
-    elif isinstance(found, list) and isinstance(kept, list) and len(found) == len(kept):
-        for k, (one, other) in enumerate(zip(found, kept, strict=True)):
-            yield from same(one, other, f"{where}[{k}]")
-    elif found != kept:
-        yield f"{where}: {found}, not {kept}"
-
-
-@cache
-def kept() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
-    return found
-
-
 @pytest.mark.parametrize("name", NAMES)
-def test_all_that_is_said_of_a_program(name: str) -> None:
+def test_all_that_is_said_of_a_program_is_as_kept(name: str) -> None:
     """Cuts, moves, findings, times, depths, places: as they were found and looked at before."""
-    found = json.loads(json.dumps(document(name)))
-    assert not list(same(found, kept()[name], name))
-    assert kept().keys() == set(NAMES)
+    compare_documents(f"toolpath/programs/{name}", document(name))
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from functools import cache
-from typing import Any
-
 import pytest
 
-from tests.toolpath.programs import TOLERANCE, milled, rounded, toolpath
-from tests.toolpath.test_programs import same
-from tests.toolpath.wrongs import FILE, REFUSED, RUN, WAYS, flawed, refusal, shifted
+from tests.kept import compare_documents
+from tests.toolpath.programs import TOLERANCE, milled, toolpath
+from tests.toolpath.wrongs import REFUSED, RUN, WAYS, flawed, refusal, shifted
 
 DEEPER = ("a second side, faced free", "a second side, the other half")
 """Programs that may run lower: of one the cutter is seen to go too deep no more, see below, and the
@@ -18,25 +14,17 @@ first side has cut there already.
 """
 
 
-@cache
-def kept() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
-    return found
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_said_of_a_scene(name: str) -> None:
+def test_what_is_said_of_scenes_is_as_kept() -> None:
     """The key that is at fault, its value, what is allowed; or what is told of the program."""
-    assert not list(same(rounded(refusal(name)), kept()["refused"][name], name))
-    assert kept()["refused"].keys() == set(REFUSED)
+    compare_documents("toolpath/refused", {name: refusal(name) for name in REFUSED})
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", RUN)
-def test_a_program_that_is_run_otherwise(name: str, way: str) -> None:
+def test_a_program_that_is_run_otherwise_is_as_kept(name: str, way: str) -> None:
     """What the cutter runs into, what is left, where and how much; the good program has none."""
     found = flawed(name, way)
-    assert not list(same(rounded(found), kept()[name][way], f"{name}: {way}"))
+    compare_documents(f"toolpath/run otherwise/{name}, {way}", {way: found})
     wrong = [each for each in found if not each["watched"]]
     last = toolpath(name).operations[-1]
     if way in ("lower", "far aside") and name not in DEEPER:

@@ -1,7 +1,4 @@
-"""Scenes whose milling is refused, programs that must not be run, and what is said of them.
-
-`python -m tests.toolpath.wrongs` writes fixtures/results/wrong_milling.json again.
-"""
+"""Scenes whose milling is refused, programs that must not be run, and what is said of them."""
 
 from __future__ import annotations
 
@@ -21,19 +18,15 @@ from tests.toolpath.programs import (
     GROOVE,
     PASSES,
     PLATE,
-    ROOT,
     ROUND,
     SCENES,
     TOLERANCE,
-    keep,
     mill,
     milled,
     operation,
     scene,
     toolpath,
 )
-
-FILE: Final = ROOT / "fixtures" / "results" / "wrong_milling.json"
 
 FIRST: Final = SCENES["planned, from a round blank"]
 
@@ -251,13 +244,3 @@ def flawed(name: str, way: str) -> Any:
         "left out": lambda: without(plan, last),
     }[way]()
     return [asdict(each) for each in milled(name).flaws(made, TOLERANCE)]
-
-
-def document() -> dict[str, Any]:
-    """All that is said."""
-    found: dict[str, Any] = {"refused": {name: refusal(name) for name in REFUSED}}
-    return found | {name: {way: flawed(name, way) for way in WAYS} for name in RUN}
-
-
-if __name__ == "__main__":
-    keep(document(), FILE)
