@@ -177,10 +177,15 @@ def common(line: str, other: str) -> str:
 
 
 def _pairs(kept: str, found: str) -> list[tuple[str, str]] | None:
-    """The numbers of two lines; None if their words differ."""
-    if NUMBER.sub(ANY, kept) != NUMBER.sub(ANY, found):
-        return None
-    return list(zip(NUMBER.findall(kept), NUMBER.findall(found), strict=True))
+    """The numbers of two lines; None if their words differ.
+
+    Beside a rounding error, which is longer than a 0, columns may be wider.
+    """
+    numbers = NUMBER.findall(kept), NUMBER.findall(found)
+    words = NUMBER.sub(ANY, kept), NUMBER.sub(ANY, found)
+    if any(map(_is_rounding, itertools.chain(*numbers))):
+        words = re.sub(" +", " ", words[0]), re.sub(" +", " ", words[1])
+    return list(zip(*numbers, strict=True)) if words[0] == words[1] else None
 
 
 def _equal(kept: str, found: str, close: float) -> bool:
@@ -322,7 +327,10 @@ def main() -> int:
             name = path.relative_to(folders[0])
             both = [(each / name).read_text("utf-8").splitlines() for each in folders]
             (FOLDER / name).parent.mkdir(parents=True, exist_ok=True)
-            lines = [common(*each) for each in zip(*both, strict=True)]
+            try:
+                lines = [common(*each) for each in zip(*both, strict=True)]
+            except ValueError as error:
+                sys.exit(f"{name} differs between processors: {error}")
             (FOLDER / name).write_text("".join(f"{each}\n" for each in lines), "utf-8")
     return 0
 
