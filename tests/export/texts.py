@@ -1,4 +1,4 @@
-"""The texts of programs for all controllers, and of jobs of all kinds, with their cuts summed up."""
+"""The texts of programs for all controllers, and of jobs of all kinds, their cuts summed up."""
 
 from __future__ import annotations
 
