@@ -34,7 +34,10 @@ EXPENSIVE: Final = ROOT / "tests" / "expensive_modules.json"
 CASES: Final = ROOT / "tests" / "expensive_tests.json"
 
 LIMIT: Final = 1.0
-"""A module, or a function with several cases, that takes more [s] counts as expensive."""
+"""A module that takes more [s] counts as expensive."""
+
+LIMIT_OF_CASES: Final = 0.7
+"""So does a function with several cases; `MOST` of tests.thinned."""
 
 INTO: Final = "CAMGEO_CPU_OF_TESTS"
 """Environment variable with the folder where each process of a run writes its tests' CPU times."""
@@ -110,7 +113,7 @@ def with_cases(spent: Counter[str]) -> dict[str, float]:
     return {
         name: round(seconds, 1)
         for name, seconds in sorted(found.items())
-        if cases[name] > 1 and seconds > LIMIT
+        if cases[name] > 1 and seconds > LIMIT_OF_CASES
     }
 
 

@@ -209,7 +209,7 @@ def _near(kept: str, found: str, close: float) -> bool:
 def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:
     """Compare results, each with the head that says what it is, with the file of that name."""
     found = "".join(f"## {head}\n{text.rstrip()}\n\n" for head, text in parts)
-    found = HASH.sub("(...)", found)
+    found = HASH.sub("(...)", found.replace(f"{FOLDER.parents[1]}/", ""))
     path = Path(os.environ.get(WRITTEN_ANEW, FOLDER)) / name
     if WRITTEN_ANEW in os.environ:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -146,6 +146,9 @@ def test_verdicts(
     (tmp_path / "test_of_it.py").write_text(
         "from product import two\n\ndef test_it():\n    assert two() == 2\n", "utf-8"
     )
+    (tmp_path / "conftest.py").write_text(
+        "from hypothesis import settings\nsettings.register_profile('first')\n", "utf-8"
+    )
     monkeypatch.setattr(mutants, "modules_for", lambda _: ["test_of_it.py"])
     monkeypatch.setattr(mutants, "CPU", 10)
     assert verdict(tmp_path, Mutant("product.py", 2, "", changed), 1) == expected
