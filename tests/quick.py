@@ -1,4 +1,4 @@
-"""Which tests are quick: `-m quick` runs the modules that take no more than a second.
+"""Which tests are quick: `-m quick` runs the modules that take no more than half a second.
 
 `benchmarks/test_suite.py --write` measures which take longer. In a folder where all modules do, the
 fastest one counts as quick, unless it takes more than `LONGEST`. Of the scenes built end to end,
@@ -17,7 +17,7 @@ TESTS: Final = Path(__file__).parent
 MODULES: Final = TESTS / "expensive_modules.json"
 
 EXPENSIVE: Final[dict[str, float]] = json.loads(MODULES.read_text("utf-8"))
-"""CPU time [s] of the modules that take more than a second, by their paths in this folder."""
+"""CPU time [s] of the modules that take more than half a second, by their paths in this folder."""
 
 LONGEST: Final = 10.0
 """CPU time [s] of a module that is never quick."""
