@@ -5,10 +5,10 @@
 With PATHs only these modules or folders are run; `--processes 1` runs without pytest-xdist.
 `--against` also runs the tests of another checkout, with its own .venv, and prints the ratios, of
 all tests and of the modules that both have.
-`--write` writes the modules that take more than half a second to tests/expensive_modules.json, the list
-of modules that `-m quick` leaves out, and functions with several cases to
-tests/expensive_tests.json, of which `tests.thinned` leaves out some. Unlike wall time, CPU time
-hardly depends on what else the machine does.
+`--write` writes the modules that take more than half a second to tests/expensive_modules.json, the
+list of modules that `-m quick` leaves out, and functions with several cases to
+tests/expensive_tests.json, of which `tests.thinned` leaves out some. Unlike wall time, CPU
+time hardly depends on what else the machine does.
 """
 
 from __future__ import annotations
