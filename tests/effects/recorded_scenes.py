@@ -516,11 +516,6 @@ OF_STATES: Final[dict[str, tuple[str, str, dict[str, str]]]] = {
         "[effects.inertia]\nmoment_of_inertia = 0.05\n" + RAN,
         {"contour": "spline", "flank": "return"},
     ),
-    "written side of a yoke": (
-        "constant_breadth",
-        "[effects.inertia]\nmass = 2\n" + RAN,
-        {"contour": "arcs", "flank": "opposite"},
-    ),
 }
 """Effects of scenes of the fixtures for the motion that their written contours make."""
 
