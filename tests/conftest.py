@@ -73,14 +73,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         built = Path(call.params["built"]).stem if call and "built" in call.params else None
         if built == BUILT or (built is None and item.path.relative_to(TESTS).as_posix() in QUICK):
             item.add_marker(pytest.mark.quick)
-    if not (thinned.WHOLE or any("::" in each for each in config.option.file_or_dir)):
-        runs = thinned.kept([item.nodeid for item in items], thinned.EXPENSIVE)
+    if not any("::" in each for each in config.option.file_or_dir):
+        # What is long goes first, so that it is not the case that is kept of a function.
+        runs = [LONG or not item.get_closest_marker("long") for item in items]
+        usual = [item.nodeid for item, each in zip(items, runs, strict=True) if each]
+        if not thinned.WHOLE:
+            kept = iter(thinned.kept(usual, thinned.EXPENSIVE))
+            runs = [each and next(kept) for each in runs]
         left = [item for item, each in zip(items, runs, strict=True) if not each]
         items[:] = [item for item, each in zip(items, runs, strict=True) if each]
-        config.hook.pytest_deselected(items=left)
-    if not (LONG or any("::" in each for each in config.option.file_or_dir)):
-        left = [item for item in items if item.get_closest_marker("long")]
-        items[:] = [item for item in items if not item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=left)
     if hasattr(config, "workerinput"):
         from tests.dealing import longest_first
