@@ -39,6 +39,7 @@ from typing import Final, cast
 import pytest
 
 from tests.quick import EXPENSIVE
+from tests.seeds import add_commit_seed
 from tests.speed import cpu_second
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -370,12 +371,10 @@ def copied(folder: Path) -> Path:
 
 def call(words: Sequence[str] | None = None) -> argparse.Namespace:
     """What the words of a call ask for."""
-    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("--under", help="only modules of this folder or file; else all rooms")
     parser.add_argument("--count", type=int, default=15, help="mutants of each room; default 15")
-    parser.add_argument("--seed", type=lambda word: int(word, 16), default=head.stdout[:8] or "0",
-                        help="hexadecimal; default the first 8 digits of the revision")  # fmt: skip
+    add_commit_seed(parser)
     parser.add_argument("--rows", type=Path, help="file of results, one a line, to go on with")
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--least", type=float, default=0.0, metavar="PERCENT",
