@@ -243,6 +243,12 @@ def test_nowhere_and_at_one_place_alone() -> None:
     assert stretch_below(lambda phi: 1.0 + np.cos(phi), EDGES, math.pi) is None
 
 
+def test_a_stretch_ends_where_the_function_is_zero_over_a_piece() -> None:
+    """-sin(phi) of the first half turn, 0 after it."""
+    found = stretch_below(lambda phi: np.minimum(-np.sin(phi), 0.0), EDGES, 0.5 * math.pi)
+    assert found == pytest.approx((0.0, math.pi), abs=NEAR)
+
+
 @pytest.mark.parametrize(
     ("inside", "place", "expected"),
     [
