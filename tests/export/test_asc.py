@@ -211,5 +211,5 @@ def test_only_points_of_a_rocker_behind_a_slider_crank_are_asked_for() -> None:
     asked = 'formats = ["asc", '
     text = (FIXTURES / "scenes" / "four_bar.toml").read_text(encoding="utf-8")
     assert "formats = [" in text
-    with pytest.raises(SceneError, match='needs .linkage. kind = "slider-crank" and a rocker'):
+    with pytest.raises(SceneError, match=r'needs .linkage. kind = "slider-crank" and a rocker'):
         parse_scene(text.replace("formats = [", asked))
