@@ -209,8 +209,9 @@ def reason(error: ToleranceError | GeometryError | EffectError | SceneError | Fi
 def _ripple(
     design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
 ) -> float | None:
-    """The largest ripple of all flanks; None where no acceleration is prescribed, or
-    where the roller drops off an edge."""
+    """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
+    roller drops off an edge.
+    """
     found = []
     for flank, contour in zip(flanks, contours, strict=True):
         side = Flank.OUTER if flank.hole else Flank.INNER

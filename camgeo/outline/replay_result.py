@@ -238,7 +238,7 @@ class Replay:
         """
         if len(self.drops):
             return None
-        motion, edges = self.lift.motion, self._edges()
+        motion, edges = self.lift.motion, edges_between(self.lift)
         joints = AccelerationJoints.between(self.lift, self.lift.jet, motion, edges)
         off = joints.deviation(
             lambda phi, side: self.lift.jet(phi, side)[2],
@@ -278,14 +278,9 @@ class Replay:
         """(n,) False at ignored corners."""
         return held_at(self.lift, self.lift.number(phi, side), self.corner)[1]
 
-    def _edges(self) -> FloatArray:
-        """(k,) cam angles [rad] from 0 to 2 pi between which both motions are smooth."""
-        parts = (np.array([0.0, TURN]), self.lift.borders, self.lift.knots)
-        return ascending(np.clip(np.concatenate(parts), 0.0, TURN))
-
     def _edges_apart(self) -> FloatArray:
-        """`_edges` without those inside ranges in which the lift is the demanded one."""
-        edges = self._edges()
+        """`edges_between` without those inside ranges in which the lift is the demanded one."""
+        edges = edges_between(self.lift)
         if not self.lift.as_demanded:
             return edges
         apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
@@ -293,14 +288,22 @@ class Replay:
         return kept
 
     def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
-        """Of the largest magnitude; both motions, and what is asked for, are smooth between
-        `_edges` and what there is `more` (k,) [rad].
+        """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`
+        (k,) [rad].
         """
         if len(self.drops):
             return None
-        edges = self._edges()
+        edges = edges_between(self.lift)
         edges = edges if more is None else ascending(np.concatenate((edges, more)))
         return _farthest(piecewise_extremes(quantity, edges))
+
+
+def edges_between(*lifts: DiscLift) -> FloatArray:
+    """(k,) cam angles [rad] from 0 to 2 pi between which the lifts and what is demanded are
+    smooth.
+    """
+    parts = [part for lift in lifts for part in (lift.borders, lift.knots)]
+    return ascending(np.clip(np.concatenate((np.array([0.0, TURN]), *parts)), 0.0, TURN))
 
 
 def held_at(lift: DiscLift, numbers: IntArray, corner: float) -> tuple[IntArray, BoolArray]:
@@ -348,7 +351,5 @@ def extreme_play(main: Replay, other: Replay) -> Extremes:
     """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
     is on the inner one.
     """
-    ends = np.array([0.0, TURN])
-    borders = (ends, main.lift.borders, other.lift.borders, main.lift.motion.borders)
-    edges = ascending(np.clip(np.concatenate(borders), 0.0, TURN))
+    edges = edges_between(main.lift, other.lift)
     return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

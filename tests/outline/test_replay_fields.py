@@ -142,9 +142,10 @@ def test_nothing_is_beyond_its_summary(made: Made) -> None:
     assert np.array_equal(replay.lost, sense * error[0])
     dense = np.linspace(0.0, TURN, 20_001)[:-1]
     inside = lift.at(dense) - lift.motion.jet(dense)[0]
-    at = lift.at(np.array([replay.largest_error.place])) - lift.motion.jet(
-        np.array([replay.largest_error.place])
-    )[0]
+    at = (
+        lift.at(np.array([replay.largest_error.place]))
+        - lift.motion.jet(np.array([replay.largest_error.place]))[0]
+    )
     assert replay.largest_error.value == pytest.approx(float(at[0]), rel=1e-9, abs=1e-13)
     most = max(float(np.max(np.abs(each))) for each in (error[0], inside))
     assert abs(replay.largest_error.value) >= most * (1.0 - 1e-9) - 1e-13
