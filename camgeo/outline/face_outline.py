@@ -36,7 +36,7 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.quadrature import gauss
 from camgeo.outline.convex import SMALLEST, Convexity, touch
-from camgeo.outline.cusps import CUSP, deep_ranges, with_places
+from camgeo.outline.cusps import CUSP, PASSES, deep_ranges, with_places
 from camgeo.outline.path import Element, Path, Pivot, Stretch
 from camgeo.units import TURN
 
@@ -67,6 +67,9 @@ BISECTIONS: Final = 40
 
 END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
+
+
+UNDECIDED: Final = "it cannot be decided what a flat face leaves of the disc"
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,11 +129,13 @@ def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, floa
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)
     bends = curvature_extremes(parallel.pitch)
-    ranges = deep_ranges(parallel, bends)
-    missed = _missed(pitch, ranges)
-    if len(missed):
-        ranges = deep_ranges(parallel, with_places(parallel.pitch, bends, missed))
-    return sorted(ranges)
+    for _ in range(PASSES):
+        ranges = deep_ranges(parallel, bends)
+        missed = _missed(pitch, ranges)
+        if not len(missed):
+            return sorted(ranges)
+        bends = with_places(parallel.pitch, bends, missed)
+    raise GeometryError(UNDECIDED)
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
@@ -205,7 +210,7 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
         del arcs[place], bridges[place]
         if bridges:
             bridges[place - 1] = None
-    raise GeometryError("it cannot be decided what a flat face leaves of the disc")
+    raise GeometryError(UNDECIDED)
 
 
 def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
