@@ -24,6 +24,8 @@ from camgeo.units import TURN
 ROUNDING = 2.0**-52 * 32.0
 """Rounding of a centre, as a fraction of the lengths that it is computed from."""
 
+NOWHERE = complex(np.nan, np.nan)
+
 
 @singledispatch
 def harmonics(_motion: Motion) -> tuple[Dwell, ...]:
@@ -36,36 +38,48 @@ def _of_plan(motion: MotionPlan) -> tuple[Dwell, ...]:
     return motion.harmonics
 
 
-@dataclass(frozen=True, slots=True)
-class Circle:
-    """A stretch of `span` [rad] from the cam angle `start` [rad] that turns about `centre` [mm]."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Circles:
+    """The stretches of a pitch curve that are known to be arcs, in order.
 
-    start: float
-    span: float
-    centre: complex
+    Attributes
+    ----------
+    starts, spans : (k,) [rad] cam angles at which they begin, in [0, 2 pi), and their lengths.
+    centres : (k,) complex [mm] the point about which each turns rigidly with the cam.
+    """
+
+    starts: FloatArray
+    spans: FloatArray
+    centres: ComplexArray
 
 
 @kept_with_owner
-def circles(pitch: PitchCurve) -> tuple[Circle, ...]:
+def circles(pitch: PitchCurve) -> Circles:
     """All stretches known to be arcs."""
-    spans, centres = [*pitch.dwells], [0j] * len(pitch.dwells)
-    harmonic = harmonics(pitch.motion) if pitch.follower.harmonic_is_round else ()
-    if harmonic:
-        jet = pitch.jet(np.array([each.start + 0.5 * each.span for each in harmonic]))
-        spans += harmonic
-        centres += (jet[0] - 1j * pitch.rotation * jet[1]).tolist()
-    return tuple(Circle(each.start, each.span, c) for each, c in zip(spans, centres, strict=True))
+    rests = pitch.dwells
+    moves = harmonics(pitch.motion) if pitch.follower.harmonic_is_round else ()
+    starts = np.array([each.start for each in (*rests, *moves)])
+    spans = np.array([each.span for each in (*rests, *moves)])
+    centres = np.zeros(len(starts), dtype=np.complex128)
+    if moves:
+        moving = slice(len(rests), None)
+        jet = pitch.jet(starts[moving] + 0.5 * spans[moving])
+        centres[moving] = jet[0] - 1j * pitch.rotation * jet[1]
+    order = np.argsort(starts)
+    return Circles(starts[order], spans[order], centres[order])
 
 
 def centres_at(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
     """(n,) complex [mm] the point about which the curve turns rigidly with the cam at `phi` (n,)
     [rad], places between borders; NaN where it is not known to.
     """
-    centres = np.full(len(phi), complex(np.nan, np.nan))
-    for circle in circles(pitch):
-        # Both ends are borders: a place between them is not affected by rounding.
-        centres[(phi - circle.start) % TURN < circle.span] = circle.centre
-    return centres
+    known = circles(pitch)
+    if not len(known.starts):
+        return np.full(len(phi), NOWHERE)
+    last = np.searchsorted(known.starts, phi % TURN, side="right") - 1  # before the first: the last
+    # Both ends are borders: a place between them is not affected by rounding.
+    inside = (phi - known.starts[last]) % TURN < known.spans[last]
+    return np.where(inside, known.centres[last], NOWHERE)
 
 
 @kept_with_owner
@@ -74,7 +88,7 @@ def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
     piece.
     """
     pitch, smooth = curve.pitch, smooth_pieces(curve)
-    farthest = max((abs(circle.centre) for circle in circles(pitch)), default=0.0)
+    farthest = float(np.max(np.abs(circles(pitch).centres), initial=0.0))
     if farthest == 0.0:  # rests alone
         return smooth
     near = ROUNDING * (farthest + pitch.follower.base_radius)

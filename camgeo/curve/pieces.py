@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -100,7 +101,11 @@ def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatAr
     """
     low, high = low[which], high[which]
     if len(low) > MOST:
-        raise GeometryError("the pitch curve is too steep to be analysed: it has no outline")
+        place = math.degrees(low[0] % TURN)
+        raise GeometryError(
+            f"about cam angle {place:.6f} deg the pitch curve is too steep, or meets a limit too"
+            f" exactly along a stretch, for {MOST:,} cells to decide what is left of the disc"
+        )
     middle = 0.5 * (low + high)
     return np.concatenate((low, middle)), np.concatenate((middle, high))
 
