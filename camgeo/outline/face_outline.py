@@ -27,6 +27,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.curve.circles import centres_at
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
@@ -150,7 +151,8 @@ def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
         noise = CUSP * np.max(np.abs(at.distance))
         wrong = ((at.pace[0] < 0.0) != inside) & (np.abs(at.pace[0]) > noise)
         missed.append(middle[wrong])
-        unsure = ~wrong & (np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1])
+        unsure = ~wrong & np.isnan(centres_at(pitch, middle))
+        unsure &= np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1]
         if not np.any(unsure):
             break
         low, high = halves(low, high, unsure)
