@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any, Final, overload
 
 from camgeo.check.finding import Finding
@@ -26,8 +27,10 @@ from camgeo.effects.results import (
     FINDERS,
     LIFT_OFF,
     SPEED_FLUCTUATION,
+    SPRING,
     Touching,
 )
+from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, period
@@ -40,6 +43,9 @@ AT_ROUGH: Final = " at the found speed, roughly"
 
 OF_RIGID: Final = " of a rigid train"
 """What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+
+HOLDING: Final = "camgeo.effects.lift_off.holding:holding"
+"""Imported only where a follower leaves its flank."""
 
 FED_BACK: Final = "camgeo.effects.feedback:FedBack"
 """Imported only where an elastic train acts back on the speed."""
@@ -218,6 +224,7 @@ class Effects:
         flown = self._flown() if flies and at_speed_of_scene else ()
         found = qualified(
             effect, result.findings, self.subject, lost, named, flown,
+            holding=self._holding if lost and at_speed_of_scene else "",
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
         return (*self._at_speed(name, result.findings), *found)
@@ -258,6 +265,22 @@ class Effects:
             return self.result(LIFT_OFF).flown
         except (EffectError, GeometryError):  # which its own findings report
             return ()
+
+    @cached_property
+    def _holding(self) -> str:
+        """Which spring would hold a follower that leaves its only flank; empty without a spring."""
+        if SPRING not in self.tables or holds_both_ways(self.subject):
+            return ""
+        try:
+            least = None
+            if LIFT_OFF in self.tables:
+                closed: Any = self.result(LIFT_OFF)
+                least = closed.preload, closed.stiffness
+            subject, results = self._nodes(CONTACT_FORCE).subject, (CONTACT_FORCE, SPRING)
+            text: str = pkgutil.resolve_name(HOLDING)(subject, *map(self.result, results), least)
+            return text
+        except (EffectError, GeometryError):  # which their own findings report
+            return ""
 
     def _lost_contact(self, name: str) -> LostContact | None:
         """Where contact is lost; None if the effect `name` can do without contact, if no effect of
