@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.curved_face import check_curved_face, is_curved_face
-from camgeo.check.finding import Finding, Findings, Severity, forbidding
+from camgeo.check.finding import Finding, Findings, Severity, forbidding, stated_in
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import (
     RULE_OF_THUMB,
@@ -93,7 +93,7 @@ class Judgement(Pickled, Displayed):
         a follower.
     limits : what they are compared with.
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
-    unit : that of the scene, in which cures state lengths.
+    unit : that of the scene, in which findings and cures state lengths.
     ledger : records what has been computed.
     """
 
@@ -120,7 +120,7 @@ class Judgement(Pickled, Displayed):
         if len(self.cams) > 1:
             self._of_pair(found)
         found.run("motion", lambda: motion_findings(self.drive))
-        return found
+        return {name: stated_in(self.unit, each) for name, each in found.items()}
 
     @lazy
     def findings(self) -> Findings:

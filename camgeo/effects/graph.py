@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, Final, overload
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, stated_in
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
@@ -35,7 +35,7 @@ from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, period
 from camgeo.state.state import Speed
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM, TURN, in_unit
 
 AT_FOUND: Final = " at the found speed"
 AT_ROUGH: Final = " at the found speed, roughly"
@@ -197,7 +197,8 @@ class Effects:
         except GeometryError as error:
             if error.key:
                 raise
-            return (Finding(name, "broken", f"not computed: {error.message}"),)
+            sentence = in_unit(f"not computed: {error.message}", self.subject.unit)
+            return (Finding(name, "broken", sentence),)
         except EffectError as error:
             refusal = Finding(
                 name=error.finding or name,
@@ -209,7 +210,8 @@ class Effects:
                 cam_angle=error.cam_angle,
                 cam_range=error.cam_range,
             )
-            return (*trimming(self.effect(name), self.subject), refusal)
+            trimmed = trimming(self.effect(name), self.subject)
+            return stated_in(self.subject.unit, (*trimmed, refusal))
         return self.ledger.run(FINDINGS + node_name(name), lambda: self._qualified(name, result))
 
     def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
@@ -227,7 +229,7 @@ class Effects:
             holding=self._holding if lost and at_speed_of_scene else "",
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
-        return (*self._at_speed(name, result.findings), *found)
+        return stated_in(self.subject.unit, (*self._at_speed(name, result.findings), *found))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""

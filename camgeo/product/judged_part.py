@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding, held
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.check.finding import Finding, held, stated_in
+from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
 from camgeo.part.materials import KG_M3
 from camgeo.part.webs import SHARE, Web, surely_thick, thinnest, thinnest_beside_holes
@@ -104,7 +104,7 @@ def part_of(disc: Product) -> PartFound:
     try:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
-        return PartFound(None, (), None, (Finding("part", "invalid", str(error)),))
+        return PartFound(None, (), None, (_impossible(disc, error),))
     body = _body(disc, part)
     layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
     return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
@@ -117,9 +117,15 @@ def findings_on(disc: Product) -> tuple[Finding, ...]:
     try:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
-        return (Finding("part", "invalid", str(error)),)
+        return (_impossible(disc, error),)
     body = None if _density(disc.scene) is None else _body(disc, part)
     return _findings(disc, part, body)
+
+
+def _impossible(disc: Product, error: CamgeoError) -> Finding:
+    """Why there is no such part."""
+    disc.scene.restate(error)
+    return Finding("part", "invalid", str(error))
 
 
 def _stated(scene: Scene) -> bool:
@@ -132,7 +138,7 @@ def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ..
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
     mass = (*_mass(body, limits.mass), *_mass_of_both(disc, body))
-    return (*relation_of(disc), diameter, *mass, *walls)
+    return stated_in(disc.unit, (*relation_of(disc), diameter, *mass, *walls))
 
 
 def poor_in(disc: Product) -> tuple[Finding, ...]:
@@ -154,7 +160,7 @@ def poor_in(disc: Product) -> tuple[Finding, ...]:
         found += _smallest_wall(part, limits.wall)
     if disc.scene.printing is not None and disc.scene.printing.nozzle is not None:
         found += _printed(disc)
-    return tuple(each for each in found if each.severity != "ok")
+    return stated_in(disc.unit, (each for each in found if each.severity != "ok"))
 
 
 def _diameter(part: Part, limit: float | None) -> Finding:
