@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from camgeo.displayed import Displayed, clipped
-from camgeo.units import TURN, LiftUnit
+from camgeo.units import TURN, LengthUnit, LiftUnit, in_unit
 from camgeo.wording import counted, listed
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
@@ -62,6 +62,15 @@ class Finding(Displayed):
             # The remainder of a negative angle can round up to the whole turn.
             object.__setattr__(self, "cam_angle", angle if angle < TURN else 0.0)
 
+    def in_unit(self, unit: LengthUnit) -> Finding:
+        """The finding with the lengths in its sentence in the unit of a scene; value and limit stay
+        as they are.
+        """
+        figures = (self.value, self.limit) if "mm" in self.unit else ()
+        exact = [each for each in figures if each is not None]
+        sentence = in_unit(self.sentence, unit, exact)
+        return self if sentence == self.sentence else replace(self, sentence=sentence)
+
     def __repr__(self) -> str:
         return clipped(f"Finding({self.name!r}, {self.severity!r}, {self.sentence!r})")
 
@@ -85,6 +94,11 @@ class Findings(tuple[Finding, ...], Displayed):
         ]
         head = counted(len(self), "finding")
         return clipped(f"<{': '.join([head, *([', '.join(told)] if told else [])])}>")
+
+
+def stated_in(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings with their sentences in the unit of a scene, see `Finding.in_unit`."""
+    return tuple(each.in_unit(unit) for each in findings)
 
 
 def held(

@@ -48,11 +48,13 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
     """
     if job.kind not in WORK:
         raise JobError(f"there is no job {job.kind[:60]!r}; there are {', '.join(WORK)}")
+    recent = recent or Recent()
     try:
-        return {"faults": [], **WORK[job.kind](job, recent or Recent())}
+        return {"faults": [], **WORK[job.kind](job, recent)}
     except JobError:
         raise
     except CamgeoError as error:
+        recent.restate(job, error)
         return {"faults": told(error)}
 
 

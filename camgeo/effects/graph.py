@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any, Final, overload
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, stated_in
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
@@ -26,13 +27,15 @@ from camgeo.effects.results import (
     FINDERS,
     LIFT_OFF,
     SPEED_FLUCTUATION,
+    SPRING,
     Touching,
 )
+from camgeo.effects.touching import holds_both_ways
 from camgeo.errors import EffectError, GeometryError
 from camgeo.lazy import Ledger
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, period
 from camgeo.state.state import Speed
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM, TURN, in_unit
 
 AT_FOUND: Final = " at the found speed"
 AT_ROUGH: Final = " at the found speed, roughly"
@@ -40,6 +43,9 @@ AT_ROUGH: Final = " at the found speed, roughly"
 
 OF_RIGID: Final = " of a rigid train"
 """What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+
+HOLDING: Final = "camgeo.effects.lift_off.holding:holding"
+"""Imported only where a follower leaves its flank."""
 
 FED_BACK: Final = "camgeo.effects.feedback:FedBack"
 """Imported only where an elastic train acts back on the speed."""
@@ -191,7 +197,8 @@ class Effects:
         except GeometryError as error:
             if error.key:
                 raise
-            return (Finding(name, "broken", f"not computed: {error.message}"),)
+            sentence = in_unit(f"not computed: {error.message}", self.subject.unit)
+            return (Finding(name, "broken", sentence),)
         except EffectError as error:
             refusal = Finding(
                 name=error.finding or name,
@@ -203,7 +210,8 @@ class Effects:
                 cam_angle=error.cam_angle,
                 cam_range=error.cam_range,
             )
-            return (*trimming(self.effect(name), self.subject), refusal)
+            trimmed = trimming(self.effect(name), self.subject)
+            return stated_in(self.subject.unit, (*trimmed, refusal))
         return self.ledger.run(FINDINGS + node_name(name), lambda: self._qualified(name, result))
 
     def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
@@ -218,9 +226,10 @@ class Effects:
         flown = self._flown() if flies and at_speed_of_scene else ()
         found = qualified(
             effect, result.findings, self.subject, lost, named, flown,
+            holding=self._holding if lost and at_speed_of_scene else "",
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
-        return (*self._at_speed(name, result.findings), *found)
+        return stated_in(self.subject.unit, (*self._at_speed(name, result.findings), *found))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
@@ -258,6 +267,22 @@ class Effects:
             return self.result(LIFT_OFF).flown
         except (EffectError, GeometryError):  # which its own findings report
             return ()
+
+    @cached_property
+    def _holding(self) -> str:
+        """Which spring would hold a follower that leaves its only flank; empty without a spring."""
+        if SPRING not in self.tables or holds_both_ways(self.subject):
+            return ""
+        try:
+            least = None
+            if LIFT_OFF in self.tables:
+                closed: Any = self.result(LIFT_OFF)
+                least = closed.preload, closed.stiffness
+            subject, results = self._nodes(CONTACT_FORCE).subject, (CONTACT_FORCE, SPRING)
+            text: str = pkgutil.resolve_name(HOLDING)(subject, *map(self.result, results), least)
+            return text
+        except (EffectError, GeometryError):  # which their own findings report
+            return ""
 
     def _lost_contact(self, name: str) -> LostContact | None:
         """Where contact is lost; None if the effect `name` can do without contact, if no effect of

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, stated_in
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import sides_of
@@ -133,6 +133,7 @@ def _program(disc: Product, machine: Machine) -> Program:
             faults=error.faults,
         )
     except (ToleranceError, FileError, UndercutError) as error:
+        disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
-    found += tuple(engagement_findings(roughing))
+    found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
     return Program(found, None if times is None else tuple(times), roughing=roughing)

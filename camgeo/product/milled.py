@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, stated_in
 from camgeo.errors import GeometryError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
@@ -163,11 +163,16 @@ class MilledDisc(Pickled):
         return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
 
     @property
+    def notes(self) -> tuple[Finding, ...]:
+        """The findings of the sequence, in the unit of the scene; raises like `sequence`."""
+        return stated_in(self.scene.unit, self.sequence.findings)
+
+    @property
     def told(self) -> tuple[str, ...]:
         """What is told of the sequence and of this program, a sentence each; raises like
         `sequence`.
         """
-        told = tuple(finding.sentence for finding in self.sequence.findings)
+        told = tuple(finding.sentence for finding in self.notes)
         if self.whole is None:
             return told
         tool, count = self.cuts[0].tool.number, len(self._groups)
@@ -249,7 +254,7 @@ class MilledDisc(Pickled):
 
         found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
-        told = [each for each in self.sequence.findings if each.name not in names]
+        told = [each for each in self.notes if each.name not in names]
         if edges := self._sharp_edges():
             sentence = f"no operation makes the chamfers of {', '.join(edges)}"
             told.append(Finding("chamfers", "warning", sentence))
@@ -261,7 +266,7 @@ class MilledDisc(Pickled):
                 f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
             )
             told.append(Finding("programs", "warning", sentence))
-        return (*told, *found)
+        return stated_in(self.scene.unit, (*told, *found))
 
     def _sharp_edges(self) -> tuple[str, ...]:
         """The walls whose edges this side leaves sharp against what the part states."""

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from camgeo.displayed import brief
-from camgeo.errors import SceneError
+from camgeo.errors import CamgeoError, GeometryError, SceneError
 from camgeo.pickled import pickled
 from camgeo.scene.document import Document, Source, document, document_of, document_of_tree
 from camgeo.scene.door import enter
+from camgeo.scene.keys import path_of
 from camgeo.scene.tree import Tree, edited, read_only
 
 if TYPE_CHECKING:
@@ -196,6 +198,24 @@ class Scene:
         """
         found = document_of_tree(edited(self._tree, edits), earlier=self.stated.scene)
         return Scene.of(found, self.source, self)
+
+    def restate(self, error: CamgeoError) -> None:
+        """Put an error's lengths into the unit of the scene, and the value of a key as the scene
+        states it.
+        """
+        error.restate(self.unit)
+        if isinstance(error, GeometryError) and error.key:
+            fault = self.stated.scene.fault(path_of(error.key) or (), "")
+            error.value = fault.value or error.value
+
+    @contextmanager
+    def restating(self) -> Iterator[None]:
+        """Restate the errors that are raised within."""
+        try:
+            yield
+        except CamgeoError as error:
+            self.restate(error)
+            raise
 
     def to_toml(self) -> str:
         """The scene as TOML, with the comments and the order of the text that it came from.

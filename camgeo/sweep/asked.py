@@ -68,7 +68,7 @@ BY_GROUP: Final[dict[Group, tuple[str, ...]]] = {
         "overshoot",
         "lift-table",
     ),
-    "part": (DIAMETER, "mass", "mass-of-both-discs", "smallest-wall"),
+    "part": (DIAMETER, "mass", "mass-of-both-discs", "smallest-wall", "wall-ratio"),
     "disc": (
         *(
             f"{what}-{flank}"

@@ -11,7 +11,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.check.finding import Finding, forbidding
+from camgeo.check.finding import Finding, forbidding, stated_in
 from camgeo.displayed import Displayed
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
@@ -142,7 +142,8 @@ def make_files(
             message = f"would be {file}, as another file of the same set"
             raise SceneError([Fault("format", name, message)])
         contents[file] = written.data
-        size, facts, told = len(written.data), written.facts, written.findings
+        size, facts = len(written.data), written.facts
+        told = stated_in(disc.unit, written.findings)
         reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
     contents[CERTIFICATE] = _certificate(discs, tolerance, reports, contents)
     return contents, tuple(reports)
