@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
 from camgeo.check.finding import Finding
-from camgeo.errors import GeometryError, UndercutError, UnsafeError
+from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.motion.kept import Kept, kept_with_owner
@@ -111,8 +111,8 @@ class MilledDisc(Pickled):
     def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
 
-        if lacking := FORMAT.lacking(self.scene.stated):
-            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        if lacking := self.scene.lacking([FORMAT]):
+            raise SceneError(lacking, self.scene.source.file)
         assert self.spec is not None  # for the scene has a tool
         options = self.gcode
         return sequence_of(self.part, self.spec, options.heights, options.compensation)
