@@ -11,7 +11,7 @@ import shapely
 
 from camgeo.toolpath.setup import Setup
 from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
-from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
+from camgeo.toolpath.sweep import Area, farthest, grown, overlap, parts, place_in
 
 TOUCHING = 1e-4
 """Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
@@ -154,8 +154,7 @@ def _left_on(
     faces = shapely.difference(shapely.union_all(list(near)), target)
     for each in thick:
         if not target.is_empty and shapely.intersects(each, close):
-            points = shapely.points(shapely.get_coordinates(each))
-            yield each, float(np.max(shapely.distance(points, target)))
+            yield each, farthest(each, target)[0]
         elif float(shapely.intersection(each, faces).area) > TOUCHING:
             yield each, 0.0
 
