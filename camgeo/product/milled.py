@@ -323,12 +323,13 @@ def job(
     from camgeo.toolpath.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
-    sides = [Side(milled.part, milled.spec, cuts, runs)]
+    density = None if milled.scene.part is None else milled.scene.part.density
+    sides = [Side(milled.part, milled.spec, cuts, runs, density)]
     other = milled.second if milled.first is None else milled.first
     if other is not None and (ahead or other is milled.first):
         assert other.spec is not None  # likewise
         planned = runs_of(other.toolpath(tolerance))
-        side = Side(other.part, other.spec, other.sequence.cuts, planned)
+        side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
         sides = [side, *sides] if other is milled.first else [*sides, side]
     return simulated(
         sides,

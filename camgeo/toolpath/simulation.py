@@ -101,11 +101,19 @@ def simulate(
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
-    held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
+    held = [_holding(setup, run, fineness) for run in runs]
     flaws += left_flaws(stages, part, held, setup, allowed, corners=corners_of(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
+
+
+def _holding(setup: Setup, run: Run, fineness: float) -> list[Area] | None:
+    """Areas within which the blank is held during a run; None if that is not to be judged."""
+    if setup.held is None:
+        return None
+    outlines = (*setup.held, *(body.contours for body in run.obstacles))
+    return [polygon(each, fineness) for each in outlines]
 
 
 def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:
@@ -356,8 +364,8 @@ class _Bench:
         _, middle = farthest(touched, edge)
         places = np.vstack((shapely.get_coordinates(touched), (middle.real, middle.imag)))
         points = shapely.points(places)
-        face = np.full(len(points), self.slabs[number].z1)
-        under = np.ones(len(points), dtype=np.bool_)
+        face = np.full(len(places), self.slabs[number].z1)
+        under = np.ones(len(places), dtype=np.bool_)
         for slab, part in zip(self.slabs[number + 1 :], self.part[number + 1 :], strict=True):
             under &= shapely.intersects(part, points)
             face[under] = slab.z1

@@ -209,6 +209,6 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
     assert milling is not None
     assert milling.second is not None
     assert milling.second.retract_height == 2 * 25.4
-    (screw,) = milling.second.holding.clamps
+    screw, _ = milling.second.holding.clamps
     assert screw.length == 24 * 25.4
     assert milling.second_operations[0].allowance == 0.4 * 25.4
