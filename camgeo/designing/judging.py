@@ -36,6 +36,7 @@ KEYS: Final[Mapping[str, str]] = {
     "lobe": "limits.undercut",
     "dead-centre": "linkage",
     "linkage-branch": "linkage",
+    "format": "output.formats",
 }
 """Key of the scene that a finding is about, by the name of the finding or its beginning."""
 

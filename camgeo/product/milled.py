@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
 from camgeo.check.finding import Finding, stated_in
-from camgeo.errors import GeometryError, UndercutError, UnsafeError
+from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.motion.kept import Kept, kept_with_owner
@@ -111,8 +111,8 @@ class MilledDisc(Pickled):
     def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
 
-        if lacking := FORMAT.lacking(self.scene.stated):
-            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        if lacking := self.scene.lacking([FORMAT]):
+            raise SceneError(lacking, self.scene.source.file)
         assert self.spec is not None  # for the scene has a tool
         options = self.gcode
         return sequence_of(self.part, self.spec, options.heights, options.compensation)
@@ -328,12 +328,13 @@ def job(
     from camgeo.toolpath.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
-    sides = [Side(milled.part, milled.spec, cuts, runs)]
+    density = None if milled.scene.part is None else milled.scene.part.density
+    sides = [Side(milled.part, milled.spec, cuts, runs, density)]
     other = milled.second if milled.first is None else milled.first
     if other is not None and (ahead or other is milled.first):
         assert other.spec is not None  # likewise
         planned = runs_of(other.toolpath(tolerance))
-        side = Side(other.part, other.spec, other.sequence.cuts, planned)
+        side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
         sides = [side, *sides] if other is milled.first else [*sides, side]
     return simulated(
         sides,

@@ -35,12 +35,14 @@ class Side:
     part, milling : as tools from above see them.
     cuts : that are planned.
     runs : what is run.
+    density : of the material [t/mm^3]; None if it is not stated.
     """
 
     part: Part
     milling: MillingSpec
     cuts: tuple[Cut, ...]
     runs: tuple[Run, ...]
+    density: float | None = None
 
     @property
     def lowest(self) -> float:
@@ -69,7 +71,7 @@ def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
         setup = setup_of(side.cuts, side.runs, part, stock, holding, FINENESS, others)
         if k:
             setup = _second(setup, side, sides[k - 1], found[k - 1])
-        found.append(replace(setup, final=k == of - 1))
+        found.append(replace(setup, final=k == of - 1, density=side.density))
     return tuple(found)
 
 
