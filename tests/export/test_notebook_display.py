@@ -9,7 +9,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import matplotlib.figure
 import numpy as np
@@ -26,7 +26,7 @@ from camgeo.answers.size import size
 from camgeo.answers.sweep import Sweep, answer_of
 from camgeo.answers.table import ValueTable, table_of_scene
 from camgeo.answers.verify import Verification, verify
-from camgeo.check.finding import Finding, Findings
+from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.displayed import Displayed
@@ -196,7 +196,7 @@ def test_a_verdict_is_told_by_sign_and_word_in_colours_of_its_own() -> None:
     for verdict, (sign, style) in BADGES.items():
         found = Finding("a", "ok", "b", unlimited.get(verdict))
         if verdict not in unlimited:
-            found = replace(found, severity=verdict, limit=2.0)
+            found = replace(found, severity=cast("Severity", verdict), limit=2.0)
         assert f"{sign} {MARKS[verdict]} " in texts(found)
         colours = dict(re.findall(r"(background|color):(#[0-9a-f]{3,6})", style))
         assert colours.keys() in ({"background", "color"}, set())
