@@ -76,7 +76,7 @@ def _finding(each: Advised) -> dict[str, Any]:
         "about": each.about,
         "name": found.name,
         "severity": found.severity,
-        "mark": MARKS[found.severity],
+        "mark": MARKS[found.verdict],
         "sentence": found.sentence,
         "value": _finite(found.value),
         "limit": _finite(found.limit),
