@@ -28,6 +28,13 @@ class HasBreaks(Protocol):
     def dwells(self) -> tuple[Dwell, ...]: ...
 
 
+class HasBorders(HasBreaks, Protocol):
+    """One that also knows where its formula changes, the breaks among them."""
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start may
