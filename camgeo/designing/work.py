@@ -53,7 +53,7 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
     except JobError:
         raise
     except CamgeoError as error:
-        return {"faults": told(error)}
+        return {"faults": told(error, job.text)}
 
 
 def prepared() -> Callable[[Job], dict[str, Any]]:
