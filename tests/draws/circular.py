@@ -25,6 +25,7 @@ from random import Random
 from typing import Any, Final
 
 import numpy as np
+from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import readfile
 
 from tests.seeds import add_commit_seed
@@ -247,16 +248,15 @@ def _drawn(case: Case, file: Path, within: float) -> Iterator[str]:
     arcs: list[tuple[complex, float]] = []
     corners: list[complex] = []
     for item in readfile(file).modelspace():
-        kind = item.dxftype()
-        if kind == "LWPOLYLINE":
-            rows = [(complex(x, y), bulge) for x, y, bulge in item.get_points("xyb")]  # type: ignore[attr-defined]
+        if isinstance(item, LWPolyline):
+            rows = [(complex(x, y), bulge) for x, y, bulge in item.get_points("xyb")]
             for (start, bulge), (end, _) in zip(rows, rows[1:] + rows[:1], strict=True):
                 corners.append(start)
                 if bulge:
                     middle, arm = 0.5 * (start + end), 0.5 * (end - start)
                     centre = middle + 1j * arm * (1.0 - bulge * bulge) / (2.0 * bulge)
                     arcs.append((centre, abs(start - centre)))
-        elif kind in ("ARC", "CIRCLE"):
+        elif item.dxftype() in ("ARC", "CIRCLE"):
             middle = item.dxf.center
             arcs.append((complex(middle.x, middle.y), float(item.dxf.radius)))
     if case.entity == "polyline":
@@ -306,7 +306,8 @@ def main(words: Sequence[str] | None = None) -> int:
     if asked.rows:
         asked.rows.write_text("\n".join(rows) + "\n")
     for name, cost in dearest.items():
-        print(f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB")  # noqa: T201
+        told = f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB"
+        print(told)  # noqa: T201 - a program
     told = f"{asked.count} discs, {builds} builds, {bad} misses"
     print(f"seed {asked.seed:x}: {told}")  # noqa: T201 - a program
     return int(bad > 0)

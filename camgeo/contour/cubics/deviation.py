@@ -13,7 +13,7 @@ from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.lines_and_arcs import ApproximatingArcs, approximating_arcs
 from camgeo.contour.cubics.parts import Part
 from camgeo.contour.legs import Leg
-from camgeo.contour.proof.deviation import deviation, proved_bound
+from camgeo.contour.proof.deviation import ENOUGH, deviation, proved_bound
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
@@ -83,6 +83,7 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
             share *= COARSER
             continue
         found = min(found, reached + fine.apart)
+        reached = max(reached, ENOUGH)
         if fine.apart <= SHARPNESS * reached or share <= finest:
             break
         if failed is not None:
