@@ -22,8 +22,8 @@ from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, Tool
 
 RIM: Final = 1.0
-"""Width [mm] of the strip along the outline of a blank by which it is held where tabs or a skin hold
-the part."""
+"""Width [mm] of the strip along the outline of a blank by which it is held where tabs or a skin
+hold the part."""
 
 ROUGHLY: Final = 1.0
 """Tolerance [mm] of contours of clamps, which are lines and arcs."""

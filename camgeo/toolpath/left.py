@@ -188,6 +188,7 @@ def _rests(
     """Material that is left beside the part, or on one of its faces."""
     found: list[Flaw] = []
     known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
+    unfinished = shapely.boundary([polygon([each], 0.5 * allowed) for each in setup.unfinished])
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
         if slab.material.is_empty or _may_stay(slab, setup):
             continue
@@ -200,6 +201,7 @@ def _rests(
             left, low, right, high = each.bounds
             rounding = max((z1 - z0 for z0, z1 in corners if z0 < slab.middle < z1), default=0.0)
             by_corner = size <= rounding + allowed
+            meant = thickness and np.any(shapely.distance(unfinished, each) <= 2.0 * allowed)
             text = (
                 f"material is left on the part, up to {size:.3g} mm thick, {right - left:.3g} mm"
                 f" along X, {high - low:.3g} mm along Y and {slab.z1 - slab.z0:.3g} mm high"
@@ -208,7 +210,15 @@ def _rests(
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
             found.append(
-                Flaw("rest", stage.operation, text, size, allowed, where, watched=by_corner)
+                Flaw(
+                    "rest",
+                    stage.operation,
+                    text,
+                    size,
+                    allowed,
+                    where,
+                    watched=bool(by_corner or meant),
+                )
             )
     for watched in (False, True):  # the largest of both
         yield from sorted(

@@ -125,6 +125,7 @@ class Setup:
     hanging : Z from which on it may do so; None for none.
     before : what an earlier side has left of the blank; None for all of it.
     final : whether the part must be all there is in the end, and no other side follows.
+    unfinished : walls that the stated operations of all sides leave unfinished, or roughed.
     known : whether the outline of the blank is stated, and not one that reaches beyond all cuts.
     density : of the material [t/mm^3]; None if it is not stated.
     """
@@ -142,5 +143,6 @@ class Setup:
     hanging: float | None = None
     before: Before | None = None
     final: bool = True
+    unfinished: tuple[Contour, ...] = ()
     known: bool = True
     density: float | None = None
