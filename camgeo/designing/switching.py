@@ -115,12 +115,27 @@ def _on(given: Given, name: str) -> Tree:
             tree = edited(tree, {need: _value(tree, need)})
     unmet = None
     for made in _with(given, tree, (*wanted, name)):
-        fault = given.unmet(made, name)
+        fault = given.unmet(_alone(made, name), name)
         if fault is None:
             return made
         unmet = unmet or fault
     assert unmet is not None  # `_with` gives a tree, or raises
     raise SceneError([unmet])
+
+
+def _alone(tree: Tree, name: str) -> Tree:
+    """The tree with no other effects than those without which there is no `name`: with them all it
+    may take long to compute.
+    """
+    required, waiting = {name}, [name]
+    while waiting:
+        effect = find_effect(waiting.pop())
+        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS,))}
+        waiting += needs - required
+        required |= needs
+    own = {each: table for each, table in tree[EFFECTS].items() if each in required}
+    return {**tree, EFFECTS: own}
 
 
 def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
