@@ -195,7 +195,8 @@ class Design(Pickled, Displayed):
         Raises UnknownNameError if there is no such effect, GeometryError with the scene's key if
         its data are missing, EffectError if it has no answer for this design.
         """
-        return self.effects.result(name)
+        with self.scene.restating():
+            return self.effects.result(name)
 
     # Pictures ---------------------------------------------------------------------------------
 
@@ -292,10 +293,11 @@ class Design(Pickled, Displayed):
         from camgeo.writing.write import write_files
 
         output = self.scene.output
-        return write_files(
-            self.discs,
-            folder,
-            output.formats if formats is None else tuple(formats),
-            output.tolerance if tolerance is None else tolerance,
-            force=force,
-        )
+        with self.scene.restating():
+            return write_files(
+                self.discs,
+                folder,
+                output.formats if formats is None else tuple(formats),
+                output.tolerance if tolerance is None else tolerance,
+                force=force,
+            )

@@ -10,11 +10,21 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
+from camgeo.units import LengthUnit, in_unit
 from camgeo.wording import counted, told_apart
 
 
 class CamgeoError(Exception):
     """Root of all errors that camgeo raises on purpose; each can be pickled, as pools require."""
+
+    def restate(self, unit: LengthUnit) -> None:
+        """Put the lengths in its texts into the unit of a scene; other attributes stay in mm."""
+        self.args = tuple(
+            in_unit(each, unit) if isinstance(each, str) else each for each in self.args
+        )
+        for name in ("message", "reason"):
+            if isinstance(text := getattr(self, name, None), str):
+                setattr(self, name, in_unit(text, unit))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (type(self), self.args), self.__dict__

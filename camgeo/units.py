@@ -1,11 +1,14 @@
 """Conversion between the units of a scene and those inside: millimetres and radians.
 
-Values are converted once: by the scene loader on the way in, by a writer on the way out.
+Values are converted once: by the scene loader on the way in, by a writer on the way out. So are
+texts: they are made in mm, as "17.5 mm", and `in_unit` restates them where they are handed on.
 """
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Collection
 from typing import Final, Literal
 
 LengthUnit = Literal["mm", "inch"]
@@ -20,3 +23,64 @@ TURN: Final = 2.0 * math.pi
 
 RPM: Final = TURN / 60.0
 """One rev/min in rad/s."""
+
+_NUMBER: Final = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
+
+_MEASURE: Final = re.compile(
+    r'"[^"\n]*"'  # what is quoted stays
+    rf"|(?<![\w.^/])(?P<numbers>\({_NUMBER}(?:, {_NUMBER})+\)"
+    rf"|[XYZ] {_NUMBER}(?:, [XYZ] {_NUMBER})*"
+    rf"|between {_NUMBER} and {_NUMBER}"
+    rf"|{_NUMBER}(?:(?: to | x ){_NUMBER})*)"
+    r"(?P<unit> (?:g |kg )?mm(?:\^(?P<power>\d))?)(?![\w^]|\.\w|/\w+[./])"
+)
+"""Numbers and their unit, a power of mm and perhaps something per something, not a file's name."""
+
+FEWEST: Final = 4
+"""Significant digits of a restated number, at least; `SHOWN` of one that is known exactly."""
+
+SHOWN: Final = 6
+
+
+def in_unit(text: str, unit: LengthUnit, exact: Collection[float] = ()) -> str:
+    """The text with all lengths, areas, speeds, ... that it states in mm in the unit of a scene.
+
+    Known are "17.5 mm", "3 to 4 mm", "between 3 and 4 mm", "3 x 4 mm", "(3, 4) mm" and "X 3, Y 4
+    mm", with powers of mm, mm per anything, g mm and kg mm^2. A length has one decimal more in
+    inches than in mm, the other quantities accordingly; what is in double quotes stays.
+
+    Parameters
+    ----------
+    exact : numbers of the text before they were rounded, in the units that it states.
+    """
+    if unit == "mm":
+        return text
+
+    def restated(found: re.Match[str]) -> str:
+        if found["unit"] is None:
+            return found[0]
+        scale = MM_PER[unit] ** int(found["power"] or 1)
+        numbers = re.sub(_NUMBER, lambda each: _restated(each[0], scale, exact), found["numbers"])
+        return numbers + found["unit"].replace("mm", unit)
+
+    return _MEASURE.sub(restated, text)
+
+
+def _restated(number: str, scale: float, exact: Collection[float]) -> str:
+    """The number of a text divided by `scale`, with the digits that it then has."""
+    plain = number.replace(",", "")
+    value, digits = float(plain), FEWEST
+    for each in exact:
+        if float(f"{each:.{SHOWN}g}") == value:
+            value, digits = each, SHOWN
+    value /= scale
+    mantissa, _, exponent = plain.partition("e")
+    fraction = mantissa.partition(".")[2]
+    leading = math.floor(math.log10(abs(value))) if value else 0
+    decimals = len(fraction) - int(exponent or 0) + round(math.log10(scale))
+    decimals = max(decimals, digits - 1 - leading, 0)
+    if exponent:
+        return f"{value:.{decimals + leading + 1}g}"
+    text = f"{value:{',' * (',' in number)}.{decimals}f}"
+    fixed = fraction.endswith("0") or "." not in text
+    return text if fixed else text.rstrip("0").rstrip(".")

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from camgeo._version import __version__
 from camgeo.answers.answer import Answer
 from camgeo.declared import schema_beside
+from camgeo.units import in_unit
 
 if TYPE_CHECKING:
     from camgeo.figure.model import Figure
@@ -35,9 +36,9 @@ def has(answer: Answer, rendering: str) -> bool:
 
 
 def text(answer: Answer) -> str:
-    """The answer in words, lines without the last line end."""
+    """The answer in words, lines without the last line end, lengths in the unit of its scene."""
     words: str = _rendering(answer).text(answer)
-    return words
+    return in_unit(words, getattr(getattr(answer, "scene", None), "unit", "mm"))
 
 
 def table(answer: Answer) -> Table:

@@ -24,10 +24,11 @@ def check_radius_ratio(
     flank: WorkingCurve,
     name: str,
     bends: Extremes,
-    limit: float,
+    limit: float | None,
     roller_radius: float | None = None,
 ) -> Finding:
-    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36).
+    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36);
+    with nothing if that is None.
 
     `roller_radius` [mm] is that of a roller with play; None if the flank is its envelope.
     """
@@ -44,6 +45,8 @@ def check_radius_ratio(
         f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
         f" {1 / abs(kappa):.4f} mm) {at_cam_angles(phi, form='.4f')}"
     )
+    if limit is None:
+        statement += ", without a limit: the face is no roller's"
     return held(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
 
 

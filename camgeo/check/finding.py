@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final, Literal
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal, overload
 
 from camgeo.displayed import Displayed, clipped
-from camgeo.units import TURN, LiftUnit
+from camgeo.errors import CamgeoError
+from camgeo.units import TURN, LengthUnit, LiftUnit, in_unit
 from camgeo.wording import counted, listed
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
 
-ok: within its limit. warning: worth knowing. broken: beyond its limit, though the disc can be made
-all the same. no-disc: no disc makes this motion, and no outline is written. invalid: what the scene
-describes is no cam mechanism, which a command treats as a fault of the scene.
+ok: within its limit, or without one, see `Verdict`. warning: worth knowing. broken: beyond its
+limit, though the disc can be made all the same. no-disc: no disc makes this motion, and no outline
+is written. invalid: what the scene describes is no cam mechanism, which a command treats as a fault
+of the scene.
+"""
+
+Verdict = Literal["note", "figure", Severity]
+"""What is said of a finding: its severity where it is compared with anything or bad all the same.
+
+figure: a value that nothing limits, so that it is neither good nor bad. note: a sentence for which
+the same holds.
 """
 
 NO_OUTLINE: Final = ("invalid", "no-disc")
@@ -73,12 +82,32 @@ class Finding(Displayed):
             # The remainder of a negative angle can round up to the whole turn.
             object.__setattr__(self, "cam_angle", angle if angle < TURN else 0.0)
 
+    def in_unit(self, unit: LengthUnit) -> Finding:
+        """The finding with the lengths in its sentence in the unit of a scene; value and limit stay
+        as they are.
+        """
+        figures = (self.value, self.limit) if "mm" in self.unit else ()
+        exact = [each for each in figures if each is not None]
+        sentence = in_unit(self.sentence, unit, exact)
+        return self if sentence == self.sentence else replace(self, sentence=sentence)
+
     def __repr__(self) -> str:
-        return clipped(f"Finding({self.name!r}, {self.severity!r}, {self.sentence!r})")
+        return clipped(f"Finding({self.name!r}, {self.verdict!r}, {self.sentence!r})")
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is said of it, see `Verdict`."""
+        if self.severity != "ok" or self.limit is not None:
+            return self.severity
+        return "note" if self.value is None else "figure"
 
 
 NAMED: Final = 3
-"""Findings of a severity that are named where many are described."""
+"""Findings of a verdict that are named where many are described."""
+
+
+QUIET: Final = ("ok", "figure", "note")
+"""Verdicts on findings that are not bad."""
 
 
 class Findings(tuple[Finding, ...], Displayed):
@@ -89,13 +118,48 @@ class Findings(tuple[Finding, ...], Displayed):
     def __repr__(self) -> str:
         names: dict[str, list[str]] = {}
         for each in self:
-            names.setdefault(each.severity, []).append(each.name)
+            names.setdefault(each.verdict, []).append(each.name)
         told = [
-            f"{len(own)} {severity}" + ("" if severity == "ok" else f" ({listed(own, NAMED)})")
-            for severity, own in names.items()
+            f"{len(own)} {verdict}" + ("" if verdict in QUIET else f" ({listed(own, NAMED)})")
+            for verdict, own in names.items()
         ]
         head = counted(len(self), "finding")
         return clipped(f"<{': '.join([head, *([', '.join(told)] if told else [])])}>")
+
+
+def stated_in(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings with their sentences in the unit of a scene, see `Finding.in_unit`."""
+    return tuple(each.in_unit(unit) for each in findings)
+
+
+class LazyFindings(Sequence[Finding], Displayed):
+    """Findings that are made when one looks at them, then shown as `Findings` are.
+
+    Parameters
+    ----------
+    find : makes them, once.
+    """
+
+    def __init__(self, find: Callable[[], Findings]) -> None:
+        self._find = find
+
+    @overload
+    def __getitem__(self, index: int) -> Finding: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Finding, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Finding | tuple[Finding, ...]:
+        return self._find()[index]
+
+    def __len__(self) -> int:
+        return len(self._find())
+
+    def __repr__(self) -> str:
+        try:
+            return repr(self._find())
+        except CamgeoError as error:
+            return clipped(f"<no findings: {error}>")
 
 
 def held(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
+from camgeo.check.curved_face import check_curved_face, is_curved_face
 from camgeo.check.finding import (
     BROKEN,
     CONVEXITY,
@@ -19,9 +20,11 @@ from camgeo.check.finding import (
     Findings,
     Severity,
     forbidding,
+    stated_in,
 )
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import (
+    RULE_OF_THUMB,
     Limits,
     default_linkage_transmission_angle,
     default_transmission_angle,
@@ -94,7 +97,7 @@ class Judgement(Pickled, Displayed):
         a follower.
     limits : what they are compared with.
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
-    unit : that of the scene, in which cures state lengths.
+    unit : that of the scene, in which findings and cures state lengths.
     ledger : records what has been computed.
     trial : gives the findings on the scene, and on its part, with other values by key; None if
         there is no scene, where cures are judged by the discs alone.
@@ -126,7 +129,7 @@ class Judgement(Pickled, Displayed):
         if len(self.cams) > 1:
             self._of_pair(found)
         found.run("motion", lambda: motion_findings(self.drive))
-        return found
+        return {name: stated_in(self.unit, each) for name, each in found.items()}
 
     @lazy
     def findings(self) -> Findings:
@@ -319,14 +322,20 @@ def _of_roller(cam: Cam, limits: Limits, found: Checks) -> None:
         found.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
         return
 
+    # A limit other than the rule of thumb for rollers is meant for what is there.
+    curved = is_curved_face(cam, bends)
+    ratio = None if curved and limits.radius_ratio == RULE_OF_THUMB else limits.radius_ratio
+
     def of_flank(flank: WorkingCurve, name: str) -> Iterable[Finding]:
-        yield check_radius_ratio(flank, name, bends, limits.radius_ratio, radius)
+        yield check_radius_ratio(flank, name, bends, ratio, radius)
         yield from check_undercut(flank, name, bends, severity)
 
     for name, flank in disc.flanks:
         found.run(f"curvature-{name}", partial(of_flank, flank, name))
         if mechanism:
             found.run(f"outline-{name}", partial(_of_outline, cam, name, flank, severity))
+    if curved:
+        found.run("face", lambda: check_curved_face(curve, bends))
     if cam.clearance > 0.0:
         from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
 

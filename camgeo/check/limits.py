@@ -20,6 +20,9 @@ OF_SLOW: Final[Mapping[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
 
 OF_FAST: Final = 60.0
 
+RULE_OF_THUMB: Final = 0.7
+"""Largest r_R / r_K of a roller (Wirsig eq. 3.36)."""
+
 OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
 """Smallest transmission angles to aim for [degrees] in slow and in fast linkages, as is customary
 (Volmer, Getriebetechnik)."""
@@ -52,7 +55,7 @@ class Limits:
 
     transmission_angle: RightAngle | None = None
     linkage_transmission_angle: RightAngle | None = None
-    radius_ratio: Annotated[float, partial(number, above=0.0, most=1.0)] = 0.7
+    radius_ratio: Annotated[float, partial(number, above=0.0, most=1.0)] = RULE_OF_THUMB
     undercut: Annotated[Literal["refuse", "trim"], partial(one_of, choices=("refuse", "trim"))] = (
         "refuse"
     )

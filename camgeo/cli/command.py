@@ -45,11 +45,14 @@ class CallError(Exception):
 def opened(arguments: argparse.Namespace) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    Each quantity is shown as its computation starts.
+    Each quantity is shown as its computation starts. The design is kept with the arguments: an
+    error states lengths in its unit.
     """
     from camgeo.scene.load import load_scene  # some commands need no scene
 
-    return Design(load_scene(arguments.scene), Ledger(arguments.progress))
+    arguments.opened = Design(load_scene(arguments.scene), Ledger(arguments.progress))
+    design: Design = arguments.opened
+    return design
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:

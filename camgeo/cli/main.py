@@ -185,6 +185,8 @@ def _run(words: list[str]) -> int:
         parsed.parser.error(str(error))
         return WRONG  # never reached: `error` exits
     except CamgeoError as error:
+        if (design := getattr(parsed, "opened", None)) is not None:
+            design.scene.restate(error)
         found = refusal(error)
         if getattr(parsed, "json", False):
             return show(found, parsed)

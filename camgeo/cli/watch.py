@@ -93,6 +93,7 @@ def _run(arguments: argparse.Namespace, target: Path) -> str:
         settle(target.parent, arguments.progress)
         write_set(target.parent, {target.name: picture}, force=True, progress=arguments.progress)
     except CamgeoError as error:
+        design.scene.restate(error)
         return f"{found}; no picture: {_fault(error)}"
     return f"{found}; {target}"
 

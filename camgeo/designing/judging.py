@@ -35,6 +35,7 @@ KEYS: Final[Mapping[str, str]] = {
     "lobe": "limits.undercut",
     "dead-centre": "linkage",
     "linkage-branch": "linkage",
+    "format": "output.formats",
 }
 """Key of the scene that a finding is about, by the name of the finding or its beginning."""
 
@@ -74,7 +75,7 @@ def _finding(each: Advised) -> dict[str, Any]:
         "about": each.about,
         "name": found.name,
         "severity": found.severity,
-        "mark": MARKS[found.severity],
+        "mark": MARKS[found.verdict],
         "sentence": found.sentence,
         "value": _finite(found.value),
         "limit": _finite(found.limit),

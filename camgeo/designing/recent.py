@@ -8,6 +8,7 @@ from typing import Any
 
 from camgeo.design import Design
 from camgeo.designing.job import Job
+from camgeo.errors import CamgeoError
 from camgeo.scene.document import Document, Source, data_of, document, document_of_tree
 from camgeo.scene.load import parse_scene
 from camgeo.scene.scene import Scene
@@ -43,6 +44,11 @@ class Recent:
         if self._design is not None and place == self._of:
             return self._design
         return self._kept_of(job, self._made(job))
+
+    def restate(self, job: Job, error: CamgeoError) -> None:
+        """Put the lengths of an error into the unit of the job's scene, if that is the last one."""
+        if self._design is not None and (job.text, job.file, job.folder) == self._of:
+            self._design.scene.restate(error)
 
     def made(self, job: Job, scene: Scene) -> None:
         """Take note of the scene of a job: an edit of the last one, which shares with that what it

@@ -48,12 +48,14 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
     """
     if job.kind not in WORK:
         raise JobError(f"there is no job {job.kind[:60]!r}; there are {', '.join(WORK)}")
+    recent = recent or Recent()
     try:
-        return {"faults": [], **WORK[job.kind](job, recent or Recent())}
+        return {"faults": [], **WORK[job.kind](job, recent)}
     except JobError:
         raise
     except CamgeoError as error:
-        return {"faults": told(error)}
+        recent.restate(job, error)
+        return {"faults": told(error, job.text)}
 
 
 def prepared() -> Callable[[Job], dict[str, Any]]:

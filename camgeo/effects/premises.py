@@ -46,12 +46,13 @@ SLACK: Final = 1e-9
 
 def qualified(
     effect: Effect,
-    findings: tuple[Finding, ...],
+    findings: Sequence[Finding],
     subject: Subject,
     lost: LostContact | None,
     named: Sequence[str],
     flown: Sequence[Range] = (),
     *,
+    holding: str = "",
     follows: bool = False,
     elastic: bool = False,
 ) -> tuple[Finding, ...]:
@@ -62,25 +63,26 @@ def qualified(
     lost : where the follower leaves the cam; None if that is not known.
     named : the effects that the scene names.
     flown : where it then flies, or crosses its clearance; empty if that is not known.
+    holding : what would hold it there, in words; empty if that is not known.
     follows : whether `effect` takes elastic trains into account.
     elastic : whether its figures are for one.
     """
     if all(each.value is None for each in findings):
-        return findings  # without figures there is nothing to qualify
+        return tuple(findings)  # without figures there is nothing to qualify
     broken: list[Finding] = []
     crossed: list[Finding] = []
     if effect.premise == "contact" and lost:
         broken.append(
             _on_other_side(lost, subject)
             if holds_both_ways(subject)
-            else _without_contact(lost, subject, flown)
+            else _without_contact(lost, subject, flown, holding)
         )
     elif effect.premise == "contact" and flown:
         crossed.append(_in_clearance(subject, flown))
     trimmed = tuple(trimming(effect, subject))
     uneven = tuple(_of_breadth(effect, subject))
     if broken or uneven or (trimmed and not _follows(effect, subject)):
-        findings = tuple(_doubted(each, effect) for each in findings)
+        findings = [_doubted(each, effect) for each in findings]
     told = [*uneven, *as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
     told += _simplified(effect, named, follows=follows)
     return (*broken, *crossed, *trimmed, *told, *findings)
@@ -93,7 +95,9 @@ def _doubted(finding: Finding, effect: Effect) -> Finding:
     return replace(finding, severity="warning")
 
 
-def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]) -> Finding:
+def _without_contact(
+    lost: LostContact, subject: Subject, flown: Sequence[Range], holding: str
+) -> Finding:
     """Where contact is lost, though the figures take it for granted."""
     ranges = [(each.start, each.end) for each in lost.ranges]
     touching = subject.cam.follower.touching
@@ -108,7 +112,7 @@ def _without_contact(lost: LostContact, subject: Subject, flown: Sequence[Range]
         severity="broken",
         sentence=(
             f"the {touching} leaves the cam {listed(places)}{force}{flight}; these figures are for"
-            " one that stays on it"
+            f" one that stays on it{holding and f'; {holding}'}"
         ),
         value=None if low is None else low.value,
         limit=0.0,

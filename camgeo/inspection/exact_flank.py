@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 CELL: Final = math.radians(0.25)
 """Widest cell [rad] of cam angle, or of the angle turned about a point."""
 
+FEW: Final = 64
+"""Points whose nearest cells are found without a tree of them."""
+
 AT: Final = 1e-9
 """Closer to a corner than this [mm] a point has no direction from it."""
 
@@ -160,10 +163,7 @@ class ExactFlank:
 
     def feet(self, points: ComplexArray) -> Feet:
         """The feet of `points` (n,) [mm], in cam coordinates."""
-        import shapely  # only what measures needs it
-
-        tree, cells = self._tree
-        nearest = cells[tree.nearest(shapely.points(points.real, points.imag))]
+        nearest = self._nearest_cells(points)
         found = Feet(taken(self.nodes, nearest), np.empty(len(points)))
         on_stretch = self._is_stretch[nearest]
         for which, part in (
@@ -176,6 +176,20 @@ class ExactFlank:
                     getattr(found.places, name)[which] = getattr(own.places, name)
                 found.distances[which] = own.distances
         return found
+
+    def _nearest_cells(self, points: ComplexArray) -> IntArray:
+        """(n,) the nodes at which those cells begin whose chords are nearest to `points` (n,)."""
+        if len(points) > FEW:
+            import shapely  # only what measures needs it
+
+            tree, cells = self._tree
+            return np.asarray(cells[tree.nearest(shapely.points(points.real, points.imag))])
+        starts = self.nodes.points[self._cells]
+        along = self.nodes.points[self._cells + 1] - starts
+        from_start = points[:, None] - starts
+        share = np.clip(dot(from_start, along) / np.abs(along) ** 2, 0.0, 1.0)
+        nearest = np.argmin(np.abs(from_start - share * along), axis=1)
+        return np.asarray(self._cells[nearest])
 
     def _feet_on_stretches(self, points: ComplexArray, node: IntArray) -> Feet:
         """Feet near the cells that begin at `node` (n,)."""
@@ -305,11 +319,16 @@ class ExactFlank:
         return np.repeat(last - counts + 1, counts), np.repeat(last, counts)
 
     @cached_property
+    def _cells(self) -> IntArray:
+        """The nodes at which a cell begins."""
+        return np.flatnonzero(self._ends[1] != np.arange(len(self.nodes)))
+
+    @cached_property
     def _tree(self) -> tuple[STRtree, IntArray]:
         """The chords of the cells, and the node at which each begins."""
         import shapely
 
-        cells = np.flatnonzero(self._ends[1] != np.arange(len(self.nodes)))
+        cells = self._cells
         ends = np.stack((self.nodes.points[cells], self.nodes.points[cells + 1]), axis=1)
         chords: Any = shapely.linestrings(  # of an array an array
             np.stack((ends.real, ends.imag), axis=2)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.isolation import cells_between, isolated_roots, places_in
 from camgeo.units import TURN
 
-SAMPLES = 33
-"""Grid points per piece between borders, on which sign changes are sought. A law has at most a few
-turning points per formula."""
+INSIDE = 1e-8
+"""How far inside a piece its ends are taken, as a fraction of its length: a motion may rest there
+for a moment."""
 
 
 def pieces(motion: Motion) -> list[tuple[float, float]]:
@@ -32,6 +34,15 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
-    grid = np.linspace(starts, ends, SAMPLES, axis=1)[:, 1:-1]
-    moving = np.any(motion.jet(grid.ravel())[1].reshape(grid.shape), axis=1)
-    return roots_on_grid(lambda phi: np.asarray(motion.jet(phi)[1]), grid[moving])
+    low, high = cells_between(np.append(starts, TURN))
+    owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
+    inside = INSIDE * (ends - starts)[owner]
+    low, high = np.maximum(low, starts[owner] + inside), np.minimum(high, ends[owner] - inside)
+    places = places_in(low, high)
+
+    def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
+        return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
+
+    velocity = of_order(1)
+    known = velocity(places.ravel(), np.empty(0, dtype=np.intp)).reshape(1, *places.shape)
+    return isolated_roots(velocity, of_order(0), places, known)[0]

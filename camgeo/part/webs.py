@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -13,7 +14,9 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.nearness import distances, least_distance
 from camgeo.contour.pieces import Pieces
 from camgeo.contour.simple import winding_number
-from camgeo.part.boundaries import ExactBoundary
+from camgeo.inspection.exact_flank import ExactFlank
+from camgeo.outline.path import Flank
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Layer, Part
 
@@ -39,8 +42,9 @@ class Web:
     Attributes
     ----------
     one, other : their names, the other one that of a hole.
-    thickness : the smallest distance between them [mm]; beside a circle about the cam axis exact,
-        else within the second of `TOLERANCES`, or the last if that decides how it compares.
+    thickness : the smallest distance between them [mm], exact of lines and arcs, beside a circle
+        about the cam axis, and where a circle or corner of a hole is nearest to a flank; else
+        within the second of `TOLERANCES`, or the last if that decides how it compares.
     usual : thickness that it should have [mm], by `SHARE`; 0 beside flanks alone, whose loads
         decide it.
     place : of the hole, where it is thinnest [mm], for the eye.
@@ -54,43 +58,69 @@ class Web:
 
 
 def thinnest(part: Part, limit: float | None = None) -> Web | None:
-    """The web that is thinnest; without a `limit` [mm], that which is thinnest beside its usual
-    thickness. None if the part has no holes.
-
-    It is as exact as its comparison with the limit or that thickness takes.
+    """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes.
+    None if the part has no holes.
 
     Raises
     ------
     UndercutError, ToleranceError
         If a boundary has no contour.
     """
-    known: set[tuple[str, str]] = set()
-    found: Web | None = None
-    for layer in part.layers:
-        for pair in combinations(_walled(layer), 2):
-            one, hole = pair if pair[1].hole else pair[::-1]
-            names = one.name, hole.name
-            if names in known or not hole.hole:
-                continue
-            known.add(names)
-            if found is not None and _least(one, hole, limit) > _size(found, limit)[0]:
-                continue
-            if _material_between(one, hole):
-                web = _web(one, hole, limit)
-                found = web if found is None or _size(web, limit) < _size(found, limit) else found
-    return found
+    return _first(part, lambda thickness, _: thickness, lambda _: limit)
+
+
+def thinnest_beside_holes(part: Part) -> Web | None:
+    """The web that is thinnest as a share of its usual thickness, as exact as that comparison
+    takes; None if no web has one; raises like `thinnest`.
+    """
+    web = _first(part, _share, lambda usual: usual)
+    return web if web is not None and web.usual else None
 
 
 def surely_thick(part: Part, limit: float | None = None) -> bool:
     """Whether circles about the boundaries suffice to show that no web is thinner than the `limit`
-    [mm], or than its usual thickness; raises like `thinnest`.
+    [mm], or where that is None than its usual thickness; raises like `thinnest`.
     """
     return all(
-        _least(*(pair if pair[1].hole else pair[::-1]), limit) >= (1.0 if limit is None else limit)
-        for layer in part.layers
-        for pair in combinations(_walled(layer), 2)
-        if pair[0].hole or pair[1].hole
+        _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
+        for one, hole in _pairs(part)
     )
+
+
+def _share(thickness: float, usual: float) -> float:
+    return thickness / usual if usual else math.inf
+
+
+def _first(
+    part: Part,
+    size: Callable[[float, float], float],
+    compared: Callable[[float], float | None],
+) -> Web | None:
+    """The web that is first by its `size`, then by its thickness; both are of thickness and usual
+    thickness. `compared` is what a thickness is compared with, of the usual one.
+    """
+    found: tuple[float, float, Web] | None = None
+    for one, hole in _pairs(part):
+        usual = _usual(one, hole)
+        if found is not None and size(_least(one, hole), usual) > found[0]:
+            continue
+        if _material_between(one, hole):
+            web = _web(one, hole, usual, compared(usual))
+            new = size(web.thickness, usual), web.thickness, web
+            found = new if found is None or new[:2] < found[:2] else found
+    return None if found is None else found[2]
+
+
+def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
+    """Boundaries of a layer of which the second at least is a hole, each pair of names once."""
+    known: set[tuple[str, str]] = set()
+    for layer in part.layers:
+        for pair in combinations(_walled(layer), 2):
+            one, hole = pair if pair[1].hole else pair[::-1]
+            names = one.name, hole.name
+            if hole.hole and names not in known:
+                known.add(names)
+                yield one, hole
 
 
 def _walled(layer: Layer) -> list[Boundary]:
@@ -98,24 +128,12 @@ def _walled(layer: Layer) -> list[Boundary]:
     return [each for each in layer.boundaries if not text_of(each.name)]
 
 
-def _size(web: Web, limit: float | None) -> tuple[float, float]:
-    """By which webs are compared."""
-    return _relative(web.thickness, web.usual, limit), web.thickness
-
-
-def _relative(thickness: float, usual: float, limit: float | None) -> float:
-    if limit is not None:
-        return thickness
-    return thickness / usual if usual else math.inf
-
-
-def _least(one: Boundary, hole: Boundary, limit: float | None) -> float:
-    """A lower bound of `_size` of a web, from circles about two holes, or about the cam axis within
-    an outline and around a hole.
+def _least(one: Boundary, hole: Boundary) -> float:
+    """A lower bound of the thickness of a web [mm], from circles about two holes, or about the cam
+    axis within an outline and around a hole.
     """
     if not one.hole:
-        apart = one.nearest() - hole.farthest()[0]
-        return _relative(max(0.0, apart), _usual(one, hole), limit)
+        return max(0.0, one.nearest() - hole.farthest()[0])
     circles = []
     for each in (one, hole):
         fit = each.beside(TOLERANCES[0])
@@ -125,7 +143,7 @@ def _least(one: Boundary, hole: Boundary, limit: float | None) -> float:
         reach = float(np.max(np.abs(fine.vertices - middle))) + sagitta
         circles.append((middle, reach))
     (a, of_a), (b, of_b) = circles
-    return _relative(max(0.0, abs(a - b) - of_a - of_b), _usual(one, hole), limit)
+    return max(0.0, abs(a - b) - of_a - of_b)
 
 
 def _material_between(one: Boundary, hole: Boundary) -> bool:
@@ -140,8 +158,7 @@ def _inside(contour: Contour, around: Contour) -> bool:
     return winding_number(around, complex(contour.vertices[0])) != 0
 
 
-def _web(one: Boundary, hole: Boundary, limit: float | None) -> Web:
-    usual = _usual(one, hole)
+def _web(one: Boundary, hole: Boundary, usual: float, compared: float | None) -> Web:
     exact = None if one.hole else _about_the_axis(one, hole)
     # Where it is exact, contours show its place alone.
     for tolerance in TOLERANCES[1:] if exact is None else TOLERANCES[:1]:
@@ -149,12 +166,31 @@ def _web(one: Boundary, hole: Boundary, limit: float | None) -> Web:
         a, b = (Pieces.around([fit.contour]) for fit in fits)
         apart = least_distance(a, b) if exact is None else exact
         unsure = sum(fit.deviation for fit in fits)
-        if exact is not None or abs(apart - (usual if limit is None else limit)) > unsure:
+        if exact is not None or compared is None or abs(apart - compared) > unsure:
             break
+    if exact is None:
+        apart = _beside_flank(one, hole, apart, unsure)
     around = fits[1].contour
     points = around.points(around.length / POINTS**2)
     place = complex(points[np.argmin(distances(points, a))])
     return Web(one.name, hole.name, apart, usual, place)
+
+
+def _beside_flank(one: Boundary, hole: Boundary, apart: float, unsure: float) -> float:
+    """The web [mm] between a flank and lines and arcs, by the feet of their corners and centres on
+    the flank; `apart`, which is within `unsure` of it, where none of these is nearest.
+    """
+    flank, other = (one, hole) if isinstance(one, CurveBoundary) else (hole, one)
+    if not isinstance(flank, CurveBoundary) or not isinstance(other, ExactBoundary):
+        return apart
+    exact = other.exact
+    arcs = exact.sweeps != 0.0
+    points = np.concatenate((exact.vertices, exact.centres[arcs]))
+    radii = np.concatenate((np.zeros(len(exact)), exact.radii[arcs]))
+    feet = ExactFlank(flank.path, Flank.INNER).feet(points)
+    found = np.abs(feet.distances) - radii
+    found = found[np.abs(found - apart) <= unsure]
+    return float(np.min(found)) if len(found) else apart
 
 
 def _about_the_axis(one: Boundary, hole: Boundary) -> float | None:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding, Severity, held
-from camgeo.errors import GeometryError, ToleranceError
+from camgeo.check.finding import Finding, held, stated_in
+from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
 from camgeo.part.materials import KG_M3
-from camgeo.part.webs import SHARE, surely_thick, thinnest
+from camgeo.part.webs import SHARE, Web, surely_thick, thinnest, thinnest_beside_holes
 from camgeo.product.product import bodies_of
 from camgeo.product.relation import relation_of
 from camgeo.wording import at_cam_angles
@@ -28,6 +28,9 @@ KG: Final = 1e3
 
 SMALLEST_WALL: Final = "smallest-wall"
 """Name of the finding on the thinnest material between two boundaries."""
+
+WALL_RATIO: Final = "wall-ratio"
+"""Name of the finding on the material that is thinnest as a share of its hole."""
 
 SET_SCREW: Final = "set-screw"
 """Name of the finding on a hole that no file has."""
@@ -101,7 +104,7 @@ def part_of(disc: Product) -> PartFound:
     try:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
-        return PartFound(None, (), None, (Finding("part", "invalid", str(error)),))
+        return PartFound(None, (), None, (_impossible(disc, error),))
     body = _body(disc, part)
     layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
     return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
@@ -114,9 +117,15 @@ def findings_on(disc: Product) -> tuple[Finding, ...]:
     try:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
-        return (Finding("part", "invalid", str(error)),)
+        return (_impossible(disc, error),)
     body = None if _density(disc.scene) is None else _body(disc, part)
     return _findings(disc, part, body)
+
+
+def _impossible(disc: Product, error: CamgeoError) -> Finding:
+    """Why there is no such part."""
+    disc.scene.restate(error)
+    return Finding("part", "invalid", str(error))
 
 
 def _stated(scene: Scene) -> bool:
@@ -129,7 +138,7 @@ def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ..
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
     mass = (*_mass(body, limits.mass), *_mass_of_both(disc, body))
-    return (*relation_of(disc), diameter, *mass, *walls)
+    return stated_in(disc.unit, (*relation_of(disc), diameter, *mass, *walls))
 
 
 def poor_in(disc: Product) -> tuple[Finding, ...]:
@@ -151,7 +160,7 @@ def poor_in(disc: Product) -> tuple[Finding, ...]:
         found += _smallest_wall(part, limits.wall)
     if disc.scene.printing is not None and disc.scene.printing.nozzle is not None:
         found += _printed(disc)
-    return tuple(each for each in found if each.severity != "ok")
+    return stated_in(disc.unit, (each for each in found if each.severity != "ok"))
 
 
 def _diameter(part: Part, limit: float | None) -> Finding:
@@ -197,22 +206,30 @@ def _mass_of_both(disc: Product, body: Body | None) -> Iterator[Finding]:
 
 
 def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
-    """The thinnest wall between two boundaries; a warning if it is thinner than usual."""
+    """The thinnest wall between two boundaries; without a limit also that which is thinnest beside
+    its hole, a warning if it is thinner than usual.
+    """
     web = thinnest(part, limit)
     if web is None:
         return
-    statement = (
-        f"smallest wall {web.thickness:.6g} mm, between {web.one} and {web.other}, at"
-        f" ({web.place.real:.4g}, {web.place.imag:.4g}) mm"
-    )
-    if limit is not None or not web.usual:
-        yield held(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
+    statement = f"smallest wall {web.thickness:.6g} mm, {_place(web)}"
+    yield held(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
+    beside = thinnest_beside_holes(part) if limit is None else None
+    if beside is None:
         return
-    thin = web.thickness < web.usual
-    severity: Severity = "warning" if thin else "ok"
-    verdict = "below" if thin else "at least"
-    share = f"{verdict} {web.usual:.4g} mm, {SHARE:.0%} of the diameter of the hole"
-    yield Finding(SMALLEST_WALL, severity, f"{statement}, {share}", web.thickness, web.usual, "mm")
+    thin = beside.thickness < beside.usual
+    share = SHARE * beside.thickness / beside.usual
+    sentence = (
+        f"thinnest wall beside its hole {beside.thickness:.6g} mm, {_place(beside)}:"
+        f" {100.0 * share:.3g}% of the diameter of the hole, {'below' if thin else 'at least'}"
+        f" {SHARE:.0%}, {beside.usual:.4g} mm"
+    )
+    yield Finding(WALL_RATIO, "warning" if thin else "ok", sentence, share, SHARE)
+
+
+def _place(web: Web) -> str:
+    at = f"({web.place.real:.4g}, {web.place.imag:.4g}) mm"
+    return f"between {web.one} and {web.other}, at {at}"
 
 
 def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, stated_in
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.gcode import FORMAT
 from camgeo.product.product import sides_of
@@ -32,7 +32,7 @@ class Program:
     Attributes
     ----------
     findings : what is told of its sequence, and what its simulation finds; why there is none, if
-        it cannot be planned.
+        it cannot be planned: "broken" for a key that the scene lacks, "invalid" for a wrong one.
     operations : the time of each; None if the machine's dynamics are not known, or if there is no
         program.
     faults : of the scene, if it cannot be planned.
@@ -115,24 +115,30 @@ def _machine(side: Product) -> Machine:
 
 def _program(disc: Product, machine: Machine) -> Program:
     """The program of one side of a disc at the scene's tolerance, judged."""
+    from camgeo.scene.milling import is_missing
     from camgeo.toolpath.engaged import engagement_findings  # which times do without
 
     output, milled = disc.scene.output, disc.milled
-    lacking = FORMAT.lacking(disc.values)
-    if lacking and FORMAT.name not in output.formats:
-        return Program((Finding(MILLING, "ok", f"no program: it {'; '.join(lacking)}"),))
     try:
         toolpath = milled.toolpath(output.tolerance)
         found = milled.findings(toolpath, output.tolerance)
         times = times_on(machine, toolpath, output.tolerance)
         roughing = milled.engaged(toolpath)
     except SceneError as error:
-        where = f"{error.file}: " if error.file else ""
+        where, stated = f"{error.file}: " if error.file else "", disc.scene.stated
         return Program(
-            tuple(Finding(MILLING, "invalid", f"{where}{fault}") for fault in error.faults),
+            tuple(
+                Finding(
+                    MILLING,
+                    "broken" if is_missing(stated, fault) else "invalid",
+                    f"{where}{fault}",
+                )
+                for fault in error.faults
+            ),
             faults=error.faults,
         )
     except (ToleranceError, FileError, UndercutError) as error:
+        disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
-    found += tuple(engagement_findings(roughing))
+    found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
     return Program(found, None if times is None else tuple(times), roughing=roughing)

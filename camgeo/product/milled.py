@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
-from camgeo.check.finding import Finding
-from camgeo.errors import GeometryError, UndercutError, UnsafeError
+from camgeo.check.finding import Finding, stated_in
+from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.motion.kept import Kept, kept_with_owner
@@ -111,8 +111,8 @@ class MilledDisc(Pickled):
     def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
 
-        if lacking := FORMAT.lacking(self.scene.stated):
-            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        if lacking := self.scene.lacking([FORMAT]):
+            raise SceneError(lacking, self.scene.source.file)
         assert self.spec is not None  # for the scene has a tool
         options = self.gcode
         return sequence_of(self.part, self.spec, options.heights, options.compensation)
@@ -163,11 +163,16 @@ class MilledDisc(Pickled):
         return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
 
     @property
+    def notes(self) -> tuple[Finding, ...]:
+        """The findings of the sequence, in the unit of the scene; raises like `sequence`."""
+        return stated_in(self.scene.unit, self.sequence.findings)
+
+    @property
     def told(self) -> tuple[str, ...]:
         """What is told of the sequence and of this program, a sentence each; raises like
         `sequence`.
         """
-        told = tuple(finding.sentence for finding in self.sequence.findings)
+        told = tuple(finding.sentence for finding in self.notes)
         if self.whole is None:
             return told
         tool, count = self.cuts[0].tool.number, len(self._groups)
@@ -249,7 +254,7 @@ class MilledDisc(Pickled):
 
         found = verdict(self.flaws(toolpath, tolerance))
         names = {each.name for each in found}
-        told = [each for each in self.sequence.findings if each.name not in names]
+        told = [each for each in self.notes if each.name not in names]
         if edges := self._sharp_edges():
             sentence = f"no operation makes the chamfers of {', '.join(edges)}"
             told.append(Finding("chamfers", "warning", sentence))
@@ -261,7 +266,7 @@ class MilledDisc(Pickled):
                 f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
             )
             told.append(Finding("programs", "warning", sentence))
-        return (*told, *found)
+        return stated_in(self.scene.unit, (*told, *found))
 
     def _sharp_edges(self) -> tuple[str, ...]:
         """The walls whose edges this side leaves sharp against what the part states."""
@@ -323,12 +328,13 @@ def job(
     from camgeo.toolpath.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
-    sides = [Side(milled.part, milled.spec, cuts, runs)]
+    density = None if milled.scene.part is None else milled.scene.part.density
+    sides = [Side(milled.part, milled.spec, cuts, runs, density)]
     other = milled.second if milled.first is None else milled.first
     if other is not None and (ahead or other is milled.first):
         assert other.spec is not None  # likewise
         planned = runs_of(other.toolpath(tolerance))
-        side = Side(other.part, other.spec, other.sequence.cuts, planned)
+        side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
         sides = [side, *sides] if other is milled.first else [*sides, side]
     return simulated(
         sides,

@@ -19,6 +19,7 @@ from camgeo.reading import SCENE, check_toml
 from camgeo.scene.keys import Path, key_lines, line_of, spelled, value_at
 from camgeo.scene.noted import ABSENT
 from camgeo.scene.tree import DEEPEST, Taking, Tree, refused
+from camgeo.units import LengthUnit, in_unit
 
 LONGEST_VALUE: Final = 60
 """Characters shown of a value."""
@@ -54,8 +55,16 @@ class Document(Brief):
     lines: dict[Path, int] = field(default_factory=dict)
 
     def fault(self, path: Path, message: str, hint: str = "") -> Fault:
-        """A fault of the value at `path`, which need not exist, with its line."""
+        """A fault of the value at `path`, which need not exist, with its line; the message states
+        lengths in mm, the fault in the unit of the scene.
+        """
+        message = in_unit(message, self.unit)
         return Fault(spelled(path), written(self.at(path)), message, hint, self.line(path))
+
+    @property
+    def unit(self) -> LengthUnit:
+        """The unit of length, mm if it is not valid."""
+        return "inch" if self.at(("units", "length")) == "inch" else "mm"
 
     def line(self, path: Path) -> int | None:
         """Line of `path`, else of what is around it."""

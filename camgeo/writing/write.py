@@ -11,7 +11,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.check.finding import Finding, forbidding
+from camgeo.check.finding import Finding, forbidding, stated_in
 from camgeo.displayed import Displayed
 from camgeo.errors import Fault, FileError, SceneError, ToleranceError, UndercutError
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
@@ -124,13 +124,8 @@ def make_files(
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
     found = find_writers(formats)
-    faults = [
-        Fault("format", name, message)
-        for name, writer in found.items()
-        for message in writer.format.lacking(product.values)
-    ]
-    if faults:
-        raise SceneError(faults)
+    if lacking := product.scene.lacking(writer.format for writer in found.values()):
+        raise SceneError(lacking, product.scene.source.file)
     if forbidden := forbidding(product.findings):
         raise UndercutError("; ".join(each.sentence for each in forbidden))
     writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
@@ -142,7 +137,8 @@ def make_files(
             message = f"would be {file}, as another file of the same set"
             raise SceneError([Fault("format", name, message)])
         contents[file] = written.data
-        size, facts, told = len(written.data), written.facts, written.findings
+        size, facts = len(written.data), written.facts
+        told = stated_in(disc.unit, written.findings)
         reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
     contents[CERTIFICATE] = _certificate(discs, tolerance, reports, contents)
     return contents, tuple(reports)

@@ -16,7 +16,8 @@ from camgeo.contour.contour import Fit
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
-from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest
+from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_beside_holes
+from tests.draws.walls import misses
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 
@@ -38,8 +39,10 @@ def test_walls_of_circles(
     spec: PartSpec, names: tuple[str, str] | None, thickness: float, usual: float
 ) -> None:
     part = made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec)
-    found = thinnest(part)
+    found, least = thinnest_beside_holes(part), thinnest(part)
     assert found is not None
+    assert least is not None
+    assert least.thickness == found.thickness
     # A groove's outer flank is a hole around the bore, so circles about both meet.
     assert surely_thick(part) == (thickness > usual and spec.rim is None)
     assert names in (None, (found.one, found.other))
@@ -76,14 +79,15 @@ def test_an_exact_wall_takes_no_fine_contours(monkeypatch: pytest.MonkeyPatch) -
     assert min(asked) == TOLERANCES[0]
 
 
-def test_the_limit_decides_which_wall_is_told() -> None:
+def test_the_thinnest_wall_is_not_always_thin_beside_its_hole() -> None:
     """A wall of 3 mm beside a bore of 20 mm is more than usual, one of 2 mm beside 8 mm too."""
     spec = PartSpec(bore=20.0, hub=Hub(25.0, 5.0), lightening_holes=Holes(1, 52.4, 8.0, CIRCLE))
     part = made(Contact.INNER, spec)
-    relative, least = thinnest(part), thinnest(part, 1.0)
+    relative, least = thinnest_beside_holes(part), thinnest(part)
     assert relative is not None
     assert least is not None
     assert (relative.one, relative.thickness) == ("hub", 2.5)
+    assert thinnest(part, 1.0) == least
     assert least.other == "lightening hole 1"
     assert least.thickness == pytest.approx(1.8, abs=0.01)
 
@@ -93,6 +97,7 @@ def test_beside_a_flank_alone_nothing_is_usual() -> None:
     assert found is not None
     assert (found.one, found.other, found.usual) == ("rim", "outline", 0.0)
     assert found.thickness == pytest.approx(7.0, abs=0.01)
+    assert thinnest_beside_holes(made(Contact.OUTER, PartSpec(rim=140.0))) is None
     assert thinnest(made(Contact.INNER, PartSpec())) is None
 
 
@@ -106,19 +111,25 @@ def test_no_wall_of_a_random_part_is_thinner(
     assume(part is not None)
     assert part is not None
     limit = 1.0 if limited else None
-    found = thinnest(part, limit)
+    found, beside = thinnest(part, limit), thinnest_beside_holes(part)
     walls = list(_walls(part))
     assert (found is None) == (not walls)
     if found is None:
         return
-    assert not surely_thick(part, limit) or found.thickness >= (limit or found.usual)
-    if limited or not found.usual:
-        assert found.thickness == pytest.approx(min(wall for wall, _ in walls), abs=0.05)
+    assert not surely_thick(part, 1.0) or found.thickness >= 1.0
+    assert found.thickness == pytest.approx(min(wall for wall, _ in walls), abs=0.05)
+    assert (beside is None) == (not any(usual for _, usual in walls))
+    if beside is None:
         return
+    assert not surely_thick(part) or beside.thickness >= beside.usual
     off = 0.05  # of the polygons
-    relative = found.thickness / found.usual
+    relative = beside.thickness / beside.usual
     assert relative <= min((wall + off) / usual for wall, usual in walls if usual)
     assert relative >= min((wall - off) / usual for wall, usual in walls if usual)
+
+
+def test_walls_of_random_scenes_are_those_of_shapely() -> None:
+    assert misses(2026, 3) == (3, [])
 
 
 def _walls(part: Part) -> list[tuple[float, float]]:

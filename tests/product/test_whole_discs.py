@@ -15,11 +15,15 @@ from camgeo.check.finding import Finding
 from camgeo.errors import UnsafeError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import solid
-from camgeo.part.webs import thinnest
+from camgeo.part.webs import thinnest_beside_holes
 from camgeo.product.judged_part import PartFound, findings_on, part_of, poor_in
 from camgeo.product.milled import MilledDisc
 from camgeo.product.product import Product, disc_of, title_of, with_pair
+from camgeo.sweep.asked import asked_of
+from camgeo.sweep.reading import read
 from tests.contour.cams import SCENES
+
+FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 
@@ -110,15 +114,32 @@ def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     """A tenth of the diameter of the hole; at it a wall is not thin."""
     thin: dict[str, Any] = {"part.bore": 60}
     disc = design("plate_translating", {**thin, "part.keyway": None}).disc
-    web = thinnest(disc.drawn.part)
+    web = thinnest_beside_holes(disc.drawn.part)
     assert web is not None
-    found = by_name(findings_on(disc))["smallest-wall"]
-    assert (found.value, found.limit) == (web.thickness, web.usual)
     assert web.usual == pytest.approx(6.0, rel=1e-12)
+    told = by_name(findings_on(disc))
+    assert (told["smallest-wall"].value, told["smallest-wall"].limit) == (web.thickness, None)
+    assert told["smallest-wall"].severity == "ok"
+    found = told["wall-ratio"]
+    assert found.value == pytest.approx(web.thickness / 60.0, rel=1e-12)
+    assert (found.limit, found.unit) == (0.1, "")
     assert (found.severity == "warning") == (web.thickness < 6.0)
     verdict = "below" if web.thickness < 6.0 else "at least"
-    assert f"{verdict} 6 mm, 10% of the diameter of the hole" in found.sentence
+    assert f"of the diameter of the hole, {verdict} 10%, 6 mm" in found.sentence
     alike(disc, part_of(disc))
+
+
+def test_the_smallest_wall_is_the_smallest_distance() -> None:
+    """1.5 mm beside a bolt hole of 3 mm are half of its diameter, 17.5 mm beside a bore of 60 mm
+    are less: the first is the smallest wall, by every door.
+    """
+    loaded = camgeo.load(FOUND / "smallest_wall.toml")
+    told = by_name(findings_on(loaded.disc))
+    assert told["smallest-wall"].value == pytest.approx(1.5, abs=1e-9)
+    assert "between outline and bolt hole 1" in told["smallest-wall"].sentence
+    assert told["wall-ratio"].value == pytest.approx(17.5 / 60.0, abs=1e-9)
+    (asked,) = asked_of(loaded, ["smallest-wall"])
+    assert read(loaded, asked).value == told["smallest-wall"].value
 
 
 def test_what_no_file_has_is_told() -> None:

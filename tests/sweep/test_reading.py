@@ -74,7 +74,7 @@ def test_names_of_groups_are_names_of_findings() -> None:
 def test_the_part_is_that_of_a_check() -> None:
     design = Design(load_scene(FIXTURES / "scenes" / "hub_and_holes.toml"))
     found = {each.name: each.value for each in part_of(design.disc).findings}
-    for name in ("largest-diameter", "mass", "smallest-wall"):
+    for name in ("largest-diameter", "mass", "smallest-wall", "wall-ratio"):
         if name in found:
             assert answer(design, name).value == found[name]
     assert answer(design, "diameter").value == found["largest-diameter"]

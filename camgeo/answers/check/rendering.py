@@ -33,6 +33,8 @@ def text(answer: Check) -> str:
         lines += ["", f"part of {name}:" if several else "part:", *_part(part)]
     if answer.machining is not None:
         lines += _machining(answer.machining)
+    if answer.formats:
+        lines += ["", "formats:", *finding_lines(answer.formats)]
     return "\n".join(lines)
 
 

@@ -44,7 +44,7 @@ def text(answer: Compare) -> str:
 def _cell(cell: Cell) -> str:
     mark = "" if cell.severity in ("", "ok") else MARKS[cell.severity]
     if cell.value is None:
-        return mark or (cell.severity or "-")
+        return mark or (cell.verdict or "-")
     return " ".join(filter(None, (shown(cell.value), cell.unit, mark)))
 
 

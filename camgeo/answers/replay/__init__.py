@@ -282,12 +282,12 @@ def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscRepla
     def scaled(extreme: Extreme) -> Extreme:
         return Extreme(extreme.value * factor + 0.0, extreme.place)
 
-    def peak(actual: Extreme, demanded: float) -> Peak:
-        return Peak(None if falls else scaled(actual), demanded * factor)
+    def peak(actual: Extreme | None, demanded: float) -> Peak:
+        return Peak(None if actual is None else scaled(actual), demanded * factor)
 
-    ripple = None
-    if not falls and replay.ripple is not None:
-        ripple = Extreme(replay.ripple, replay.largest_acceleration_error.place)
+    ripple, off, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
+    if off is not None and most > 0.0:
+        ripple = Extreme(abs(off.value) / most, off.place)
     return DiscReplay(
         disc=disc,
         contour=contour,

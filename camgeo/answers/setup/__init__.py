@@ -142,7 +142,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     GeometryError
         With the key of the scene, if it has no program.
     """
-    if design.scene.milling is None:
+    if not design.scene.states_milling:
         raise GeometryError("is not stated: there is no program to set up", key="tool")
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     first, *others = sides_of(design.disc)
@@ -163,12 +163,11 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
 def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     """That of one side."""
     milled = product.milled
-    spec = milled.spec
+    toolpath, spec = milled.toolpath(tolerance), milled.spec
     assert spec is not None  # for there is a program
-    toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.gcode.machine), milled.gcode
     zero, unit = milled.zero, design.scene.unit
-    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
+    told = (each.sentence for each in milled.notes if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,

@@ -56,7 +56,8 @@ def remedies(
     findings : on the discs.
     judged : see `Task`.
     """
-    bad = [each for each in findings if each.severity in BROKEN]
+    found = [*findings]
+    bad = [each for each in found if each.severity in BROKEN]
     names = [each.name.removeprefix(f"{RETURN}: ") for each in bad]
     if any(each.severity == "invalid" for each in bad):
         return ()
@@ -67,13 +68,18 @@ def remedies(
         for fault, each in conditions.items()
         if any(name.startswith(each.names) for name in names)
     }
-    held = tuple(each for fault, each in conditions.items() if fault not in broken)
+    free = [each.name for each in found if each.limit is None]  # a limit that does not apply
+    held = tuple(
+        each
+        for fault, each in conditions.items()
+        if fault not in broken and not any(name.startswith(each.names) for name in free)
+    )
     if "undercut" in broken and ratio == 1.0:
         broken.pop("radius ratio", None)  # it is the same
     before = frozenset(each.name for each in bad)
-    found: list[Cure] = []
+    cures: list[Cure] = []
     for fault, condition in broken.items():
         task = Task(fault, condition, held, discs, unit, before, judged)
-        cures = [knob(task) for knob in KNOBS[touching, type(condition)]]
-        found += sorted(cures, key=lambda cure: math.inf if cure.cost is None else cure.cost)
-    return tuple(found)
+        own = [knob(task) for knob in KNOBS[touching, type(condition)]]
+        cures += sorted(own, key=lambda cure: math.inf if cure.cost is None else cure.cost)
+    return tuple(cures)

@@ -208,8 +208,9 @@ def _why(task: Task, cam: Cam) -> str:
     kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
     if kappa <= 0.0:
         return ""
-    beside = f", beside a play of {cam.clearance:g} mm" if cam.clearance > 0.0 else ""
-    radius = 1.0 / (kappa * MM_PER[task.unit])
+    mm = MM_PER[task.unit]
+    play, radius = cam.clearance / mm, 1.0 / (kappa * mm)
+    beside = f", beside a play of {play:.6g} {task.unit}" if play > 0.0 else ""
     return f": the smallest radius of curvature is {radius:.3g} {task.unit}{beside}"
 
 

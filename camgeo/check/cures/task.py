@@ -10,7 +10,7 @@ from camgeo.check.cures.conditions import Condition, Conditions, Discs
 from camgeo.check.cures.cure import Change, Cure, Value
 from camgeo.check.finding import BROKEN, NO_OUTLINE, RETURN, Finding
 from camgeo.errors import GeometryError, SceneError
-from camgeo.units import LengthUnit
+from camgeo.units import LengthUnit, in_unit
 from camgeo.wording import listed
 
 Edits = Mapping[str, Value]
@@ -88,17 +88,20 @@ class Task:
             return cure
         new = [each for each in found if each.name not in self.before]
         old = dict.fromkeys(each.name for each in found if each.name in self.before)
-        words = [f"breaks {listed([_stated(each) for each in new], NAMED)}"] if new else []
+        words = (
+            [f"breaks {listed([_stated(each, self.unit) for each in new], NAMED)}"] if new else []
+        )
         words += [f"leaves {listed([*old], NAMED)} broken"] if old else []
         names = tuple(dict.fromkeys(each.name for each in new))
         return replace(cure, breaks=names, sentence=f"{cure.sentence}, but {' and '.join(words)}")
 
 
-def _stated(found: Finding) -> str:
+def _stated(found: Finding, unit: LengthUnit) -> str:
     """A broken limit, with what it is broken by."""
     if found.value is None or found.limit is None:
         return f"{found.name} ({found.sentence})"
-    return f"{found.name} ({found.value:.4g} for {found.limit:.4g} {found.unit}".rstrip() + ")"
+    value, limit = (f"{each:.4g} {found.unit}".rstrip() for each in (found.value, found.limit))
+    return in_unit(f"{found.name} ({value}, limit {limit})", unit, (found.value, found.limit))
 
 
 def edits_of(cure: Cure) -> dict[str, Value]:

@@ -3,32 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound
 from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.sizing import least_of, lift_off_speed
+from camgeo.effects.lift_off.holding import least_spring, scale_of
+from camgeo.effects.lift_off.sizing import lift_off_speed
 from camgeo.effects.lost_contact import Range
 from camgeo.effects.results import Leaving, Spring
 from camgeo.effects.touching import FLANKS, TOUCH, lost_contact
-from camgeo.effects.wording import N_M, angles, at, by_place, degrees, placed
+from camgeo.effects.wording import angles, at, by_place, degrees, placed
 from camgeo.motion.time_course import TimeCourse, period
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
     from camgeo.effects.lift_off.elastic_speed import ElasticSpeed
     from camgeo.effects.lift_off.flown import Flight
-
-
-VectorOf = Callable[[FloatArray, Side], ComplexArray]
-"""(k, n) complex at n cam angles [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,10 +91,7 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
     preload = stiffness = None
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
-        never = Extreme(math.inf, leaps[0]) if leaps else None
-        loads = _pivot_loads(flank, spring)
-        preload = never or least_of(flank, spring.per_preload, spring.preload, edges, loads[0])
-        stiffness = never or least_of(flank, spring.per_stiffness, rate, edges, loads[1])
+        preload, stiffness = least_spring(flank, spring, leaps)
         found.append(
             _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
         )
@@ -110,25 +101,6 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
     return ForceClosed(
         lowest, lost, speed, preload, stiffness, findings=tuple(found), errors=errors
     )
-
-
-def _pivot_loads(flank: Flank, spring: Spring) -> tuple[VectorOf | None, VectorOf | None]:
-    """Loads of a pivot with friction per unit of preload and of stiffness; None without any."""
-    line, per_stroke = spring.line, spring.per_stroke
-    if flank.contact.bearings is None or flank.subject.cam.follower.pivot is None:
-        return None, None
-    if line is None and not per_stroke:
-        return None, None
-
-    def per_preload(phi: FloatArray, side: Side) -> ComplexArray:
-        if line is not None:
-            return -line(phi, side)[np.newaxis]
-        return flank.passed(phi, side, np.full(len(phi), per_stroke))
-
-    def per_stiffness(phi: FloatArray, side: Side) -> ComplexArray:
-        return np.asarray(-spring.way(phi, side)[0] * per_preload(phi, side))
-
-    return per_preload, per_stiffness
 
 
 def _leaves(flank: Flank) -> str:
@@ -262,7 +234,7 @@ def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Find
 
 
 def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: str) -> Finding:
-    scale = N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
+    scale = scale_of(unit)
     given = scale * now
     if math.isinf(least.value):
         return Finding(

@@ -12,8 +12,8 @@ from typing import Any, Final
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 LATEST: Final = (
-    "state", "curves", "moved", "findings", "pinned", "built", "sized", "solid", "templates",
-    "effects",
+    "state", "verdict", "curves", "moved", "findings", "pinned", "built", "sized", "solid",
+    "templates", "effects",
 )  # fmt: skip
 """Kinds of messages of which a page needs the latest only: a page that takes them slowly, or not at
 all, has no more than one of each waiting."""

@@ -12,10 +12,11 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.designing import edits, faults, opened
+from camgeo.designing import edits, opened
 from camgeo.designing.children import Refused
 from camgeo.designing.desk import Desk
 from camgeo.designing.opened import OverwriteError
+from camgeo.designing.verdict import verdict_of
 from camgeo.errors import CamgeoError
 from camgeo.scene.new import KINDS, template
 from camgeo.writing.writer import writer_names
@@ -79,6 +80,11 @@ BECOME: Final[Mapping[str, str]] = {
 """What has become of the file."""
 
 
+def _without_picture(error: CamgeoError) -> dict[str, Any]:
+    """Curves of a text whose picture cannot be had: that is no fault of the scene."""
+    return {"faults": [], "refused": f"the picture ({error})"}
+
+
 @dataclass(frozen=True, slots=True)
 class Asked:
     """A request, and the page that it is from."""
@@ -109,6 +115,8 @@ class Session:
         self._painted = -1
         self._curves = Message("curves")
         self._findings: Message | None = None
+        self._results: dict[str, Mapping[str, Any]] = {}  # what the verdict is made of
+        self._verdict = Message("verdict", {"revision": 0, **verdict_of({})})
         self._pinned: bytes | None = None
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
@@ -159,6 +167,7 @@ class Session:
 
     def _greet(self, page: Page) -> None:
         page.put(self._state(whole=True))
+        page.put(self._verdict)
         if self._painted == self._revision:
             page.put(self._curves)
         if self._findings is not None:
@@ -216,7 +225,7 @@ class Session:
             data, painting = head_of(found.text, ("label", "refused")), found.text
         except Refused as error:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
-            painting = body({"faults": faults.told(error), "label": data["label"]})
+            painting = body({**_without_picture(error), "label": data["label"]})
         if "refused" in data or not isinstance(data.get("text"), str):
             sentence = str(data.get("refused") or "this cannot be changed so")
             asked.page.put(refused(asked.said.id, sentence, faults=data.get("faults", [])))
@@ -289,7 +298,7 @@ class Session:
             except CamgeoError as error:
                 if self._asked:
                     return  # given up for something newer
-                painting = body({"faults": faults.told(error)})
+                painting = body(_without_picture(error))
         self._painted = self._revision
         self._show(painting, asked)
         if self._findings is None:
@@ -297,6 +306,10 @@ class Session:
 
     def _show(self, painting: bytes, asked: Asked | None, *, moving: bool = False) -> None:
         """Show curves of the present text to all pages, or only what moves of them."""
+        if moving:
+            self._results["curves"] = {}  # what can be dragged has no faults
+        else:
+            self._tell_verdict("curves", head_of(painting, ("faults",)))
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
         if not moving:
             self._curves = Message("curves", head, painting)
@@ -308,6 +321,7 @@ class Session:
     def _judge(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
+        self._results = {kind: self._results[kind] for kind in self._results if kind == "curves"}
         self._jobs.give_up("findings", PATIENCE, unless="solid")
         if self._judging is None or self._judging.done():
             self._judging = asyncio.create_task(self._find())
@@ -321,15 +335,16 @@ class Session:
             revision = self._revision
             # What has not been painted of it follows: a page shows findings sooner before it.
             rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
-            found = body({"faults": [], "findings": [], "cures": [], "places": []})
+            found = body({"faults": [], "refused": "there is no scene yet"})
             if self.desk.text.strip():
                 try:
                     found = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
-                    found = body({"faults": faults.told(error)})
+                    found = body({"faults": [], "refused": str(error)})
             rest.cancel()
             self._wake.set()
         self._findings = Message("findings", {"revision": revision}, found)
+        self._tell_verdict("findings", head_of(found, ("findings",)))
         self._broadcast(self._findings)
 
     async def _answer(self, page: Page, said: Said) -> None:
@@ -337,17 +352,25 @@ class Session:
         arguments = dict(said.arguments)
         if said.kind in LONG:
             page.put(Message("busy", {"what": said.kind}))
-        head = {**arguments, "revision": self._revision, "answers": said.id}
+        head = {**arguments, "revision": (revision := self._revision), "answers": said.id}
         try:
             found = await self._jobs.do(said.kind, arguments)
         except CamgeoError as error:
+            if isinstance(error, Refused):
+                self._made(said.kind, revision, {"refused": str(error)})
             page.put(refused(said.id, str(error)))
             return
         painting = found.text
         if said.kind == "build":
+            self._made(said.kind, revision, {"faults": found.data["faults"]})
             files = self.files.take(found.data.get("files", ()))
             painting = body({**found.data, "files": files})
         page.put(Message(ANSWERS[said.kind], head, painting))
+
+    def _made(self, kind: str, revision: int, result: Mapping[str, Any]) -> None:
+        """Let what a build of the present text has met count for the verdict."""
+        if kind == "build" and revision == self._revision:
+            self._tell_verdict(kind, result)
 
     # -- what pages are told -----------------------------------------------------------------------
 
@@ -368,6 +391,13 @@ class Session:
             "formats": self._formats,
         }
         return Message("state", {**found, "text": desk.text} if whole else found)
+
+    def _tell_verdict(self, kind: str, result: Mapping[str, Any]) -> None:
+        """Tell all pages the verdict on the present text, now that a job has that `result`."""
+        self._results[kind] = result
+        head = {"revision": self._revision, **verdict_of(self._results)}
+        self._verdict = Message("verdict", head)
+        self._broadcast(self._verdict)
 
     def _pinned_message(self) -> Message:
         return Message("pinned", {}, self._pinned or b"null", "curves")

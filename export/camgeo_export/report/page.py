@@ -181,7 +181,7 @@ def _controls() -> str:
 
 def _findings(report: Report) -> str:
     rows = [
-        f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.severity]}</td>'
+        f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.verdict]}</td>'
         + "".join(
             f"<td>{escape(text)}</td>"
             for text in (each.about, each.finding.name, each.finding.sentence, each.step or "none")
