@@ -31,6 +31,17 @@ the same holds.
 NO_OUTLINE: Final = ("invalid", "no-disc")
 """Severities with which no outline is written."""
 
+BROKEN: Final = ("broken", *NO_OUTLINE)
+"""Severities of a limit that does not hold."""
+
+UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
+"""Beginnings of the names of findings for which a cure can be sought."""
+
+CONVEXITY: Final = "convexity"
+"""Name of the finding for which a cure of a flat face can be sought."""
+
+RETURN: Final = "return"
+"""Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
 STATED: Final[dict[LiftUnit, tuple[float, str]]] = {
     "mm": (1.0, "mm"),

@@ -8,8 +8,8 @@ from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from camgeo.answers.answer import Answer, exit_code
-from camgeo.check.finding import Finding, forbidding
-from camgeo.check.judge import FINDINGS, RETURN
+from camgeo.check.finding import RETURN, Finding, forbidding
+from camgeo.check.judge import FINDINGS
 from camgeo.errors import GeometryError
 from camgeo.formats.registry import find_format
 from camgeo.motion.joints import Joint, joints
@@ -71,7 +71,8 @@ class Check(Answer):
     scene : that was checked.
     findings : all of them, good and bad, worst first.
     curves : the discs by their names, the main one first. None without a follower.
-    cures : what would cure undercut, the cheapest first, then the changes that would not.
+    cures : what would cure undercut, transmission angle and radius ratio, fault by fault, the
+        cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
     parts : the part of each disc by names, the main one first, and of a pair in one piece; empty
         if there is no disc.

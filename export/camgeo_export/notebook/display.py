@@ -176,9 +176,8 @@ def _(value: Answer) -> Shown:
 @shown.register
 def _(value: Check) -> Shown:
     found = [(each.about, each.finding, each.step) for each in advised(value)]
-    cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in value.cures]
-    items = "".join(f"<li>{escape(each)}</li>" for each in cures)
-    listed = f"<p>Any one of these cures the undercut:</p><ul>{items}</ul>" if cures else ""
+    items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
+    listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
     table = markup.heading(value.scene.name) + markup.findings(found) + listed
     return Shown(table + _as_text(value))
 

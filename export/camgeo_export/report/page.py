@@ -190,8 +190,8 @@ def _findings(report: Report) -> str:
         for each in report.advised
     ]
     heads = ("verdict", "of", "finding", "in words", "next step")
-    cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in report.check.cures]
-    listed = f"<p>Any one of these cures the undercut:</p>{_items(cures)}" if cures else ""
+    cures = [cure.statement for cure in report.check.cures]
+    listed = f"<p>Each of these cures the fault that it names:</p>{_items(cures)}" if cures else ""
     return _table("Table of findings", heads, rows) + listed
 
 
