@@ -49,7 +49,8 @@ def _side_text(answer: SetupSheet) -> str:
     lines += [f"   {each}" for each in _remarks(answer)]
     marks = {True: MARKS["warning"], False: "FLAW"}
     flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
-    lines += ["", *(f"{MARKS[each.severity]:8}{each.sentence}" for each in answer.features)]
+    lines += [""] * bool(answer.features)
+    lines += [f"{MARKS[each.severity]:8}{each.sentence}" for each in answer.features]
     lines += ["", *flaws]
     return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
 
