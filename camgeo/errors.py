@@ -7,7 +7,7 @@ know camgeo can catch it.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 from camgeo.units import LengthUnit, in_unit
@@ -54,6 +54,10 @@ class Fault:
     hint: str = ""
     line: int | None = None
 
+    def in_unit(self, unit: LengthUnit) -> Fault:
+        """The fault with the lengths in its words in the unit of a scene."""
+        return replace(self, message=in_unit(self.message, unit), hint=in_unit(self.hint, unit))
+
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line is not None else ""
         given = f" = {self.value}" if self.value else ""
@@ -71,6 +75,11 @@ class SceneError(CamgeoError, ValueError):
         head = f"{file}: " if file else ""
         lines = "\n".join(f"  {fault}" for fault in self.faults)
         super().__init__(f"{head}{counted(len(self.faults), 'fault')}\n{lines}")
+
+    def restate(self, unit: LengthUnit) -> None:
+        """See `CamgeoError.restate`."""
+        super().restate(unit)
+        self.faults = tuple(each.in_unit(unit) for each in self.faults)
 
 
 class GeometryError(CamgeoError, ValueError):

@@ -36,10 +36,22 @@ _MEASURE: Final = re.compile(
 )
 """Numbers and their unit, a power of mm and perhaps something per something, not a file's name."""
 
+_UNIT: Final = re.compile(r"(?P<head>g |kg )?mm(?:\^(?P<power>\d))?(?P<rest>/.*)?")
+
 FEWEST: Final = 4
 """Significant digits of a restated number, at least; `SHOWN` of one that is known exactly."""
 
 SHOWN: Final = 6
+
+
+def unit_in(unit: str, length: LengthUnit) -> tuple[str, float]:
+    """The unit that stands for "mm", "mm^2", "mm/s", "g mm", ... in a scene with that unit of
+    length, and by what values are then divided; any other unit, N/mm among them, as it is, and 1.
+    """
+    found = _UNIT.fullmatch(unit)
+    if found is None:
+        return unit, 1.0
+    return unit.replace("mm", length, 1), MM_PER[length] ** int(found["power"] or 1)
 
 
 def in_unit(text: str, unit: LengthUnit, exact: Collection[float] = ()) -> str:

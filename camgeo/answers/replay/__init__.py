@@ -27,7 +27,7 @@ from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
 from camgeo.reading import DRAWING, read_within
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER, TURN, LengthUnit
+from camgeo.units import MM_PER, TURN, LengthUnit, in_unit
 from camgeo.wording import counted
 
 STEP: Final = Decimal("0.1")
@@ -269,7 +269,8 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
     if place is not None:
         message = f"crosses itself ({place}): no disc has this outline"
         raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    return chosen, note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
+    note = note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
+    return chosen, in_unit(note, disc.unit)
 
 
 def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
