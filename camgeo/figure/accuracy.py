@@ -25,7 +25,7 @@ from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
-from camgeo.units import RPM, LiftUnit
+from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
 
 if TYPE_CHECKING:
     from camgeo.accuracy.benefit import BenefitRow
@@ -126,6 +126,7 @@ def figure(
     benefits: Sequence[BenefitRow] = (),
     form: Form = "arcs",
     unit: LiftUnit = "mm",
+    length: LengthUnit = "mm",
 ) -> Figure:
     """The measurements, one panel per kind of cost, the first with the benefits if there are any.
 
@@ -134,7 +135,12 @@ def figure(
     computing : whether computing times are drawn, which differ from run to run.
     benefits : of all forms at one speed of the cam; of the `form` they are drawn with its costs.
     unit : in which the output moves.
+    length : unit of length that is shown.
     """
+    knee, mm = marked(survey, [row for row in benefits if row.form == form]), MM_PER[length]
+    moved = mm if unit == "mm" else 1.0
+    survey = survey.in_length(length)
+    benefits = [_in_length(row, mm, moved) for row in benefits]
     own = [row for row in benefits if row.form == form]
     both = _both(survey, own, form, computing=computing)
     drawn = [(f"{form}: {BOTH}", both)] if both else []
@@ -151,17 +157,16 @@ def figure(
     spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
-    knee = marked(survey, own)
-    words = [] if knee is None else _wrapped(knee)
+    words = [] if knee is None else _wrapped(knee, length)
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
     height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
-    rules = [] if knee is None else [Rule("x", knee.tolerance, ADVICE)]
+    rules = [] if knee is None else [Rule("x", knee.tolerance / mm, ADVICE)]
     tolerances = [row.tolerance for row in survey.contours]
     panels = []
     for number, (label, lines) in enumerate(drawn):
         bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
-        x = _tolerances(tolerances, "tolerance [mm]", numbered=number == count - 1)
+        x = _tolerances(tolerances, f"tolerance [{length}]", numbered=number == count - 1)
         if knee is not None and not number:  # its line is in every panel, its name only here
             lines.append(Line(over([], []), ADVICE, knee.name))
         panel = replace(_panel(bottom, height, x, label, lines), marks=(*lines, *rules))
@@ -174,7 +179,9 @@ def figure(
         from camgeo.figure.spectrum import panel as octaves  # a survey without a speed needs none
 
         frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
-        panels.append(octaves(spectrum, frame, f"{form}: off, by octaves [{unit}/s²]"))
+        moves = length if unit == "mm" else unit
+        label = f"{form}: off, by octaves [{moves}/s²]"
+        panels.append(octaves(spectrum, frame, label, length=length))
     if effects:
         x = _tolerances(
             [row.tolerance for row in survey.effects],
@@ -210,8 +217,15 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
 
 
-def _wrapped(knee: Marked) -> list[str]:
-    sentence = f"{knee.name}: {knee.reason}"
+def _in_length(row: BenefitRow, mm: float, moved: float) -> BenefitRow:
+    """A row with its tolerance in units of `mm`, and the accelerations in units of `moved`."""
+    off = None if row.acceleration is None else row.acceleration / moved
+    octaves = tuple(each / moved for each in row.octaves)
+    return replace(row, tolerance=row.tolerance / mm, acceleration=off, octaves=octaves)
+
+
+def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
+    sentence = in_unit(f"{knee.name}: {knee.reason}", length)
     return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
 
 
