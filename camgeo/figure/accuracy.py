@@ -13,19 +13,19 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.accuracy.bill import Stage
-from camgeo.accuracy.knee import advice
-from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow
+from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow, in_length
 from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
+from camgeo.figure.knee import Marked, marked
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
-from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
+from camgeo.units import MM_PER, LengthUnit, LiftUnit, in_unit
 
 if TYPE_CHECKING:
     from camgeo.accuracy.benefit import BenefitRow
@@ -95,29 +95,6 @@ ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 Value = Callable[[ContourRow], float | None]
 
 
-@dataclass(frozen=True, slots=True)
-class Marked:
-    """The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
-
-    tolerance: float
-    name: str
-    reason: str
-
-
-def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
-    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
-    if benefits:
-        from camgeo.accuracy.enough import enough, words  # a survey without a speed needs none
-
-        found = enough(benefits)
-        if found is not None:
-            name = f"enough at {found.row.speed / RPM:g} rev/min"
-            return Marked(found.row.tolerance, name, words(found))
-    if survey.knee is None:
-        return None
-    return Marked(survey.knee.row.tolerance, "advice", advice(survey.knee))
-
-
 def figure(
     survey: Survey,
     *,
@@ -138,9 +115,8 @@ def figure(
     length : unit of length that is shown.
     """
     knee, mm = marked(survey, [row for row in benefits if row.form == form]), MM_PER[length]
-    moved = mm if unit == "mm" else 1.0
     survey = survey.in_length(length)
-    benefits = [_in_length(row, mm, moved) for row in benefits]
+    benefits = [in_length(row, mm, mm if unit == "mm" else 1.0) for row in benefits]
     own = [row for row in benefits if row.form == form]
     both = _both(survey, own, form, computing=computing)
     drawn = [(f"{form}: {BOTH}", both)] if both else []
@@ -215,13 +191,6 @@ def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line])
 def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
     ends = (max(tolerances) * 1.8, min(tolerances) / 1.8) if tolerances else log_limits([])
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
-
-
-def _in_length(row: BenefitRow, mm: float, moved: float) -> BenefitRow:
-    """A row with its tolerance in units of `mm`, and the accelerations in units of `moved`."""
-    off = None if row.acceleration is None else row.acceleration / moved
-    octaves = tuple(each / moved for each in row.octaves)
-    return replace(row, tolerance=row.tolerance / mm, acceleration=off, octaves=octaves)
 
 
 def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:

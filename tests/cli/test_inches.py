@@ -27,9 +27,10 @@ MEASURE = re.compile(
 
 SCENES = [
     "scenes/plate_translating", "effects/lever",
-    *(["scenes/tappet", "scenes/groove", "scenes/setzhub", "scenes/conjugate_lever", "effects/valve_train",
-       "effects/yoke", "refused/global_undercut", "refused/undercut_tappet",
-       "milling/bolt_circle", "scenes/constant_breadth", "scenes/feed", "effects/press"]
+    *(["scenes/tappet", "scenes/groove", "scenes/setzhub", "scenes/conjugate_lever",
+       "effects/valve_train", "effects/yoke", "refused/global_undercut",
+       "refused/undercut_tappet", "milling/bolt_circle", "scenes/constant_breadth",
+       "scenes/feed", "effects/press"]
       if LONG else []),
 ]  # fmt: skip
 

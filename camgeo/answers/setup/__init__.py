@@ -168,7 +168,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.gcode.machine), milled.gcode
     zero, unit = milled.zero, design.scene.unit
-    told = (each.sentence for each in milled.notes if each.name != SEQUENCE)
+    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
