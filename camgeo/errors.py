@@ -7,7 +7,7 @@ know camgeo can catch it.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from camgeo.units import LengthUnit, in_unit
@@ -54,10 +54,6 @@ class Fault:
     hint: str = ""
     line: int | None = None
 
-    def in_unit(self, unit: LengthUnit) -> Fault:
-        """The fault with the lengths in its words in the unit of a scene."""
-        return replace(self, message=in_unit(self.message, unit), hint=in_unit(self.hint, unit))
-
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line is not None else ""
         given = f" = {self.value}" if self.value else ""
@@ -77,9 +73,7 @@ class SceneError(CamgeoError, ValueError):
         super().__init__(f"{head}{counted(len(self.faults), 'fault')}\n{lines}")
 
     def restate(self, unit: LengthUnit) -> None:
-        """See `CamgeoError.restate`."""
-        super().restate(unit)
-        self.faults = tuple(each.in_unit(unit) for each in self.faults)
+        """Nothing: faults of a scene are in its unit, those of a call in mm, as its options are."""
 
 
 class GeometryError(CamgeoError, ValueError):

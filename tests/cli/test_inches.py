@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -116,3 +117,16 @@ def test_errors_are_in_inches_and_tell_the_key_as_it_is_stated(tmp_path: Path) -
     with pytest.raises(GeometryError, match="inch") as raised:
         wide.write(tmp_path, ["stl"])
     assert " mm" not in str(raised.value)
+
+
+def test_sentences_of_documents_are_in_inches_and_numbers_in_mm(tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    found = json.loads(printed("probe", str(made), "--ball", "0.5", "--json"))
+    own = json.loads(printed("probe", str(FIXTURES / "scenes/plate_translating.toml"), "--ball",
+                             "0.5", "--json"))  # fmt: skip
+    for inch, mm in zip(found["flanks"], own["flanks"], strict=True):
+        for one, other in zip(inch["findings"], mm["findings"], strict=True):
+            assert " mm" not in one["sentence"]
+            compare(other["sentence"], one["sentence"])
+            assert one["value"] == pytest.approx(other["value"], rel=1e-9)
+            assert one["unit"] == other["unit"] == "mm"

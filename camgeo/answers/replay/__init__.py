@@ -264,13 +264,13 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
     x, y = points.T
     area = abs(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
     chosen = min(found, key=lambda contour: abs(contour.area - area))
-    note = f"the one of {chosen.area:.6g} mm^2 is used" if len(found) > 1 else ""
+    size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
+    note = f"the one of {size} is used" if len(found) > 1 else ""
     place = crossing(chosen)
     if place is not None:
         message = f"crosses itself ({place}): no disc has this outline"
         raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    note = note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
-    return chosen, in_unit(note, disc.unit)
+    return chosen, note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
 
 
 def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
