@@ -116,7 +116,8 @@ class MilledDisc(Pickled):
             raise SceneError(lacking, self.scene.source.file)
         assert self.spec is not None  # for the scene has a tool
         options = self.gcode
-        return sequence_of(self.part, self.spec, options.heights, options.compensation)
+        found = sequence_of(self.part, self.spec, options.heights, options.compensation)
+        return replace(found, findings=stated_in(self.scene.unit, found.findings))
 
     def _planned(self, plan: Callable[[], Planned]) -> Planned:
         """What `plan` makes; what it finds wrong is the scene's fault."""
@@ -164,16 +165,11 @@ class MilledDisc(Pickled):
         return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
 
     @property
-    def notes(self) -> tuple[Finding, ...]:
-        """The findings of the sequence, in the unit of the scene; raises like `sequence`."""
-        return stated_in(self.scene.unit, self.sequence.findings)
-
-    @property
     def told(self) -> tuple[str, ...]:
         """What is told of the sequence and of this program, a sentence each; raises like
         `sequence`.
         """
-        told = tuple(finding.sentence for finding in self.notes)
+        told = tuple(finding.sentence for finding in self.sequence.findings)
         if self.whole is None:
             return told
         tool, count = self.cuts[0].tool.number, len(self._groups)
@@ -256,7 +252,7 @@ class MilledDisc(Pickled):
 
         found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
         names = {each.name for each in found}
-        told = [each for each in self.notes if each.name not in names]
+        told = [each for each in self.sequence.findings if each.name not in names]
         if low := self._low_change():
             told.append(Finding("tool-change-height", "warning", low))
         if len(self._groups) > 1:

@@ -28,7 +28,7 @@ from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
 from camgeo.reading import DRAWING, read_within
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER, TURN, LengthUnit
+from camgeo.units import MM_PER, TURN, LengthUnit, in_unit
 from camgeo.wording import counted
 
 STEP: Final = Decimal("0.1")
@@ -262,7 +262,8 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
     paths = dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))
     own = abs(area(paths[flank]))
     chosen = min(found, key=lambda contour: abs(contour.area - own))
-    note = f"the one of {chosen.area:.6g} mm^2 is used" if len(found) > 1 else ""
+    size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
+    note = f"the one of {size} is used" if len(found) > 1 else ""
     place = crossing(chosen)
     if place is not None:
         message = f"crosses itself ({place}): no disc has this outline"

@@ -172,7 +172,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     assert spec is not None  # for there is a program
     machine, options = load(milled.gcode.machine), milled.gcode
     zero, unit = milled.zero, design.scene.unit
-    told = (each.sentence for each in milled.notes if each.name != SEQUENCE)
+    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
     return SetupSheet(
         design.scene,
         machine.name,
