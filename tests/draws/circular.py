@@ -302,14 +302,14 @@ def main(words: Sequence[str] | None = None) -> int:
                 row += f" r {case.radius:.6g} {cost.seconds:.3f} s {cost.memory:.0f} MB"
                 rows.append(row)
                 for fault in faults:
-                    print(f"{row}: {fault}")  # noqa: T201 - a program
+                    print(f"{row}: {fault}")
     if asked.rows:
         asked.rows.write_text("\n".join(rows) + "\n")
     for name, cost in dearest.items():
         told = f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB"
-        print(told)  # noqa: T201 - a program
+        print(told)
     told = f"{asked.count} discs, {builds} builds, {bad} misses"
-    print(f"seed {asked.seed:x}: {told}")  # noqa: T201 - a program
+    print(f"seed {asked.seed:x}: {told}")
     return int(bad > 0)
 
 
