@@ -8,12 +8,8 @@ import numpy as np
 
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.isolation import cells_between, isolated_roots, places_in
+from camgeo.numeric.isolation import isolated_roots, places_between
 from camgeo.units import TURN
-
-INSIDE = 1e-8
-"""How far inside a piece its ends are taken, as a fraction of its length: a motion may rest there
-for a moment."""
 
 
 def pieces(motion: Motion) -> list[tuple[float, float]]:
@@ -33,12 +29,8 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
-    starts, ends = np.array(pieces(motion)).T
-    low, high = cells_between(np.append(starts, TURN))
-    owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
-    inside = INSIDE * (ends - starts)[owner]
-    low, high = np.maximum(low, starts[owner] + inside), np.minimum(high, ends[owner] - inside)
-    places = places_in(low, high)
+    starts, _ = np.array(pieces(motion)).T
+    places = places_between(np.append(starts, TURN))
 
     def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
         return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
