@@ -8,7 +8,7 @@ import numpy as np
 
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.isolation import isolated_roots, places_between
+from camgeo.numeric.isolation import INSIDE, isolated_roots, places_between
 from camgeo.units import TURN
 
 
@@ -29,7 +29,7 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
-    starts, _ = np.array(pieces(motion)).T
+    starts, ends = np.array(pieces(motion)).T
     places = places_between(np.append(starts, TURN))
 
     def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
@@ -37,4 +37,9 @@ def turning_angles(motion: Motion) -> FloatArray:
 
     velocity = of_order(1)
     known = velocity(places.ravel(), np.empty(0, dtype=np.intp)).reshape(1, *places.shape)
-    return isolated_roots(velocity, of_order(0), places, known)[0]
+    roots, _ = isolated_roots(velocity, of_order(0), places, known)
+    # At rest at an end of its piece a law may round to 0 at the outermost place.
+    piece = np.searchsorted(starts, roots) - 1
+    off = 4.0 * INSIDE * (ends - starts)[piece]
+    found: FloatArray = roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)]
+    return found
