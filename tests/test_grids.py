@@ -301,7 +301,7 @@ CLOSED: dict[str, dict[str, str]] = {
     },
     "camgeo/toolpath/setup.py": {
         "np.arange(1, SLICES + 1)": (
-            "slabs, of which each takes the section at its own end that is on the safe side"
+            "slabs of a point or of rounded corners; gouge and rest are told of a slab's middle"
         ),
     },
     "camgeo/toolpath/strategies/trochoid.py": {
