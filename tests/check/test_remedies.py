@@ -78,7 +78,7 @@ def test_a_remedy_keeps_the_bore_inside_the_disc() -> None:
     assert other.discs[1].drawn.part is not None
     short = with_value(design, cure.key, cure.limit + 1e-3)
     with pytest.raises(camgeo.CamgeoError, match="bore"):
-        short.discs[1].drawn.part  # noqa: B018
+        _ = short.discs[1].drawn.part
     # No smaller roller leaves room for it, which is said.
     roller = works(design, "undercut", "roller radius")
     assert roller.breaks == ("part",)

@@ -137,7 +137,7 @@ export const STRINGS = {
   "findings.faulty": "A scene with faults has no findings. The faults are listed with its text.",
   "findings.all": { one: "Show the finding that is kept", many: "Show the {n} findings that are kept" },
   "findings.edit": "Go to {key}",
-  "findings.cures": "Any one of these cures the undercut:",
+  "findings.cures": "Each of these cures the fault that it names:",
   "findings.cure": "Apply",
   "findings.cure-label": "Apply: {sentence}",
   "findings.no-cure": "no cure: {sentence}",
