@@ -103,10 +103,10 @@ def _restated(number: str, scale: float, exact: Collection[float], side: float) 
     fraction = mantissa.partition(".")[2]
     leading = math.floor(math.log10(abs(value))) if value else 0
     decimals = len(fraction) - int(exponent or 0) + round(math.log10(scale))
-    decimals = max(decimals, digits - 1 - leading, 0)
+    decimals = max(decimals, digits - 1 - leading)
     value += side * (0.5 - SAME) * 10.0**-decimals
     if exponent:
         return f"{value:.{decimals + leading + 1}g}"
-    text = f"{value:{',' * (',' in number)}.{decimals}f}"
+    text = f"{value:{',' * (',' in number)}.{max(decimals, 0)}f}"
     fixed = fraction.endswith("0") or "." not in text
     return text if fixed else text.rstrip("0").rstrip(".")
