@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.finding import Finding, Findings, Severity, forbidding
+from camgeo.check.finding import Finding, Findings, Severity, folded, forbidding
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import (
     Limits,
@@ -202,7 +202,7 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
     """What the checks find in the motion and the speed, without any disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
-    return (*check_motion(drive.plan, drive.unit), *speed)
+    return folded((*check_motion(drive.plan, drive.unit), *speed))
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:

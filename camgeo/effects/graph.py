@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, overload
 
-from camgeo.check.finding import Finding, Findings, LazyFindings
+from camgeo.check.finding import Finding, Findings, LazyFindings, folded
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
@@ -243,7 +243,7 @@ class Effects:
             effect, result.findings, self.subject, lost, named, flown,
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
-        return (*self._at_speed(name, result.findings), *found)
+        return folded((*self._at_speed(name, result.findings), *found))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
