@@ -18,6 +18,7 @@ from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
 from camgeo.effects.effect import Answer, Effect, Key, Result, Subject
+from camgeo.effects.inherited import ErrorsWithPremises, InheritedErrors
 from camgeo.effects.lost_contact import LostContact
 from camgeo.effects.nodes import Nodes, node_name
 from camgeo.effects.premises import qualified, trimming
@@ -133,13 +134,16 @@ class Effects:
             return result
 
         def found() -> Findings:
-            whole: Findings = self.ledger.once(
+            told: Findings = self.ledger.once(
                 FINDINGS + node_name(name), self._judged,
                 lambda: Findings(self._qualified(name, result)),
             )  # fmt: skip
-            return whole
+            return told
 
-        return replace(result, findings=LazyFindings(found))
+        whole, errors = LazyFindings(found), result.errors
+        if isinstance(errors, InheritedErrors):
+            errors = ErrorsWithPremises(errors, whole, lambda: self._computed(CONTACT_FORCE).errors)
+        return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
         """How the cam turns in the state of the effect `name`; None if that is not known.
