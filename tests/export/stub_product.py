@@ -208,8 +208,10 @@ class StubProduct(Product):
     def values(self) -> Values:
         keys = [
             "follower.kind = 'plate'",
-            f"tool = [{{ diameter = {self.tool.diameter}, spindle_speed = 1, feed = 1,"
-            " plunge_feed = 1, stepdown = 1 }]",
+            (
+                f"tool = [{{ diameter = {self.tool.diameter}, spindle_speed = 1, feed = 1,"
+                " plunge_feed = 1, stepdown = 1 }]"
+            ),
             "holding = { kind = 'fixture', through = 0 }",
         ]
         keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
