@@ -208,7 +208,10 @@ def _uncompared(run: Run, place: float) -> GeometryError:
     ends = np.concatenate(([run.leg.start], run.leg.borders, [run.leg.end]))
     start, end = np.max(ends[ends <= place]), np.min(ends[ends > place], initial=run.leg.end)
     if isinstance(run.leg, TurnLeg) or end - start > SHORT:
-        return GeometryError(message)
+        here = complex(run.leg.point(np.array([place]))[0])
+        return GeometryError(
+            f"{message} near X {here.real:.6g}, Y {here.imag:.6g} mm, where it may run across it"
+        )
     first, span = math.degrees(start % TURN), math.degrees(end - start)
     return GeometryError(
         f"{message} from {first:.12g} to {first + span:.12g} deg of the cam angle: what moves there"
