@@ -28,7 +28,7 @@ faults as one ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `versi
 kind of document, and `camgeo` is the version of the program. Removing a key or changing its meaning
 gives the document a new version; adding a key does not.
 Lengths are in mm and angles in degrees, as the names of the keys say, unless another key of the
-same object names a different unit.
+same object names a different unit. Sentences state lengths in the unit of the scene.
 
 Each document has a JSON Schema (draft 2020-12), shipped with the code that makes the answer, as
 `camgeo/answers/NAME/schema.json`. In addition to the keywords of JSON Schema it uses `x-unit`, the

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from decimal import Decimal
-from typing import Final
+from typing import Any, Final
 
 from camgeo.contour.contour import Effort, Form
 
@@ -148,3 +148,21 @@ class EffectRow:
     fault: str = ""
     figure: str = ""
     rounded: bool = False
+
+
+def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
+    """A row with its tolerance, and what it has of deviations, in units of `mm`; accelerations of
+    the output in units of `moved`.
+    """
+    found: dict[str, Any] = {}
+    for each in fields(row):
+        value = getattr(row, each.name)
+        if is_dataclass(value):
+            found[each.name] = in_length(value, mm, moved)
+        elif each.name in ("tolerance", "deviation") and value is not None:
+            found[each.name] = value / mm
+        elif each.name == "acceleration" and value is not None:
+            found[each.name] = value / moved
+        elif each.name == "octaves":
+            found[each.name] = tuple(octave / moved for octave in value)
+    return replace(row, **found)

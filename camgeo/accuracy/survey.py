@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Final
 
 from camgeo.accuracy.bill import BillRow, bill_rows
 from camgeo.accuracy.contours import Progress, contour_rows, file_cost, reason
 from camgeo.accuracy.knee import Knee, knee_of
-from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
+from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow, in_length
 from camgeo.accuracy.tables import STEPS, table_rows
 from camgeo.design import Design
 from camgeo.errors import FileError, GeometryError, ToleranceError
+from camgeo.units import MM_PER, LengthUnit
 
 TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """Default tolerances [mm]. One more decade multiplies straight pieces and triangles by 3.16, and
@@ -43,6 +44,18 @@ class Survey:
     effects: tuple[EffectRow, ...] = ()
     rounded: tuple[EffectRow, ...] = ()
     bill: tuple[BillRow, ...] = ()
+
+    def in_length(self, length: LengthUnit) -> Survey:
+        """The same with tolerances and deviations of contours, solids and builds in a unit of
+        length; the knee stays in mm.
+        """
+        mm = MM_PER[length]
+        return replace(
+            self,
+            contours=tuple(in_length(row, mm) for row in self.contours),
+            solids=tuple(in_length(row, mm) for row in self.solids),
+            bill=tuple(in_length(row, mm) for row in self.bill),
+        )
 
 
 def survey(

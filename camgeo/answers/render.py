@@ -15,12 +15,12 @@ from decimal import Decimal
 from functools import cache
 from importlib import import_module
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
 from camgeo.answers.answer import Answer
 from camgeo.declared import schema_beside
-from camgeo.units import in_unit
+from camgeo.units import LengthUnit, in_unit
 
 if TYPE_CHECKING:
     from camgeo.figure.model import Figure
@@ -28,6 +28,12 @@ if TYPE_CHECKING:
 
 Node = Mapping[str, Any]
 """An object of a schema."""
+
+SENTENCES: Final = (
+    "advice", "enough", "fault", "infeasible", "message", "note", "reason", "remarks", "sentence",
+    "told", "violated",
+)  # fmt: skip
+"""Keys of texts in documents that state lengths."""
 
 
 def has(answer: Answer, rendering: str) -> bool:
@@ -38,7 +44,7 @@ def has(answer: Answer, rendering: str) -> bool:
 def text(answer: Answer) -> str:
     """The answer in words, lines without the last line end, lengths in the unit of its scene."""
     words: str = _rendering(answer).text(answer)
-    return in_unit(words, getattr(getattr(answer, "scene", None), "unit", "mm"))
+    return in_unit(words, _unit(answer))
 
 
 def table(answer: Answer) -> Table:
@@ -54,11 +60,15 @@ def figure(answer: Answer) -> Figure:
 
 
 def to_json(answer: Answer) -> dict[str, Any]:
-    """The answer as a document that the schema of its package describes."""
+    """The answer as a document that the schema of its package describes; sentences state lengths
+    in the unit of its scene.
+    """
     head = {"schema": f"camgeo/{answer.command}", "version": answer.version, "camgeo": __version__}
     schema = schema_of(type(answer).__module__)
     own = {key: node for key, node in schema["properties"].items() if key not in head}
-    return head | _read_object(answer, {**schema, "properties": own}, schema.get("$defs", {}))
+    found = _read_object(answer, {**schema, "properties": own}, schema.get("$defs", {}))
+    unit = _unit(answer)
+    return head | (found if unit == "mm" else _restated(found, unit))
 
 
 @cache
@@ -71,6 +81,21 @@ def schema_of(package: str) -> dict[str, Any]:
 
 def _rendering(answer: Answer) -> Any:
     return import_module(f"{type(answer).__module__}.rendering")
+
+
+def _unit(answer: Answer) -> LengthUnit:
+    """The unit of length of the answer's scene; mm without one."""
+    unit: LengthUnit = getattr(getattr(answer, "scene", None), "unit", "mm")
+    return unit
+
+
+def _restated(value: Any, unit: LengthUnit, key: str = "") -> Any:
+    """A part of a document, found at `key`, with its sentences in a unit of length."""
+    if isinstance(value, dict):
+        return {each: _restated(item, unit, each) for each, item in value.items()}
+    if isinstance(value, list):
+        return [_restated(item, unit, key) for item in value]
+    return in_unit(value, unit) if key in SENTENCES and isinstance(value, str) else value
 
 
 def _read(value: Any, node: Node, definitions: Node) -> Any:

@@ -10,7 +10,7 @@ from typing import Final, Literal, overload
 from camgeo.displayed import Displayed, clipped
 from camgeo.errors import CamgeoError
 from camgeo.units import TURN, LengthUnit, LiftUnit, in_unit
-from camgeo.wording import counted, listed
+from camgeo.wording import cam_angle, counted, listed
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
@@ -155,11 +155,64 @@ class LazyFindings(Sequence[Finding], Displayed):
     def __len__(self) -> int:
         return len(self._find())
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, tuple | LazyFindings) and self._find() == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self._find())
+
     def __repr__(self) -> str:
         try:
             return repr(self._find())
         except CamgeoError as error:
             return clipped(f"<no findings: {error}>")
+
+
+MOST_ALIKE: Final = 12
+"""Findings of one name and severity that are told one by one."""
+
+TOUCHING: Final = 1e-9
+"""Ranges [rad] this close to each other are told as one."""
+
+
+def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings, but of more than `MOST_ALIKE` alike only the worst one, with the places of all.
+
+    The worst is the farthest from its limit, or from 0 without one, or has no value at all.
+    """
+    found = tuple(findings)
+    alike: dict[tuple[str, str], list[Finding]] = {}
+    for each in found:
+        alike.setdefault((each.name, each.severity), []).append(each)
+    told = []
+    for each in found:
+        own = alike[each.name, each.severity]
+        if len(own) <= MOST_ALIKE or any(one.cam_angle is None for one in own):
+            told.append(each)
+        elif each is own[0]:
+            worst = max(own, key=_beyond)
+            sentence = f"{worst.sentence}; {len(own)} alike in all, {_places(own)}"
+            told.append(replace(worst, sentence=sentence, cam_range=None))
+    return tuple(told)
+
+
+def _beyond(finding: Finding) -> float:
+    """By how much the value differs from its limit."""
+    if finding.value is None:
+        return math.inf
+    return abs(finding.value - (finding.limit or 0.0))
+
+
+def _places(alike: Iterable[Finding]) -> str:
+    """The ranges, or places, of several findings in words; ranges that touch are one."""
+    ranges: list[tuple[float, float]] = []
+    for each in alike:
+        start, end = each.cam_range or (each.cam_angle or 0.0, each.cam_angle or 0.0)
+        if ranges and start != end and abs(start - ranges[-1][1]) <= TOUCHING:
+            start = ranges.pop()[0]
+        ranges.append((start, end))
+    places = [" to ".join(dict.fromkeys(map(cam_angle, each))) for each in ranges]
+    return f"at cam angles {listed(places, MOST_ALIKE)} deg"
 
 
 def held(

@@ -19,6 +19,7 @@ from camgeo.check.finding import (
     Finding,
     Findings,
     Severity,
+    folded,
     forbidding,
     stated_in,
 )
@@ -220,7 +221,7 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
     """What the checks find in the motion and the speed, without any disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
-    return (*check_motion(drive.plan, drive.unit), *speed)
+    return folded((*check_motion(drive.plan, drive.unit), *speed))
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:

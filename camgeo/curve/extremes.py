@@ -20,10 +20,6 @@ from camgeo.numeric.isolation import cells_between, isolated_roots, places_in
 from camgeo.numeric.many import ONE, Asked, Many, Quantity
 from camgeo.units import TURN
 
-INSIDE = 1e-8
-"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
-of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Extremes(Brief):
@@ -115,9 +111,7 @@ def turn_of(curve: HasBorders) -> Turn:
     low, high = cells_between(merged(np.concatenate((starts, inner, ends[-1:]))))
     owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
     low, high, owner = (each[moving[owner]] for each in (low, high, owner))
-    inside = INSIDE * (ends - starts)[owner]  # a slope may jump at the ends
-    low, high = np.maximum(low, starts[owner] + inside), np.minimum(high, ends[owner] - inside)
-    return Turn(starts, ends, places_in(low, high))
+    return Turn(starts, ends, places_in(low, high, starts[owner], ends[owner]))
 
 
 @kept_with_owner

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from camgeo.answers.build import told
+from camgeo.answers.render import text
 from camgeo.answers.report import coarse_solids
 from camgeo.answers.report.triangles import triangles
 from camgeo.answers.size import CamSize
 from camgeo.answers.size import size as size_of
-from camgeo.answers.size.rendering import text
 from camgeo.answers.size.writing import edits_with
 from camgeo.check.sizing.smallest import Rating
 from camgeo.designing.arguments import Arguments

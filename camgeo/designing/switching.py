@@ -10,7 +10,7 @@ from camgeo.designing.given import Given, refusal
 from camgeo.designing.snapping import is_number, rounded
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import effect_names, find_effect
-from camgeo.errors import SceneError, UnknownNameError
+from camgeo.errors import Fault, SceneError, UnknownNameError
 from camgeo.scene.document import document_of_tree
 from camgeo.scene.keys import Path, path_of, value_at
 from camgeo.scene.schema import EFFECTS
@@ -113,14 +113,28 @@ def _on(given: Given, name: str) -> Tree:
             wanted.append(need.partition(".")[2])
         else:
             tree = edited(tree, {need: _value(tree, need)})
-    unmet = None
+    unmet: list[Fault] = []
     for made in _with(given, tree, (*wanted, name)):
-        fault = given.unmet(made, name)
+        fault = given.unmet(_alone(made, name), name)
         if fault is None:
             return made
-        unmet = unmet or fault
-    assert unmet is not None  # `_with` gives a tree, or raises
-    raise SceneError([unmet])
+        unmet.append(fault)
+    raise SceneError(unmet[:1])
+
+
+def _alone(tree: Tree, name: str) -> Tree:
+    """The tree with no other effects than those without which there is no `name`: with them all it
+    may take long to compute.
+    """
+    required, waiting = {name}, [name]
+    while waiting:
+        effect = find_effect(waiting.pop())
+        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS,))}
+        waiting += needs - required
+        required |= needs
+    own = {each: table for each, table in tree[EFFECTS].items() if each in required}
+    return {**tree, EFFECTS: own}
 
 
 def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:

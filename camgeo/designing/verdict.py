@@ -6,7 +6,6 @@ It is made of the results of jobs, so that what only the findings or the files m
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import chain
 from typing import Any, Final
 
 from camgeo.answers.answer import MARKS
@@ -25,15 +24,16 @@ Results = Mapping[str, Mapping[str, Any]]
 
 
 def verdict_of(results: Results) -> dict[str, Any]:
-    """The verdict: its `severity`, a `sentence`, and the `faults`, each once.
+    """The verdict: its `severity`, a `sentence`, and the `faults`.
 
     The severity is "invalid" if there are faults, else `UNKNOWN` or `WAITING` if that holds, else
     that of the worst finding, "ok" without any.
     """
-    of_scene = _faults(results, "curves", "findings")
-    faults = _faults(results, "curves", "findings", "build")
-    judged = results.get("findings", {})
-    refused = judged.get("refused") or results.get("build", {}).get("refused")
+    judged, built = results.get("findings", {}), results.get("build", {})
+    # Those of the curves are among those of the findings.
+    of_scene = results.get("curves", {}).get("faults") or judged.get("faults")
+    faults = of_scene or built.get("faults")
+    refused = judged.get("refused") or built.get("refused")
     if faults:
         number = "a fault" if len(faults) == 1 else counted(len(faults), "fault")
         sentence = f"The scene has {number}." if of_scene else f"There are no files: {number}."
@@ -45,11 +45,3 @@ def verdict_of(results: Results) -> dict[str, Any]:
     severities = {each["severity"] for each in judged["findings"]}
     worst = next((each for each in MARKS if each in severities), "ok")
     return {"severity": worst, "sentence": judged["verdict"], "faults": []}
-
-
-def _faults(results: Results, *kinds: str) -> list[dict[str, Any]]:
-    """The faults that jobs of these kinds have met, each once."""
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    for each in chain.from_iterable(results.get(kind, {}).get("faults", ()) for kind in kinds):
-        found.setdefault((each["key"], each["message"]), each)
-    return list(found.values())

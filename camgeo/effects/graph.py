@@ -14,11 +14,12 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any, Final, overload
 
-from camgeo.check.finding import Finding, Findings, LazyFindings, stated_in
+from camgeo.check.finding import Finding, Findings, LazyFindings, folded, stated_in
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
 from camgeo.effects.effect import Answer, Effect, Key, Result, Subject
+from camgeo.effects.inherited import ErrorsWithPremises, InheritedErrors
 from camgeo.effects.lost_contact import LostContact
 from camgeo.effects.nodes import Nodes, node_name
 from camgeo.effects.premises import qualified, trimming
@@ -139,13 +140,16 @@ class Effects:
             return result
 
         def found() -> Findings:
-            whole: Findings = self.ledger.once(
+            told: Findings = self.ledger.once(
                 FINDINGS + node_name(name), self._judged,
                 lambda: Findings(self._qualified(name, result)),
             )  # fmt: skip
-            return whole
+            return told
 
-        return replace(result, findings=LazyFindings(found))
+        whole, errors = LazyFindings(found), result.errors
+        if isinstance(errors, InheritedErrors):
+            errors = ErrorsWithPremises(errors, whole, lambda: self._computed(CONTACT_FORCE).errors)
+        return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
         """How the cam turns in the state of the effect `name`; None if that is not known.
@@ -252,7 +256,8 @@ class Effects:
             holding=self._holding if lost and at_speed_of_scene else "",
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
-        return stated_in(self.subject.unit, (*self._at_speed(name, result.findings), *found))
+        stated = (*self._at_speed(name, result.findings), *found)
+        return stated_in(self.subject.unit, folded(stated))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""

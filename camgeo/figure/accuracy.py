@@ -13,19 +13,19 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.accuracy.bill import Stage
-from camgeo.accuracy.knee import advice
-from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow
+from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow, in_length
 from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
+from camgeo.figure.knee import Marked, marked
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
-from camgeo.units import RPM, LiftUnit
+from camgeo.units import MM_PER, LengthUnit, LiftUnit, in_unit
 
 if TYPE_CHECKING:
     from camgeo.accuracy.benefit import BenefitRow
@@ -95,29 +95,6 @@ ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 Value = Callable[[ContourRow], float | None]
 
 
-@dataclass(frozen=True, slots=True)
-class Marked:
-    """The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
-
-    tolerance: float
-    name: str
-    reason: str
-
-
-def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
-    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
-    if benefits:
-        from camgeo.accuracy.enough import enough, words  # a survey without a speed needs none
-
-        found = enough(benefits)
-        if found is not None:
-            name = f"enough at {found.row.speed / RPM:g} rev/min"
-            return Marked(found.row.tolerance, name, words(found))
-    if survey.knee is None:
-        return None
-    return Marked(survey.knee.row.tolerance, "advice", advice(survey.knee))
-
-
 def figure(
     survey: Survey,
     *,
@@ -126,6 +103,7 @@ def figure(
     benefits: Sequence[BenefitRow] = (),
     form: Form = "arcs",
     unit: LiftUnit = "mm",
+    length: LengthUnit = "mm",
 ) -> Figure:
     """The measurements, one panel per kind of cost, the first with the benefits if there are any.
 
@@ -134,7 +112,11 @@ def figure(
     computing : whether computing times are drawn, which differ from run to run.
     benefits : of all forms at one speed of the cam; of the `form` they are drawn with its costs.
     unit : in which the output moves.
+    length : unit of length that is shown.
     """
+    knee, mm = marked(survey, [row for row in benefits if row.form == form]), MM_PER[length]
+    survey = survey.in_length(length)
+    benefits = [in_length(row, mm, mm if unit == "mm" else 1.0) for row in benefits]
     own = [row for row in benefits if row.form == form]
     both = _both(survey, own, form, computing=computing)
     drawn = [(f"{form}: {BOTH}", both)] if both else []
@@ -151,17 +133,16 @@ def figure(
     spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
-    knee = marked(survey, own)
-    words = [] if knee is None else _wrapped(knee)
+    words = [] if knee is None else _wrapped(knee, length)
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
     height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
-    rules = [] if knee is None else [Rule("x", knee.tolerance, ADVICE)]
+    rules = [] if knee is None else [Rule("x", knee.tolerance / mm, ADVICE)]
     tolerances = [row.tolerance for row in survey.contours]
     panels = []
     for number, (label, lines) in enumerate(drawn):
         bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
-        x = _tolerances(tolerances, "tolerance [mm]", numbered=number == count - 1)
+        x = _tolerances(tolerances, f"tolerance [{length}]", numbered=number == count - 1)
         if knee is not None and not number:  # its line is in every panel, its name only here
             lines.append(Line(over([], []), ADVICE, knee.name))
         panel = replace(_panel(bottom, height, x, label, lines), marks=(*lines, *rules))
@@ -174,7 +155,9 @@ def figure(
         from camgeo.figure.spectrum import panel as octaves  # a survey without a speed needs none
 
         frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
-        panels.append(octaves(spectrum, frame, f"{form}: off, by octaves [{unit}/s²]"))
+        moves = length if unit == "mm" else unit
+        label = f"{form}: off, by octaves [{moves}/s²]"
+        panels.append(octaves(spectrum, frame, label, length=length))
     if effects:
         x = _tolerances(
             [row.tolerance for row in survey.effects],
@@ -210,8 +193,8 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
 
 
-def _wrapped(knee: Marked) -> list[str]:
-    sentence = f"{knee.name}: {knee.reason}"
+def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
+    sentence = in_unit(f"{knee.name}: {knee.reason}", length)
     return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
 
 

@@ -22,7 +22,7 @@ from camgeo.mechanism.sketch import MechanismSketch, Places
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.part.part import Part
 from camgeo.product.product import Product
-from camgeo.units import TURN
+from camgeo.units import MM_PER, TURN
 
 POSITIONS: Final = 240
 """Of a turn, one and a half degrees apart: between two of them bodies move in straight lines, which
@@ -64,7 +64,7 @@ class Animation(Brief):
     places : (POSITIONS, n, 2) [mm], at equal steps of the cam angle from 0: the points of the
         links, both ends of each face, the centres of rollers, joints, and sliders on guides.
     lifts : (POSITIONS,) of the follower, in `lift_unit`.
-    lift_unit : "mm", or "°".
+    lift_unit : that of the scene, or "°".
     """
 
     low: complex
@@ -123,8 +123,8 @@ def animation(product: Product, *, moving: bool = False) -> Animation:
         tuple(_way(guide.middle, guide.direction, guide.travel, guide.block, past)
               for guide in first.guides),
         _places(sketch),
-        frozen(np.degrees(lifts) if degrees else lifts, np.float64),
-        "°" if degrees else "mm",
+        frozen(np.degrees(lifts) if degrees else lifts / MM_PER[product.unit], np.float64),
+        "°" if degrees else product.unit,
     )  # fmt: skip
 
 

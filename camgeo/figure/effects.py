@@ -27,7 +27,7 @@ from camgeo.figure.style import (
 from camgeo.motion.joints import breaks
 from camgeo.numeric.arrays import FloatArray, merged
 from camgeo.product.product import Product
-from camgeo.units import MM_PER, TURN, LengthUnit
+from camgeo.units import TURN, LengthUnit, unit_in
 
 if TYPE_CHECKING:  # unused in a picture without effects
     from camgeo.effects.effect import Column
@@ -154,12 +154,10 @@ def _panel(
 
 def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
     """The display unit for a column's `unit`, and the factor from `unit` to it."""
-    scale = 1.0
-    if unit == "mm" or unit.startswith("mm/"):
-        unit, scale = length + unit.removeprefix("mm"), 1.0 / MM_PER[length]
+    unit, divisor = unit_in(unit, length)
     for power, raised in (("^2", "²"), ("^3", "³")):
         unit = unit.replace(power, raised)
-    return unit, scale
+    return unit, 1.0 / divisor
 
 
 def sampled(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -6,6 +6,7 @@ side. A rocker has a region on either side of its arm.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -20,6 +21,7 @@ from camgeo.figure.marks import Band, Circle, Field, Fill, Line, Mark, Rule, Sty
 from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
 from camgeo.figure.style import AUXILIARY, LIMIT, LIMIT_STYLE, MARGINS
 from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.units import MM_PER, LengthUnit
 
 SIZE: Final = (7.4, 7.0)
 ROWS: Final = 401
@@ -48,7 +50,7 @@ Window = tuple[FloatArray, FloatArray]
 """Ends (2,) of x and of y of the picture [mm]."""
 
 
-def figure(name: str, sides: Sides) -> Figure:
+def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
     """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
     shown = window(sides)
     marks: list[Mark] = []
@@ -60,22 +62,41 @@ def figure(name: str, sides: Sides) -> Figure:
     if own.flocke is not None:
         marks += places(task, "Flocke", own.flocke.place, Style("black", 0.0, marker="^"))
     marks += answers(sides)
-    return framed(name, marks, shown)
+    return framed(name, marks, shown, length)
 
 
-def framed(name: str, marks: Sequence[Mark], shown: Window) -> Figure:
-    """The figure of these marks."""
+def framed(name: str, marks: Sequence[Mark], shown: Window, length: LengthUnit) -> Figure:
+    """The figure of these marks, with numbers in a unit of length."""
     x, y = shown
     panel = Panel(
         grid(SIZE, MARGINS)[0],
-        Axis((float(x[0]), float(x[1])), "x [mm]"),
-        Axis((float(y[0]), float(y[1])), "y [mm]"),
+        _axis(x, "x", length),
+        _axis(y, "y", length),
         tuple(marks),
         f"{name}: where the cam axis may lie",
         legend=Legend(tuple(dict.fromkeys(entries(marks)))),  # both sides have the same regions
         equal=True,
     )
     return Figure(SIZE, (panel,))
+
+
+def _axis(ends: FloatArray, name: str, length: LengthUnit) -> Axis:
+    """An axis in mm whose numbers are in a unit of length."""
+    low, high, mm = float(ends[0]), float(ends[1]), MM_PER[length]
+    label = f"{name} [{length}]"
+    if mm == 1.0:
+        return Axis((low, high), label)
+    decade = 10.0 ** math.floor(math.log10((high - low) / mm))
+    step = next(each for each in (0.2, 0.5, 1.0, 2.0) if (high - low) / mm <= 8.0 * each * decade)
+    numbers = (
+        step
+        * decade
+        * np.arange(
+            math.ceil(low / mm / (step * decade)), math.floor(high / mm / (step * decade)) + 1
+        )
+    )
+    names = tuple(f"{each:g}" for each in np.round(numbers, 9).tolist())
+    return Axis((low, high), label, ticks=tuple((mm * numbers).tolist()), names=names)
 
 
 def seen(task: Placing, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,6 +18,7 @@ from camgeo.figure.model import Figure
 from camgeo.figure.size import REGION, ROWS, Window, answers, band, framed, pivot, places, square
 from camgeo.figure.style import AUXILIARY
 from camgeo.numeric.arrays import FloatArray
+from camgeo.units import LengthUnit
 
 SAMPLES: Final = 2001
 """Cam angles of which the region is drawn."""
@@ -35,7 +36,7 @@ Sides = Sequence[tuple[FaceTask, Sizing]]
 """What was sized, and its sizing: the scene's own side first."""
 
 
-def figure(name: str, sides: Sides) -> Figure:
+def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
     """The region; lengths in mm, origin below the face on the guide, or in the pivot (rocker)."""
     shown = window(sides)
     marks: list[Mark] = []
@@ -45,7 +46,7 @@ def figure(name: str, sides: Sides) -> Figure:
     task = sides[0][0]
     marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
     marks += answers(sides)
-    return framed(name, marks, shown)
+    return framed(name, marks, shown, length)
 
 
 def window(sides: Sides) -> Window:

@@ -14,7 +14,7 @@ from camgeo.accuracy.rows import FORMS
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Style, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
-from camgeo.units import LiftUnit
+from camgeo.units import LengthUnit, LiftUnit
 
 WIDTH, HEIGHT = 8.0, 2.6
 """Sizes [inch] of the figure and of each panel."""
@@ -51,18 +51,26 @@ def figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> 
 
 
 def panel(
-    rows: Sequence[BenefitRow], frame: Frame, label: str, *, title: str = "", numbered: bool = True
+    rows: Sequence[BenefitRow],
+    frame: Frame,
+    label: str,
+    *,
+    title: str = "",
+    numbered: bool = True,
+    length: LengthUnit = "mm",
 ) -> Panel:
     """The effective values of the octaves, each drawn at the first of its harmonics.
 
-    `rows` are of one form of the contour at one speed.
+    `rows` are of one form of the contour at one speed, with tolerances in the unit `length`.
     """
     lines = []
     for row, colour, marker in zip(rows, cycle(COLOURS), cycle(MARKERS)):
         found = [(2.0**octave, value) for octave, value in enumerate(row.octaves) if value > 0.0]
         if found:
             style = Style(colour, 1.2, marker=marker, size=4.0)
-            lines.append(Line(over(*zip(*found, strict=True)), style, f"{row.tolerance:g} mm"))
+            lines.append(
+                Line(over(*zip(*found, strict=True)), style, f"{row.tolerance:.6g} {length}")
+            )
     low, high = log_limits(heights(lines))
     count = max((len(row.octaves) for row in rows), default=1)
     ticks = tuple(2.0**octave for octave in range(count))

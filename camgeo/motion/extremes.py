@@ -8,12 +8,8 @@ import numpy as np
 
 from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.isolation import cells_between, isolated_roots, places_in
+from camgeo.numeric.isolation import INSIDE, isolated_roots, places_between
 from camgeo.units import TURN
-
-INSIDE = 1e-8
-"""How far inside a piece its ends are taken, as a fraction of its length: a motion may rest there
-for a moment."""
 
 
 def pieces(motion: Motion) -> list[tuple[float, float]]:
@@ -34,15 +30,16 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
-    low, high = cells_between(np.append(starts, TURN))
-    owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
-    inside = INSIDE * (ends - starts)[owner]
-    low, high = np.maximum(low, starts[owner] + inside), np.minimum(high, ends[owner] - inside)
-    places = places_in(low, high)
+    places = places_between(np.append(starts, TURN))
 
     def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
         return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
 
     velocity = of_order(1)
     known = velocity(places.ravel(), np.empty(0, dtype=np.intp)).reshape(1, *places.shape)
-    return isolated_roots(velocity, of_order(0), places, known)[0]
+    roots, _ = isolated_roots(velocity, of_order(0), places, known)
+    # At rest at an end of its piece a law may round to 0 at the outermost place.
+    piece = np.searchsorted(starts, roots) - 1
+    off = 4.0 * INSIDE * (ends - starts)[piece]
+    found: FloatArray = roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)]
+    return found

@@ -38,6 +38,10 @@ SHARES: Final = np.linspace(0.0, 1.0, PLACES)
 WIDEST: Final = math.pi / 32.0
 """Longest cell to begin with [rad]."""
 
+INSIDE: Final = 1e-8
+"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
+of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
+
 NEGLIGIBLE: Final = 1e-10
 """Change of a value, as a fraction of it, that may stay in an undecided cell."""
 
@@ -87,11 +91,24 @@ def cells_between(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     return low, np.append(low[1:], edges[-1:])
 
 
-def places_in(low: FloatArray, high: FloatArray) -> FloatArray:
-    """(n, 7) the places in the cells [low, high] (n,)."""
+def places_in(
+    low: FloatArray, high: FloatArray, starts: FloatArray, ends: FloatArray
+) -> FloatArray:
+    """(n, 7) the places in the cells [low, high] (n,), off both ends of the pieces [start, end]
+    (n,) in which they lie by `INSIDE`, because slopes may jump there.
+    """
+    inside = INSIDE * (ends - starts)
+    low, high = np.maximum(low, starts + inside), np.minimum(high, ends - inside)
     places: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * SHARES
     places[:, -1] = high
     return places
+
+
+def places_between(edges: FloatArray) -> FloatArray:
+    """(n, 7) the places in the cells of the pieces between neighbours of `edges` (m,)."""
+    low, high = cells_between(edges)
+    piece = np.searchsorted(edges, 0.5 * (low + high)) - 1
+    return places_in(low, high, edges[piece], edges[piece + 1])
 
 
 def isolated_roots(

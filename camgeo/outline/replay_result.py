@@ -39,6 +39,9 @@ from camgeo.units import TURN
 AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
 """Number of the element that is the demanded motion itself: no piece or vertex has it."""
 
+EQUAL: Final = 1e-12
+"""Magnitudes that differ by less than this share of them differ by rounding."""
+
 POLISHED: Final = 1e-6
 """Range [rad] on both sides of a largest value in which the root of its slope is its place."""
 
@@ -319,8 +322,11 @@ def held_at(lift: DiscLift, numbers: IntArray, corner: float) -> tuple[IntArray,
 
 
 def _farthest(found: Extremes) -> Extreme:
-    """That of the larger magnitude, in the first turn."""
-    one = found.highest if found.highest.value >= -found.lowest.value else found.lowest
+    """That of the larger magnitude, in the first turn; the highest one if they are equal but for
+    rounding.
+    """
+    higher = found.highest.value >= -found.lowest.value * (1.0 - EQUAL)
+    one = found.highest if higher else found.lowest
     return Extreme(one.value, one.place % TURN)
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.errors import Fault
     from camgeo.product.product import Product
     from camgeo.toolpath.engaged import Engaged
+    from camgeo.toolpath.features import Feature
     from camgeo.toolpath.machine import Machine
 
 MILLING: Final = "milling"
@@ -37,12 +38,14 @@ class Program:
         program.
     faults : of the scene, if it cannot be planned.
     roughing : how the cutter is engaged in operations that clear an area.
+    features : of the part, with the operations of all its sides; empty of a second side.
     """
 
     findings: tuple[Finding, ...]
     operations: tuple[OperationTime, ...] | None = None
     faults: tuple[Fault, ...] = ()
     roughing: tuple[Engaged, ...] = ()
+    features: tuple[Feature, ...] = ()
 
     @property
     def seconds(self) -> float | None:
@@ -115,6 +118,7 @@ def _machine(side: Product) -> Machine:
 
 def _program(disc: Product, machine: Machine) -> Program:
     """The program of one side of a disc at the scene's tolerance, judged."""
+    from camgeo.product.milled import compared
     from camgeo.scene.milling import is_missing
     from camgeo.toolpath.engaged import engagement_findings  # which times do without
 
@@ -141,4 +145,5 @@ def _program(disc: Product, machine: Machine) -> Program:
         disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
     found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
-    return Program(found, None if times is None else tuple(times), roughing=roughing)
+    timed = None if times is None else tuple(times)
+    return Program(found, timed, roughing=roughing, features=compared(milled))

@@ -15,7 +15,7 @@ from camgeo.motion.motion import Jet
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.outline.convex import touch
-from camgeo.units import MM_PER, LengthUnit, LiftUnit
+from camgeo.units import MM_PER, LengthUnit, LiftUnit, unit_in
 
 if TYPE_CHECKING:  # few scenes name an effect
     from camgeo.curve.pitch_curve import PitchCurve
@@ -188,7 +188,10 @@ def _in_time(drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthU
 
 def of_effect(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
     """Heading and values of an effect's column, lengths in `unit`."""
-    own, values, mm = column.unit, column.values, MM_PER[unit]
-    if own == "mm" or own.startswith("mm/"):
-        own, values = unit + own.removeprefix("mm"), lambda phi, side: column.values(phi, side) / mm
+    own, divisor = unit_in(column.unit, unit)
+
+    def divided(phi: FloatArray, side: Side) -> FloatArray:
+        return column.values(phi, side) / divisor
+
+    values = column.values if divisor == 1.0 else divided
     return f"{column.name} [{own}]" if own else column.name, values

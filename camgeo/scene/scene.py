@@ -218,11 +218,11 @@ class Scene:
         return Scene.of(found, self.source, self)
 
     def restate(self, error: CamgeoError) -> None:
-        """Put an error's lengths into the unit of the scene, and the value of a key as the scene
+        """Put an error's lengths into the unit of the scene, and the number of a key as the scene
         states it.
         """
         error.restate(self.unit)
-        if isinstance(error, GeometryError) and error.key:
+        if isinstance(error, GeometryError) and error.value[:1].isdigit():
             fault = self.stated.scene.fault(path_of(error.key) or (), "")
             error.value = fault.value or error.value
 

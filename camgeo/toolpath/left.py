@@ -9,12 +9,15 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from camgeo.toolpath.setup import Setup
+from camgeo.toolpath.setup import Run, Setup
 from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
 from camgeo.toolpath.sweep import Area, farthest, grown, overlap, parts, place_in, polygon
 
 TOUCHING = 1e-4
 """Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
+
+FINENESS = 1e-3
+"""Deviation of chords of clamps [mm]."""
 
 SAME = 1e-6
 """Heights [mm] that differ by less are one."""
@@ -66,7 +69,7 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
 def left_flaws(
     stages: Sequence[Stage],
     part: Sequence[Area],
-    held: Sequence[Sequence[Area] | None],
+    runs: Sequence[Run],
     setup: Setup,
     allowed: float,
     *,
@@ -77,17 +80,34 @@ def left_flaws(
     Parameters
     ----------
     part : in each slab.
-    held : areas within which the blank is held, for each stage; None if that is not to be judged.
+    runs : of each stage, with the clamps and screws that are set.
     setup : what the program starts from, and what it has to leave.
     allowed : thickness [mm] that may be left; what is nowhere thicker is no piece.
     corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
     """
+    if setup.held is not None:
+        held = [polygon(each, FINENESS) for each in setup.held]
+        yield from _loose_pieces(stages, part, runs, held, setup, allowed)
+    if stages and setup.final:
+        yield from _rests(stages[-1], part, setup, allowed, corners)
+
+
+def _loose_pieces(
+    stages: Sequence[Stage],
+    part: Sequence[Area],
+    runs: Sequence[Run],
+    always: Sequence[Area],
+    setup: Setup,
+    allowed: float,
+) -> Iterator[Flaw]:
+    """Pieces that neither what holds `always` nor the clamps of a run hold, each once."""
     known: list[Piece] = []
-    rim = [] if setup.rim is None else [polygon(setup.rim, allowed)]
-    for stage, own in zip(stages, held, strict=True):
-        found = pieces(stage.slabs) if own is not None else ()
-        kept = [piece for piece in found if _meets(piece, own or rim)]
-        if not own:  # what holds the rim is not stated; it holds what hangs on the part
+    rim = [] if setup.rim is None else [polygon(setup.rim, FINENESS)]
+    for stage, run in zip(stages, runs, strict=True):
+        found = pieces(stage.slabs)
+        held = [*always, *(polygon(body.contours, FINENESS) for body in run.obstacles)]
+        kept = [piece for piece in found if _meets(piece, held or rim)]
+        if not held:  # what holds the rim is not stated; it holds what hangs on the part
             kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept
         for piece in found:
             if piece in kept or any(_same(piece, each) for each in known):
@@ -96,8 +116,6 @@ def left_flaws(
                 continue
             known.append(piece)
             yield _loose(stage, piece, part, setup)
-    if stages and setup.final:
-        yield from _rests(stages[-1], part, setup, allowed, corners)
 
 
 def _meets(piece: Piece, held: Sequence[Area]) -> bool:

@@ -105,11 +105,11 @@ def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
     if not any(side.milling.operations for side in sides):
         return
     for wall in sides[0].part.walls:
-        if not _is_finished(wall, sides):
+        if not is_finished(wall, sides):
             yield wall.boundary.arcs(FINENESS, "fast").contour
 
 
-def _is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
+def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
     """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
     first, name = sides[0], wall.boundary.name
     down = finished_down_to(first.cuts, name)

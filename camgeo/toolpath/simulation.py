@@ -101,19 +101,10 @@ def simulate(
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
-    held = [_holding(setup, run, fineness) for run in runs]
-    flaws += left_flaws(stages, part, held, setup, allowed, corners=corners_of(setup, runs))
+    flaws += left_flaws(stages, part, runs, setup, allowed, corners=corners_of(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
-
-
-def _holding(setup: Setup, run: Run, fineness: float) -> list[Area] | None:
-    """Areas within which the blank is held during a run; None if that is not to be judged."""
-    if setup.held is None:
-        return None
-    outlines = (*setup.held, *(body.contours for body in run.obstacles))
-    return [polygon(each, fineness) for each in outlines]
 
 
 def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:

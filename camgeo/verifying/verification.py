@@ -164,6 +164,7 @@ class Verdict:
     tolerance : [mm] that applied, and where it is from; None if it was not measured.
     checks : in the order of the report.
     crashed : whether an error in camgeo itself, not the file, prevented the verdict.
+    length : unit of the scene, in which the checks are told.
     """
 
     file: str
@@ -174,6 +175,7 @@ class Verdict:
     tolerance: tuple[float, str] | None
     checks: tuple[Check, ...]
     crashed: bool = False
+    length: LengthUnit = "mm"
 
     @property
     def passed(self) -> bool:

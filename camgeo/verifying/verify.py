@@ -214,7 +214,9 @@ def _verdict(
     except CamgeoError as error:
         checks.append(failed("deviation", str(error)))
     scene = (product.name, present)
-    return Verdict(path.name, kind, sha256, size, scene, tolerance, tuple(checks))
+    return Verdict(
+        path.name, kind, sha256, size, scene, tolerance, tuple(checks), length=against.discs[0].unit
+    )
 
 
 def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:

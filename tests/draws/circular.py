@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import cmath
+import json
 import math
 import os
 import re
@@ -32,9 +33,15 @@ from tests.seeds import add_commit_seed
 
 KINDS: Final = (
     "eccentric", "translating-flat", "oscillating-flat", "translating-roller", "oscillating-roller",
-    "knife-edge", "ring", "groove",
+    "knife-edge", "ring", "groove", "yoke", "small",
 )  # fmt: skip
-"""Of these the first moves; all others only rest."""
+"""All but `MOVING` only rest. Of "small" the roller is nearly as large as the base circle, so that
+little is left of the disc."""
+
+MOVING: Final = ("eccentric", "yoke")
+
+RIMMED: Final = ("ring", "groove")
+"""Of these the circle lies inside the disc."""
 
 ENTITIES: Final = ("arcs", "lines-and-arcs", "polyline", "spline")
 
@@ -46,6 +53,9 @@ SHOP: Final = ("gcode", "drawing", "png")
 
 MILLED: Final = (5.0, 500.0)
 """Sizes [mm] that machines and sheets have room for."""
+
+LEAST: Final = 0.05
+"""Radius [mm] that a disc has at least."""
 
 FACETED: Final = ("stl", "3mf")
 """Formats of facets, whose number grows with size and tolerance."""
@@ -89,17 +99,18 @@ class Case:
     @property
     def formats(self) -> tuple[str, ...]:
         """What is made of it."""
-        return PLANE + FACETED + (SHOP if MILLED[0] < self.size < MILLED[1] else ())
+        milled = MILLED[0] < self.size < MILLED[1] and self.kind != "small"
+        return PLANE + FACETED + (SHOP if milled else ())
 
     @property
     def has_rim(self) -> bool:
         """Whether the circle lies inside the disc."""
-        return self.kind in ("ring", "groove")
+        return self.kind in RIMMED
 
     def tolerance_of(self, name: str) -> float:
         """The tolerance [mm] of one format."""
         faceted = name in FACETED or (name == "dxf" and self.entity == "polyline")
-        least = COARSE if name == "gcode" else FINEST * self.size if faceted else 0.0
+        least = COARSE if name == "gcode" else FINEST * self.radius if faceted else 0.0
         return max(self.tolerance, least)
 
 
@@ -108,57 +119,29 @@ def case_of(rng: Random, number: int) -> Case:
     kind = KINDS[number % len(KINDS)] if number % 2 else "eccentric"
     size = 10.0 ** rng.uniform(-1.0, 4.0)
     tolerance = min(10.0 ** rng.uniform(-6.0, -1.0), 1e-2 * size)
-    guide, sense = rng.uniform(0.0, 360.0), rng.choice((1, -1))
-    entity = rng.choice(ENTITIES)
-    lines = ["camgeo = 1", 'name = "circular"', "[cam]"]
-    lines += [f'rotation = "{rng.choice(("cw", "ccw"))}"']
-    base, roller, tool, centre, radius = size, 0.2 * size, 0.1 * size, 0j, size
-    follower = {"base_radius": f"{base!r}"}
-    motion = "[[motion]]\ndwell = 360\n"
-    if kind == "eccentric":
+    guide, entity = rng.uniform(0.0, 360.0), rng.choice(ENTITIES)
+    inward = rng.random() < 0.5 and kind not in ("ring", "groove", "yoke")
+    left = max(10.0 ** rng.uniform(-4.0, -1.0), LEAST / size) if kind == "small" else 0.8
+    tolerance = min(tolerance, 1e-2 * left * size)
+    roller, centre, motion = (1.0 - left) * size, 0j, "[[motion]]\ndwell = 360\n"
+    if kind in MOVING:
         e = size * rng.uniform(0.01, 0.4)
-        motion = "".join(
-            f'[[motion]]\nlaw = "simple-sine"\nspan = 180\nto = {to!r}\n' for to in (2.0 * e, 0.0)
-        )
-        radius = base + sense * e
-        centre = -sense * e * cmath.exp(1j * math.radians(guide))
-    if kind in ("eccentric", "translating-flat"):
-        follower |= {"kind": '"translating-flat"'}
-    elif kind == "oscillating-flat":
-        follower |= {"kind": f'"{kind}"', "pivot": f"[{-2.0 * size!r}, {size!r}]"}
-    elif kind == "oscillating-roller":
-        follower |= {"kind": f'"{kind}"', "pivot": f"[{-2.0 * size!r}, 0]"}
-        follower |= {"arm": f"{2.0 * size!r}", "roller_radius": f"{roller!r}"}
-        radius = base - roller
+        ends = '[[motion]]\nlaw = "simple-sine"\nspan = 180\nto = {!r}\n'
+        motion = ends.format(2.0 * e) + ends.format(0.0)
+        centre = (e if inward else -e) * cmath.exp(1j * math.radians(guide))
+        radius = size - e if inward else size + e
+    elif "flat" in kind or kind == "knife-edge":
+        radius = size
     else:
-        follower |= {"kind": '"translating-roller"', "roller_radius": f"{roller!r}"}
-        radius = base - roller
-        if kind == "knife-edge":
-            follower |= {"roller_radius": "0"}
-            radius = base
-        elif kind in ("ring", "groove"):
-            follower |= {"contact": '"outer"' if kind == "ring" else '"groove"'}
-            radius, tool = base + roller, 0.3 * size
-    if "translating" in follower["kind"]:
-        follower |= {"guide_angle": f"{guide!r}"}
-    if sense < 0 and kind not in ("ring", "groove"):
-        follower |= {"direction": '"inward"'}
-    lines += ["[follower]", *(f"{key} = {value}" for key, value in follower.items())]
-    lines += [motion, "[part]", f"thickness = {0.3 * size!r}"]
+        radius = size + roller if kind in RIMMED else size - roller
+    lines = ["camgeo = 1", 'name = "circular"', "[cam]"]
+    lines += [f'rotation = "{rng.choice(("cw", "ccw"))}"', "[follower]"]
+    lines += [*_follower(kind, size, roller, guide), 'direction = "inward"' if inward else ""]
+    if kind == "yoke":
+        lines += ["[follower.yoke]", f"breadth = {2.0 * radius!r}"]
     least = radius - abs(centre)
-    if kind in ("ring", "groove"):
-        lines += [f"rim = {3.0 * size!r}"]
-    if kind == "groove":
-        lines += [f"groove_depth = {0.15 * size!r}"]
-    if kind != "ring":
-        bore = 0.5 * least
-        lines += [f"bore = {2.0 * bore!r}" if kind != "groove" else f"bore = {0.5 * size!r}"]
-        shape = rng.choice(("round", "flat", "keyway"))
-        if shape == "flat" and kind != "groove":
-            lines += [f"d_shaft = {{ across = {1.8 * bore!r}, angle = {guide!r} }}"]
-        elif shape == "keyway" and kind != "groove":
-            width, depth = 0.4 * bore, 0.2 * bore
-            lines += [f"keyway = {{ width = {width!r}, depth = {depth!r}, angle = {guide!r} }}"]
+    tool = 0.3 * size if kind == "groove" else min(0.1 * size, 0.4 * least)
+    lines += [motion, "[part]", f"thickness = {0.3 * size!r}", *_part(rng, kind, size, least)]
     lines += ["[[tool]]", "number = 1", f"diameter = {tool!r}", f"flute_length = {size!r}"]
     lines += ["spindle_speed = 3000", "feed = 300", "plunge_feed = 100"]
     lines += [f"stepdown = {0.1 * size!r}", f"stepover = {0.4 * tool!r}"]
@@ -166,6 +149,44 @@ def case_of(rng: Random, number: int) -> Case:
     lines += ["[output]", 'formats = ["dxf"]', f"tolerance = {tolerance!r}"]
     lines += ["[output.dxf]", f'entity = "{entity}"', "auxiliary = false"]
     return Case("\n".join(lines), kind, entity, size, centre, radius, tool, tolerance)
+
+
+def _follower(kind: str, size: float, roller: float, guide: float) -> list[str]:
+    """The keys of a follower, its direction apart."""
+    keys: dict[str, Any] = {"base_radius": size}
+    if "flat" not in kind and kind not in MOVING:
+        keys["roller_radius"] = 0 if kind == "knife-edge" else roller
+    if kind.startswith("oscillating"):
+        keys |= {"kind": kind, "pivot": [-2.0 * size, size if "flat" in kind else 0.0]}
+        if "roller" in kind:
+            keys["arm"] = 2.0 * size
+    else:
+        flat = kind in (*MOVING, "translating-flat")
+        keys |= {"kind": "translating-flat" if flat else "translating-roller"}
+        keys["guide_angle"] = guide
+    if kind in RIMMED:
+        keys["contact"] = "outer" if kind == "ring" else "groove"
+    return [f"{key} = {json.dumps(value)}" for key, value in keys.items()]
+
+
+def _part(rng: Random, kind: str, size: float, least: float) -> list[str]:
+    """Rim, groove and bore, with a flat or a keyway, of a disc whose outline is at least `least`
+    from the axis.
+    """
+    lines = [f"rim = {3.0 * size!r}"] if kind in RIMMED else []
+    if kind == "groove":
+        return [*lines, f"groove_depth = {0.15 * size!r}", f"bore = {0.5 * size!r}"]
+    if kind == "ring":
+        return lines
+    bore, shape = 0.5 * least, rng.choice(("round", "flat", "keyway"))
+    angle = rng.uniform(0.0, 360.0)
+    lines += [f"bore = {2.0 * bore!r}"]
+    if shape == "flat":
+        lines += [f"d_shaft = {{ across = {1.8 * bore!r}, angle = {angle!r} }}"]
+    elif shape == "keyway":
+        width, depth = 0.4 * bore, 0.2 * bore
+        lines += [f"keyway = {{ width = {width!r}, depth = {depth!r}, angle = {angle!r} }}"]
+    return lines
 
 
 @dataclass(frozen=True)
@@ -302,14 +323,14 @@ def main(words: Sequence[str] | None = None) -> int:
                 row += f" r {case.radius:.6g} {cost.seconds:.3f} s {cost.memory:.0f} MB"
                 rows.append(row)
                 for fault in faults:
-                    print(f"{row}: {fault}")  # noqa: T201 - a program
+                    print(f"{row}: {fault}")
     if asked.rows:
         asked.rows.write_text("\n".join(rows) + "\n")
     for name, cost in dearest.items():
         told = f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB"
-        print(told)  # noqa: T201 - a program
+        print(told)
     told = f"{asked.count} discs, {builds} builds, {bad} misses"
-    print(f"seed {asked.seed:x}: {told}")  # noqa: T201 - a program
+    print(f"seed {asked.seed:x}: {told}")
     return int(bad > 0)
 
 

@@ -31,7 +31,7 @@ from camgeo.sweep.variables import Listed, Variable
 from tests.seeds import add_commit_seed
 
 CLOSE: Final = 1e-9
-GRID: Final = np.radians(np.arange(180_000) * 0.002)
+STEP: Final = 0.002
 BLOCK: Final = 8192
 LAWS: Final = (
     "polynomial-345", "polynomial-4567", "modified-sine", "modified-trapezoid", "inclined-sine",
@@ -135,10 +135,10 @@ def plan(source: random.Random, kind: str) -> Any:
 
 
 def jet_of(design: camgeo.Design, phi: FloatArray, side: Any = "right") -> FloatArray:
-    """(3, n) the lift and two derivatives [mm or rad per rad^k]."""
+    """(4, n) the lift and its derivatives [mm or rad per rad^k]."""
     motion: Any = design.cam.drive.motion
     return np.concatenate(
-        [motion.jet(phi[k : k + BLOCK], side)[:3] for k in range(0, len(phi), BLOCK)], axis=1
+        [motion.jet(phi[k : k + BLOCK], side)[:4] for k in range(0, len(phi), BLOCK)], axis=1
     )
 
 
@@ -148,7 +148,7 @@ def centres(values: Any, jet: FloatArray) -> tuple[ComplexArray, ComplexArray, C
     With W the centre in the frame, that of the cam is Z = W exp(-i sense phi).
     """
     own, sense = values["follower"], 1.0 if values["cam"]["rotation"] == "ccw" else -1.0
-    s, s1, s2 = jet
+    s, s1, s2, _ = jet
     if own["kind"] == "translating-roller":
         base, offset = own["base_radius"], own["offset"]
         w, w1, w2 = offset + 1j * (math.sqrt(base**2 - offset**2) + s), 1j * s1, 1j * s2
@@ -166,15 +166,18 @@ def centres(values: Any, jet: FloatArray) -> tuple[ComplexArray, ComplexArray, C
 
 
 def quantities(values: Any, jet: FloatArray) -> dict[str, FloatArray]:
-    """What is told of a cam, at the cam angles of a `jet` (3, n)."""
+    """What is told of a cam, at the cam angles of a `jet` (4, n)."""
     own, sense = values["follower"], 1.0 if values["cam"]["rotation"] == "ccw" else -1.0
+    unit = 1.0 if own["kind"].startswith("translating") else math.degrees(1.0)
+    rates = {name: unit * np.abs(jet[order]) for order, name in enumerate(RATES, start=1)}
     if own["kind"] == "translating-flat":
-        return {"convexity": own["base_radius"] + jet[0] + jet[2]}
+        return {**rates, "convexity": own["base_radius"] + jet[0] + jet[2]}
     first, second, way = centres(values, jet)
     kappa = -sense * np.imag(np.conj(first) * second) / np.abs(first) ** 3
     across = np.conj(1j * first / np.abs(first)) * way
     angle = np.degrees(np.arctan2(np.abs(across.real), np.abs(across.imag)))
     return {
+        **rates,
         "transmission-angle": angle,
         "radius-ratio-inner": own["roller_radius"] * kappa,
         "kappa": kappa,
@@ -182,14 +185,16 @@ def quantities(values: Any, jet: FloatArray) -> dict[str, FloatArray]:
 
 
 LEAST: Final = ("transmission-angle", "convexity")
+RATES: Final = ("largest-velocity", "largest-acceleration", "largest-jerk")
 
 
 def checked(design: camgeo.Design) -> Iterator[Told]:
     """What `check` tells."""
     for found in design.findings:
-        if found.name in (*LEAST, "radius-ratio-inner") and found.value:
+        if found.name in (*LEAST, *RATES, "radius-ratio-inner") and found.value:
             least, ok = found.name in LEAST, found.severity == "ok"
-            yield Told(found.name, found.value, found.cam_angle, least, ok, found.limit)
+            value = abs(found.value) if found.name in RATES else found.value
+            yield Told(found.name, value, found.cam_angle, least, ok, found.limit)
 
 
 def swept(design: camgeo.Design) -> Iterator[Told]:
@@ -209,16 +214,19 @@ def swept(design: camgeo.Design) -> Iterator[Told]:
             yield Told(own, value, None, kind == "min" or (not kind and name in LEAST))
 
 
-def misses(values: Any, design: camgeo.Design, tolds: list[Told]) -> Iterator[str]:
-    """What is wrong with what is told."""
-    on_grid = quantities(values, jet_of(design, GRID))
+def misses(
+    values: Any, design: camgeo.Design, tolds: list[Told], step: float = STEP
+) -> Iterator[str]:
+    """What is wrong with what is told, on a grid of `step` degrees."""
+    phi = np.radians(np.arange(round(360.0 / step)) * step)
+    on_grid = quantities(values, jet_of(design, phi))
     for told in tolds:
         if told.name not in on_grid:  # the angle of a flat face on a guide is 90 degrees
             continue
         grid, size = on_grid[told.name], CLOSE * abs(told.value)
         k = int(np.argmin(grid) if told.least else np.argmax(grid))
         beyond = told.value - grid[k] if told.least else grid[k] - told.value
-        where = f"{math.degrees(GRID[k]):.3f} deg"
+        where = f"{math.degrees(phi[k]):.3f} deg"
         if beyond > size:
             yield f"{told.name} {told.value!r}, but {grid[k]!r} at {where}"
         if told.place is not None:
@@ -266,15 +274,17 @@ def sized(values: Any, design: camgeo.Design) -> Iterator[str]:
         yield f"size: {each}"
 
 
-def misses_of(values: Any, rows: str | None, folder: Path, *, sizes: bool) -> list[str]:
-    """What is wrong with a scene, with a table of `rows` or none; or that there is no such cam."""
+def misses_of(
+    values: Any, rows: str | None, folder: Path, *, sizes: bool, step: float = STEP
+) -> list[str]:
+    """What is wrong with a scene, with a table of `rows` or none; CamgeoError if it is no cam."""
     if rows is not None:
         (folder / "lift.csv").write_text(rows)
     path = folder / "scene.toml"
     path.write_text(tomlkit.dumps(values))
     design = camgeo.load(path)
-    found = [f"check: {each}" for each in misses(values, design, [*checked(design)])]
-    found += [f"sweep: {each}" for each in misses(values, design, [*swept(design)])]
+    found = [f"check: {each}" for each in misses(values, design, [*checked(design)], step)]
+    found += [f"sweep: {each}" for each in misses(values, design, [*swept(design)], step)]
     return found + ([*sized(values, design)] if sizes else [])
 
 
@@ -309,11 +319,11 @@ def main() -> int:
         lines.append(f"{name}: {'; '.join(found) or 'as told'}")
         bad += bool(found)
         for each in found:
-            print(f"{name}: {each}", flush=True)  # noqa: T201 - a program
+            print(f"{name}: {each}", flush=True)
     if asked.rows:
         asked.rows.write_text("\n".join(lines) + "\n")
     told = f"{len(lines)} cases, {none} without a cam, {bad} misses"
-    print(f"seed {asked.seed:x}: {told}")  # noqa: T201 - a program
+    print(f"seed {asked.seed:x}: {told}")
     return int(bad > 0)
 
 

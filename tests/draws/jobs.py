@@ -356,7 +356,7 @@ def read(text: str) -> list[Ran]:
         if found:
             found[-1].tool = tool
             if mode == "G1":
-                found[-1].moves.append(Move([tuple(at), tuple(end)]))  # type: ignore[list-item]
+                found[-1].moves.append(Move([(at[0], at[1], at[2]), (end[0], end[1], end[2])]))
             elif mode in ("G2", "G3"):
                 centre = (at[0] + values.get("I", 0.0), at[1] + values.get("J", 0.0))
                 found[-1].moves.append(Move(list(_arc(at, end, centre, mode == "G3"))))

@@ -19,7 +19,7 @@ from tests.effects.fakes import fake
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 
-SUBJECT: Any = SimpleNamespace(disc=object(), output="elastic")
+SUBJECT: Any = SimpleNamespace(disc=object(), output="elastic", unit="mm")
 """None of the effects here asks anything of the design."""
 
 

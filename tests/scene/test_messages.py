@@ -224,7 +224,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (
         PLATE,
         [("tolerance = 0.001", "tolerance = 0.5"), ('"mm"', '"inch"')],
-        'tolerance = 0.5: .* 1e-7 mm to 1 mm; it is given in the scene\'s unit, "inch"',
+        'tolerance = 0.5: .* to 0.03937 inch; it is given in the scene\'s unit, "inch"',
     ),
     (PLATE, [("base_radius = 50", "base_radius = 1e9")], "at least 1e-10 of the largest length"),
     (ROCKER, [("radius = 55", "radius = 1e-3")], "default, 0.001 mm, must be at most 0.1 of the b"),

@@ -124,7 +124,7 @@ def test_lint_is_told_the_side_of_a_program_that_does_not_say_it(tmp_path: Path)
     for told in (True, False):
         answer = linted(tmp_path, "silent", silent, second_side=told, tables=tables)
         rules = {each.found.rule for each in answer.programs[0].findings}
-        assert rules == (set() if told else {"gouged-part"})
+        assert rules == (set() if told else {"gouged-part", "rest"})
 
 
 def test_lint_finds_what_goes_wrong_on_the_second_side(tmp_path: Path) -> None:

@@ -37,15 +37,18 @@ def setzhub(operations: str) -> str:
 
 
 def test_a_rest_that_operations_mean_to_leave_is_to_be_watched() -> None:
-    loose, rest = findings(setzhub(BORE + ROUGH))
-    assert (loose.name, loose.severity) == ("loose-core", "warning")
+    left, keyway, loose, rest = findings(setzhub(BORE + ROUGH))
+    assert [keyway.name, left.name, loose.name] == ["keyway", "unlike-the-part", "loose-core"]
+    assert left.sentence == "outline: rough outline; 0.4 mm are left on it"
+    assert {keyway.severity, left.severity, loose.severity} == {"warning"}
     assert (rest.name, rest.severity) == ("rest", "warning")
     assert rest.value is not None
     assert rest.value > 0.39
 
 
 def test_operations_that_finish_all_walls_leave_nothing() -> None:
-    assert [each.name for each in findings(setzhub(BORE + ROUGH + FINISH))] == ["loose-core"]
+    names = [each.name for each in findings(setzhub(BORE + ROUGH + FINISH))]
+    assert names == ["keyway", "loose-core"]
 
 
 def test_a_planned_program_must_leave_no_rest() -> None:

@@ -88,7 +88,7 @@ def test_the_certificate_has_the_findings_on_parts(tmp_path: Path) -> None:
             for each in one.findings
         ]
         names = {each["name"] for each in found}
-        told = {"disc-angle", "largest-diameter", "smallest-wall", "set-screw"}
+        told = {"disc-angle", "largest-diameter", "smallest-wall", "wall-ratio", "set-screw"}
         assert names == (told if parts else set())
 
 

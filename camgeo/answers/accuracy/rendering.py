@@ -11,6 +11,7 @@ from camgeo.accuracy.spectrum import harmonics
 from camgeo.answers.accuracy import Accuracy
 from camgeo.figure import accuracy
 from camgeo.figure.model import Figure
+from camgeo.units import MM_PER, LengthUnit
 
 COLUMNS: Final = """\
 pieces: in the contours of the flanks; of least: pieces other than dwells and turns, as a multiple
@@ -61,8 +62,9 @@ NONE: Final = "-"
 
 def text(answer: Accuracy) -> str:
     """A table each of contours, solids, builds, benefits, value tables and effects; the advice."""
-    found, ripple = answer.survey, answer.ripple
-    lines = [f"{answer.scene.name}: what accuracy costs, in mm, bytes and seconds", ""]
+    length = answer.scene.unit
+    found, ripple = answer.survey.in_length(length), answer.ripple
+    lines = [f"{answer.scene.name}: what accuracy costs, in {length}, bytes and seconds", ""]
     heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
     lines += _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
     if found.solids:
@@ -70,7 +72,10 @@ def text(answer: Accuracy) -> str:
     if found.bill:
         lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
     if answer.benefits:
-        lines += ["", *_columns(_benefits(answer), [_benefit_cells(row) for row in answer.written])]
+        lines += [
+            "",
+            *_columns(_benefits(answer), [_benefit_cells(row, length) for row in answer.written]),
+        ]
     heads = ["step [deg]", "rows", "bytes", "made", f"error [{answer.unit}]"]
     lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
     if found.effects:
@@ -94,6 +99,7 @@ def figure(answer: Accuracy) -> Figure:
         benefits=answer.benefits,
         form=answer.form,
         unit="rad" if answer.turns else "mm",
+        length=answer.scene.unit,
     )
 
 
@@ -156,12 +162,12 @@ def _benefits(answer: Accuracy) -> list[str]:
     return [*heads, "force [N]", "least [N]", "lifts off", "octave", f"in it [{answer.unit}/s^2]"]
 
 
-def _benefit_cells(row: dict[str, Any]) -> tuple[list[str], str]:
+def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], str]:
     ripple = row["ripple"]
     figures = (row["force_N"], row["lowest_force_N"], row["lift_off_rpm"])
     cells = [
         row["contour"],
-        f"{row['tolerance_mm']:g}",
+        f"{row['tolerance_mm'] / MM_PER[length]:.6g}",
         _three(row["acceleration"]),
         NONE if ripple is None else f"{100.0 * ripple:.3g} %",
         *map(_three, figures),

@@ -6,9 +6,10 @@ from typing import Final
 
 from camgeo.answers.answer import MARKS
 from camgeo.answers.compare import Cell, Compare
-from camgeo.answers.sweep.rendering import aligned, shown
+from camgeo.answers.sweep.rendering import aligned, shown_in
 from camgeo.figure import compare
 from camgeo.figure.model import Figure
+from camgeo.units import LengthUnit, in_unit
 from camgeo.wording import counted, shortened
 
 MOST_KEYS: Final = 30
@@ -30,22 +31,23 @@ def text(answer: Compare) -> str:
     rows.append(["" for _ in rows[0]])
     if any(each.verdict for each in answer.designs):
         rows.append(["verdict", *(each.verdict for each in answer.designs)])
-    rows += [[line.name, *map(_cell, line.cells)] for line in answer.lines]
+    units = [each.design.scene.unit for each in answer.designs]
+    rows += [[line.name, *map(_cell, line.cells, units)] for line in answer.lines]
     lines = aligned(rows)
     told = dict.fromkeys(
-        f"{label}: {line.name}: {cell.reason}"
+        f"{label}: {line.name}: {in_unit(cell.reason, unit)}"
         for line in answer.lines
-        for label, cell in zip(labels, line.cells, strict=True)
+        for label, cell, unit in zip(labels, line.cells, units, strict=True)
         if cell.reason
     )
     return "\n".join([*lines, *(["", *told] if told else [])])
 
 
-def _cell(cell: Cell) -> str:
+def _cell(cell: Cell, length: LengthUnit) -> str:
     mark = "" if cell.severity in ("", "ok") else MARKS[cell.severity]
     if cell.value is None:
         return mark or (cell.verdict or "-")
-    return " ".join(filter(None, (shown(cell.value), cell.unit, mark)))
+    return " ".join(filter(None, (*shown_in(length, cell.value, cell.unit), mark)))
 
 
 def figure(answer: Compare) -> Figure:

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from camgeo.answers.optimise import Bound, Optimum, Tried
-from camgeo.answers.sweep.rendering import aligned, exact, shown
+from camgeo.answers.sweep.rendering import aligned, exact, shown, shown_in
+from camgeo.units import unit_in
 from camgeo.wording import counted, shortened
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def text(answer: Optimum) -> str:
 
 def _designs(answer: Optimum) -> list[str]:
     """A column for the scene's own design and one for the best."""
-    written = answer.written
+    written, length = answer.written, answer.scene.unit
     best = answer.best if written is None else written
     columns: list[tuple[str, Tried]] = [("nearest" if written is None else "best", best)]
     if answer.start is not None:
@@ -55,8 +56,9 @@ def _designs(answer: Optimum) -> list[str]:
     for key in best.values:
         rows.append([key, *(shown(each.values[key]) for _, each in columns)])
     for word, unit in zip(best.answers, answer.units, strict=True):
-        label = f"{word} [{unit}]" if unit else word
-        rows.append([label, *(shown(each.answers[word]) for _, each in columns)])
+        texts = [shown_in(length, each.answers[word], unit) for _, each in columns]
+        shown_unit = texts[0][1]
+        rows.append([f"{word} [{shown_unit}]" if unit else word, *(text for text, _ in texts)])
     if answer.start is not None and answer.start.violated:
         kept = ["no" if each.violated else "yes" for _, each in columns]
         rows.append(["keeps all limits", *kept])
@@ -71,15 +73,16 @@ def _broken(design: Tried) -> list[str]:
 
 def _front(answer: Optimum) -> list[str]:
     words = [each.asked for each in answer.objectives]
-    heads = [f"{each.asked} [{each.unit}]" if each.unit else each.asked
-             for each in answer.objectives]  # fmt: skip
+    length, units = answer.scene.unit, {each.asked: each.unit for each in answer.objectives}
+    heads = [f"{word} [{unit_in(unit, length)[0]}]" if unit else word
+             for word, unit in units.items()]  # fmt: skip
     rows = [[*heads, *answer.best.values]]
     designs = answer.front
     if len(designs) > MOST_FRONT:  # evenly spaced, both ends among them
         last = len(designs) - 1
         designs = tuple(designs[k * last // (MOST_FRONT - 1)] for k in range(MOST_FRONT))
     for each in designs:
-        answers = (shown(each.answers[word]) for word in words)
+        answers = (shown_in(length, each.answers[word], units[word])[0] for word in words)
         rows.append([*answers, *(shown(value) for value in each.values.values())])
     more = len(answer.front) - len(designs)
     told = [f"  and {counted(more, 'design')} between these"] if more else []

@@ -61,10 +61,11 @@ def figure(answer: CamSize) -> Figure:
     if faces:
         from camgeo.figure import size_face  # few cams have a flat face
 
-        return size_face.figure(name, faces)
+        return size_face.figure(name, faces, answer.scene.unit)
     from camgeo.figure import size
 
-    return size.figure(name, [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)])
+    sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)]
+    return size.figure(name, sides, answer.scene.unit)
 
 
 def _required(answer: CamSize) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from camgeo.answers.sweep import Design, Span, Sweep
+from camgeo.units import LengthUnit, unit_in
 from camgeo.wording import counted, listed, shortened
 
 FEW: Final = 40
@@ -28,7 +29,7 @@ def text(answer: Sweep) -> str:
         lines += ["", *aligned(_cells(answer, answer.designs))]
     else:
         for span in answer.spans:
-            lines += ["", *_span(span)]
+            lines += ["", *_span(span, answer.scene.unit)]
     if answer.failed:
         lines += ["", f"{counted(answer.failed, 'design')} failed:"]
         for reason, count in list(answer.reasons.items())[:MOST_REASONS]:
@@ -46,9 +47,9 @@ def _drawn(answer: Sweep) -> str:
     return f", drawn with {sample.method}, seed {sample.seed}"
 
 
-def _span(span: Span) -> list[str]:
+def _span(span: Span, length: LengthUnit) -> list[str]:
     """The least and the greatest answer to a question, each with its design."""
-    head = headed(span)
+    head = headed(span, length)
     if span.words:
         found = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
         return [f"{head}: {found}"]
@@ -58,28 +59,39 @@ def _span(span: Span) -> list[str]:
         return [f"{head}: no design has an answer"]
     lines = [f"{head}: {counted(span.count, 'answer')}"]
     for what, design in (("least", span.least), ("greatest", span.greatest)):
+        found, _ = shown_in(length, design.answers[span.word], span.unit)
         values = ", ".join(f"{key} = {shown(value)}" for key, value in design.values.items())
-        lines.append(f"  {what:8}  {shown(design.answers[span.word])}  at {values}")
+        lines.append(f"  {what:8}  {found}  at {values}")
     return lines
 
 
-def headed(span: Span) -> str:
-    """Heading of the answers, with their unit if they have one."""
-    return f"{span.word} [{span.unit}]" if span.unit else span.word
+def headed(span: Span, length: LengthUnit = "mm") -> str:
+    """Heading of the answers, with their unit if they have one, in a unit of length."""
+    unit, _ = unit_in(span.unit, length)
+    return f"{span.word} [{unit}]" if unit else span.word
 
 
 def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
-    rows = [[*answer.keys, *(headed(span) for span in answer.spans), REASON]]
+    length = answer.scene.unit
+    rows = [[*answer.keys, *(headed(span, length) for span in answer.spans), REASON]]
+    common = {span.word: span.unit for span in answer.spans}
     for each in designs:
         answers = (
-            " ".join(filter(None, (shown(answer), each.units.get(word, ""))))
-            for word, answer in each.answers.items()
+            " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))
+            for word in each.answers
         )
         values = map(shown, each.values.values())
         rows.append([*values, *answers, shortened(each.reason, LONGEST)])
     if not answer.failed:
         rows = [row[:-1] for row in rows]
     return rows
+
+
+def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple[str, str]:
+    """An answer, with its unit where that is not the `common` one of the column."""
+    own = design.units.get(word, "")
+    found, unit = shown_in(length, design.answers[word], own or common)
+    return found, unit if own else ""
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
@@ -89,6 +101,12 @@ def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
         "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
+
+
+def shown_in(length: LengthUnit, value: object, unit: str) -> tuple[str, str]:
+    """A value and its `unit` for reading, in the unit of length of a scene."""
+    unit, divisor = unit_in(unit, length)
+    return shown(value / divisor if isinstance(value, float) else value), unit
 
 
 def shown(value: object) -> str:

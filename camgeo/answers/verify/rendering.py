@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from camgeo.answers.verify import Verification
+from camgeo.units import LengthUnit, in_unit, unit_in
 from camgeo.verifying.verification import Check, Verdict
 
 MARKS: Final = {True: "ok", False: "FAIL", None: ""}
@@ -18,7 +20,8 @@ def text(answer: Verification) -> str:
     """Each file with its result, and its checks below it."""
     lines = []
     for path, verdict in zip(answer.paths, answer.verdicts, strict=True):
-        lines += [_headline(path, verdict), *map(_line, verdict.checks)]
+        checks = (_line(_in_unit(check, verdict.length)) for check in verdict.checks)
+        lines += [in_unit(_headline(path, verdict), verdict.length), *checks]
     return "\n".join(lines)
 
 
@@ -31,6 +34,18 @@ def _headline(path: Path, verdict: Verdict) -> str:
     off = verdict.deviation
     text = "deviation not proved" if off is None else f"at most {off:.3g} mm off"
     return f"{path}: {word}, {text} (tolerance {tolerance:g} mm, by {who})"
+
+
+def _in_unit(check: Check, length: LengthUnit) -> Check:
+    """The check in the unit of length of the scene."""
+    unit, divisor = unit_in(check.unit, length)
+    numbers = {name: getattr(check, name) for name in ("value", "expected", "limit")}
+    for name, each in numbers.items():
+        if isinstance(each, str):
+            numbers[name] = in_unit(each, length)
+        elif each is not None and divisor != 1.0:
+            numbers[name] = each / divisor
+    return replace(check, **numbers, unit=unit, note=in_unit(check.note, length))
 
 
 def _line(check: Check) -> str:

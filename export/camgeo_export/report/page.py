@@ -26,6 +26,7 @@ from camgeo.answers.report.triangles import triangles
 from camgeo.figure import accuracy
 from camgeo.figure.model import data_of
 from camgeo.product.value_table import Table
+from camgeo.units import MM_PER, LengthUnit, in_unit
 from camgeo.wording import counted
 from camgeo_export.browser.bundles import bundle
 
@@ -71,7 +72,7 @@ def render(report: Report) -> bytes:
         "diagrams": _diagrams(report.charts),
         "solid": _solids(report.solids),
         "table": "" if report.table is None else _values(report.table),
-        "prices": "" if report.prices is None else _prices(report.prices),
+        "prices": "" if report.prices is None else _prices(report.prices, report.scene.unit),
         "certificate": _certificate(report),
         "left-out": _items(report.left_out),
     }
@@ -123,8 +124,10 @@ def _data(report: Report) -> str:
     """What the script draws, as JSON that ends no element."""
     prices = None
     if report.prices is not None:
-        drawn = accuracy.figure(report.prices, title="", computing=False)
-        prices = {"figure": drawn.to_data(), "sentence": advice(report.prices.knee)}
+        unit = report.scene.unit
+        drawn = accuracy.figure(report.prices, title="", computing=False, length=unit)
+        sentence = in_unit(advice(report.prices.knee), unit)
+        prices = {"figure": drawn.to_data(), "sentence": sentence}
     found = {
         "animation": None if report.animation is None else report.animation.to_data(),
         "charts": [
@@ -253,13 +256,15 @@ def _values(table: Table) -> str:
     )
 
 
-def _prices(survey: Survey) -> str:
-    heads = ("contour", "effort", "tolerance [mm]", "pieces", "proved deviation [mm]",
+def _prices(survey: Survey, unit: LengthUnit) -> str:
+    heads = ("contour", "effort", f"tolerance [{unit}]", "pieces", f"proved deviation [{unit}]",
              "DXF [bytes]", "G-code [bytes]", "milled round [s]")  # fmt: skip
+    sentence = in_unit(f"Advice: {advice(survey.knee)}.", unit)
+    survey = survey.in_length(unit)
     rows = []
     for row in survey.contours:
         numbers = (
-            f"{row.tolerance:g}",
+            f"{row.tolerance:.6g}",
             "-" if row.count is None else f"{row.count.pieces:,}",
             "-" if row.count is None else f"{row.count.deviation:.3g}",
             "-" if row.drawing is None else f"{row.drawing.size:,}",
@@ -268,7 +273,6 @@ def _prices(survey: Survey) -> str:
         )
         rows.append(f"<tr><td>{escape(row.form)}</td><td>{escape(row.effort)}</td>"
                     f"{_numbers(numbers)}</tr>")  # fmt: skip
-    sentence = f"Advice: {advice(survey.knee)}."
     return (
         f'<figure class="chart" id="prices"><figcaption>{escape(sentence)}</figcaption></figure>'
         f"{_table('Pieces, bytes and times', heads, rows)}"
@@ -279,13 +283,16 @@ def _certificate(report: Report) -> str:
     found = report.certificate
     if found is None:
         return ""
-    heads = ("file", "format", "bytes", "tolerance [mm]", "proved deviation [mm]", "SHA-256")
+    unit = report.scene.unit
+    mm = MM_PER[unit]
+    heads = ("file", "format", "bytes", f"tolerance [{unit}]", f"proved deviation [{unit}]",
+             "SHA-256")  # fmt: skip
     rows = []
     for each in found["files"]:
         deviation = each["deviation_mm"]
         numbers = (
-            f"{each['bytes']:,}", f"{each['tolerance_mm']:g}",
-            "-" if deviation is None else f"{deviation:.3g}",
+            f"{each['bytes']:,}", f"{each['tolerance_mm'] / mm:.6g}",
+            "-" if deviation is None else f"{deviation / mm:.3g}",
         )  # fmt: skip
         names = f"<td>{escape(each['file'])}</td><td>{escape(each['format'])}</td>"
         digest = f'<td class="hash">{escape(each["sha256"])}</td>'

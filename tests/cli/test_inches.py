@@ -1,0 +1,132 @@
+"""Texts of scenes in inches: the same words as in mm, and the same lengths."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import pytest
+
+import camgeo
+from camgeo.cli.main import main
+from camgeo.errors import GeometryError, SceneError
+from camgeo.product.judged_part import part_of
+from camgeo.scene.load import load_scene
+from tests.answers.documents import FIXTURES
+from tests.inches import in_inches
+from tests.long_form import LONG
+
+NUMBER = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
+
+MEASURE = re.compile(
+    rf"(?<![\w.])({NUMBER}(?:(?:, | to | and | x |, [XYZ] ){NUMBER})*\)?) ((?:g |kg )?)(mm|inch)"
+    r"(?:\^(\d))?"
+)
+
+SCENES = [
+    "scenes/plate_translating", "effects/lever",
+    *(["scenes/tappet", "scenes/groove", "scenes/setzhub", "scenes/conjugate_lever",
+       "effects/valve_train", "effects/yoke", "refused/global_undercut",
+       "refused/undercut_tappet", "milling/bolt_circle", "scenes/constant_breadth",
+       "scenes/feed", "effects/press"]
+      if LONG else []),
+]  # fmt: skip
+
+
+def printed(*words: str) -> str:
+    """What a command prints."""
+    found = io.StringIO()
+    with redirect_stdout(found), redirect_stderr(found):
+        assert main(words) in (0, 1)
+    return found.getvalue()
+
+
+def both(scene: Path, folder: Path) -> Path:
+    """The scene in inches, in a file of the same name in another folder."""
+    made = folder / scene.name
+    made.write_text(in_inches(load_scene(scene)), encoding="utf-8")
+    return made
+
+
+def in_words(text: str) -> list[str]:
+    """The lines without their numbers and units, and without the blanks between columns."""
+    return [
+        re.sub(r"[ -]+", " ", re.sub(NUMBER, "#", re.sub(r"\b(mm|inch)\b", "@", line)))
+        for line in text.splitlines()
+    ]
+
+
+def unit_in_last_place(number: str) -> float:
+    mantissa, _, exponent = number.replace(",", "").partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def compare(mm: str, inch: str) -> None:
+    """Every length of `inch` is that of `mm`, to the digits of both."""
+    assert len(mm.splitlines()) == len(inch.splitlines())
+    for one, other in zip(mm.splitlines(), inch.splitlines(), strict=True):
+        pairs = list(zip(MEASURE.finditer(one), MEASURE.finditer(other), strict=True))
+        for a, b in pairs:
+            assert (a[2], a[3], b[2], b[3], a[4]) == (a[2], "mm", a[2], "inch", b[4])
+            scale = 25.4 ** int(a[4] or 1)
+            numbers = zip(re.findall(NUMBER, a[1]), re.findall(NUMBER, b[1]), strict=True)
+            for x, y in numbers:
+                off = 0.6 * unit_in_last_place(x) / scale + 1.1 * unit_in_last_place(y)
+                # What is 0 but for rounding is not the same after a conversion.
+                off += 1e-12
+                right = float(x.replace(",", "")) / scale
+                assert float(y.replace(",", "")) == pytest.approx(right, abs=off), (one, other)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_check_in_inches_says_the_same(name: str, tmp_path: Path) -> None:
+    scene = FIXTURES / f"{name}.toml"
+    mm, inch = printed("check", str(scene)), printed("check", str(both(scene, tmp_path)))
+    assert re.search(r"(?<!/)\bmm\b", inch) is None
+    assert in_words(mm) == in_words(inch)
+    compare(mm, inch)
+
+
+@pytest.mark.parametrize("command", ["size", "setup", "explain", "probe"])
+def test_no_command_states_mm(command: str, tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    assert re.search(r"(?<!/)\bmm\b", printed(command, str(made))) is None
+
+
+def test_faults_and_tables_are_in_inches(tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    family = ["--vary", "follower.base_radius=1.9:2:2", "--ask", "diameter"]
+    assert "diameter [inch]" in printed("sweep", str(made), *family)
+    assert "inch" in printed("compare", str(made), str(made))
+
+
+def test_errors_are_in_inches_and_tell_the_key_as_it_is_stated(tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    scene = load_scene(made)
+    wide = camgeo.Design(scene.with_values({"part.bore": 4.0, "part.keyway": None}))
+    (refused,) = part_of(wide.disc).findings
+    assert "part.bore = 4" in refused.sentence
+    assert "reaches 2 inch" in refused.sentence
+    assert " mm" not in refused.sentence
+    with pytest.raises(SceneError, match=r"output.tolerance = 1: must be .* inch") as caught:
+        scene.with_values({"output.tolerance": 1})
+    assert " mm" not in str(caught.value)
+    with pytest.raises(GeometryError, match="inch") as raised:
+        wide.write(tmp_path, ["stl"])
+    assert " mm" not in str(raised.value)
+
+
+def test_sentences_of_documents_are_in_inches_and_numbers_in_mm(tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    found = json.loads(printed("probe", str(made), "--ball", "0.5", "--json"))
+    own = json.loads(printed("probe", str(FIXTURES / "scenes/plate_translating.toml"), "--ball",
+                             "0.5", "--json"))  # fmt: skip
+    for inch, mm in zip(found["flanks"], own["flanks"], strict=True):
+        for one, other in zip(inch["findings"], mm["findings"], strict=True):
+            assert " mm" not in one["sentence"]
+            compare(other["sentence"], one["sentence"])
+            assert one["value"] == pytest.approx(other["value"], rel=1e-9)
+            assert one["unit"] == other["unit"] == "mm"
