@@ -166,8 +166,8 @@ def text_of(values: Values) -> str:
 def drawn_motion(draw: random.Random, stroke: float) -> list[Values]:
     """Rests, and two or four moves between 0 and `stroke`."""
     found: list[Values] = []
-    count = draw.choice([1, 1, 2])
-    spans = [round(draw.uniform(25, 100 / count), 2) for _ in range(2 * count)]
+    count, most = draw.choice([1, 1, 2]), draw.choice([35, 100])  # some are steep
+    spans = [round(draw.uniform(20, max(most / count, 30)), 2) for _ in range(2 * count)]
     left = 360 - sum(spans)
     shares = [draw.random() + 0.05 for _ in spans]
     rests = [round(left * share / sum(shares), 2) for share in shares]
@@ -309,6 +309,8 @@ def complaints(values: Values) -> Iterator[str]:
             head = f"{fault}, {cure.knob}"
             if cure.works:
                 yield from (f"{head}: {each}" for each in applied(values, cure, fault, before))
+            if cure.knob == "longer segment":
+                yield from (f"{head}: {each}" for each in stretched(values, cure, fault, before))
             if cure.knob in ("longer segment", "other law"):
                 continue
             knob = knob_of(values, cure.knob)
@@ -369,6 +371,46 @@ def compared(values: Values, cure: Any, fault: str, before: set[str], knob: Knob
             if good(value, breaks=allowed):
                 yield f"{value!r} cures, {cure.sentence}"
                 break
+
+
+def longer(values: Values, number: int, span: float) -> Values | None:
+    """With another span of a move, taken from the rests beside it; None if they are too short."""
+    other = deepcopy(values)
+    motion = other["motion"]
+    missing = span - motion[number - 1]["span"]
+    motion[number - 1]["span"] = span
+    for beside in (number % len(motion), number - 2):
+        taken = min(missing, motion[beside]["dwell"])
+        motion[beside]["dwell"] -= taken
+        missing -= taken
+    total = sum(each.get("dwell", each.get("span")) for each in motion)
+    motion[number % len(motion)]["dwell"] += 360.0 - total  # rounding
+    return other if missing <= 1e-9 else None
+
+
+def stretched(values: Values, cure: Any, fault: str, before: set[str]) -> Iterator[str]:
+    """What is wrong with the longer span of a move that alone is at fault."""
+    moves = [number for number, each in enumerate(values["motion"], start=1) if "law" in each]
+    faulty = [number for number, _ in courses(values) if margins(values, fault, number) <= 0.0]
+    if len(faulty) != 1 or faulty[0] not in moves or cure.breaks:
+        return
+    (number,) = faulty
+    start = values["motion"][number - 1]["span"]
+    room = start + values["motion"][number - 2]["dwell"]
+    room += values["motion"][number % len(values["motion"])]["dwell"]
+    most = float(cure.value_to) - 2e-6 if cure.works else room - 1e-6
+    conditions = [fault] if values["follower"]["kind"].endswith("flat") else [*OF_ROLLER]
+    held = [each for each in conditions if each == fault or not has(each, before)]
+    confirmed = 0
+    for span in np.linspace(start, most, GRID).tolist():
+        other = longer(values, number, span)
+        if other is None or not all(margins(other, each, number) > 1e-9 for each in held):
+            continue
+        names, confirmed = broken(other), confirmed + 1
+        if names is not None and not has(fault, names) and names <= before:
+            yield f"a span of {span!r} cures, {cure.sentence}"
+        if confirmed == CONFIRMED:
+            return
 
 
 def cases(seed: int) -> Iterator[Values]:

@@ -22,11 +22,10 @@ from camgeo.check.cures.conditions import (
 from camgeo.check.cures.neck import crossings
 from camgeo.check.cures.search import Along
 from camgeo.check.cures.task import Task
-from camgeo.curve.together import LinkedMotions
+from camgeo.curve.together import LinkedMotions, Repeated
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.laws.law import Law
 from camgeo.motion.motion import FULL_ORDER, Jet, Motion
-from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
 from camgeo.motion.spans import EXACT
 from camgeo.numeric.arrays import FloatArray, Side
@@ -111,41 +110,20 @@ def degrees(value: Decimal) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretched:
-    """A motion at one cam angle, if the move there has other spans.
+class Stretched(Repeated):
+    """A motion at one cam angle, asked for n times, if the move there has n other spans.
 
     Attributes
     ----------
-    motion : with the present span.
-    growth : (n,) by how much each of the others is longer; a cam angle is asked for n times.
+    growth : (n,) by how much each of them is longer.
     """
 
-    motion: Motion
     growth: FloatArray
-
-    @property
-    def breaks(self) -> FloatArray:
-        """See `Motion`."""
-        return self.motion.breaks
-
-    @property
-    def borders(self) -> FloatArray:
-        """See `Motion`."""
-        return self.motion.borders
-
-    @property
-    def dwells(self) -> tuple[DwellSpan, ...]:
-        """See `Motion`."""
-        return self.motion.dwells
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
         found = self.motion.jet(phi, side, order)
         return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
-
-    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
-        """See `Motion.jet_and_bounds`: there are no cells."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,10 +178,10 @@ class Span:
         def along(values: FloatArray) -> FloatArray:
             motion: Motion
             if isinstance(curve.motion, LinkedMotion):
-                demanded = Stretched(curve.motion.demanded, values / value)
+                demanded = Stretched(curve.motion.demanded, 1, values / value)
                 motion = LinkedMotions(demanded, curve.motion.linkage)
             else:
-                motion = Stretched(curve.motion, values / value)
+                motion = Stretched(curve.motion, 1, values / value)
             other = replace(curve, motion=motion)
             return margin_of_either_side(condition, other, (cam,), phi, len(values))
 

@@ -225,29 +225,25 @@ def first_root(along: Along, start: float, end: float, scale: float) -> float | 
     """
     edges = _edges(start, end, scale)
     values = along(edges)
+    settled = np.abs(np.diff(edges)) <= BEYOND * scale
     if values[0] >= 0.0:
         return start
-    a, b, fa, fb = edges[:-1], edges[1:], values[:-1], values[1:]
     while True:
-        across = np.flatnonzero(fb >= 0.0)
-        if len(across):
-            k = int(across[0])
-            a, b, fa, fb = a[: k + 1], b[: k + 1], fa[: k + 1], fb[: k + 1]
-        open_, middle = fb < 0.0, 0.5 * (a + b)
-        open_ &= np.abs(b - a) > BEYOND * scale
-        fm = np.full_like(fa, -np.inf)
-        fm[open_] = along(middle[open_]) if np.any(open_) else 0.0
-        split = open_ & (_highest(fa, fm, fb) >= 0.0)
-        if not np.any(split):
-            return _bracketed(along, a[-1], b[-1]) if len(across) else None
-        keep = split | (fb >= 0.0)
-        a, b, middle, fa, fb, fm = (each[keep] for each in (a, b, middle, fa, fb, fm))
-        halved = split[keep]
-        order = np.repeat(np.arange(len(a)), np.where(halved, 2, 1))
-        second = np.append(False, order[1:] == order[:-1])
-        first = np.append(order[1:] == order[:-1], False)
-        a, fa = np.where(second, middle[order], a[order]), np.where(second, fm[order], fa[order])
-        b, fb = np.where(first, middle[order], b[order]), np.where(first, fm[order], fb[order])
+        across = np.flatnonzero(values >= 0.0)
+        before = int(across[0]) - 1 if len(across) else len(settled)
+        cells = np.flatnonzero(~settled[:before])
+        if not len(cells):
+            return _bracketed(along, edges[before], edges[before + 1]) if len(across) else None
+        middles = 0.5 * (edges[cells] + edges[cells + 1])
+        found = along(middles)
+        split = _highest(values[cells], found, values[cells + 1]) >= 0.0
+        settled[cells] = ~split | (np.abs(middles - edges[cells]) <= BEYOND * scale)
+        places = cells[split] + 1
+        edges, values = (
+            np.insert(edges, places, middles[split]),
+            np.insert(values, places, found[split]),
+        )
+        settled = np.insert(settled, places, settled[cells[split]])
 
 
 def _bracketed(along: Along, low: float, high: float) -> float:

@@ -122,7 +122,7 @@ def base_radius(task: Task) -> Cure:
     main = task.discs[0]
     old = main.follower.base_radius
     high = min(MOST * old, max(main.follower.farthest * (1.0 - INSIDE), old))
-    low = _smallest(main.follower) + INSIDE * old
+    low = _knob(main.follower)[-1] + INSIDE * old
     if main.contact.runs_inside:
         low = max(low, main.disc.flank_distance * (1.0 + INSIDE))
     return _other(task, "base radius", 0, (min(low, old), high), old)
@@ -134,7 +134,7 @@ def offset_or_arm(task: Task) -> Cure:
     Of a pair whose return disc alone is at fault, that of the return roller.
     """
     number = 1 if len(task.discs) > 1 and _is_kept(task, task.discs[:1]) else 0
-    knob, low, high, scale = _knob(task.discs[number].follower)
+    knob, low, high, scale, _ = _knob(task.discs[number].follower)
     return _other(task, knob, number, (low, high), scale)
 
 
@@ -282,35 +282,21 @@ def _field(key: str) -> str:
 
 
 @singledispatch
-def _knob(follower: Any) -> tuple[str, float, float, float]:
-    """The dimension to change besides the radii: its name, bounds, and a scale for it [mm]."""
+def _knob(follower: Any) -> tuple[str, float, float, float, float]:
+    """The dimension to change besides the radii: its name, bounds, and a scale for it; and the base
+    radius down to which there is a mechanism [mm].
+    """
     raise TypeError(type(follower))
 
 
 @_knob.register
-def _(follower: TranslatingRoller) -> tuple[str, float, float, float]:
+def _(follower: TranslatingRoller) -> tuple[str, float, float, float, float]:
     high = (1.0 - INSIDE) * follower.base_radius
-    return "offset", -high, high, follower.base_radius
+    return "offset", -high, high, follower.base_radius, abs(follower.offset)
 
 
 @_knob.register
-def _(follower: OscillatingRoller) -> tuple[str, float, float, float]:
+def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
     distance, base = follower.centre_distance, follower.base_radius
     low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
-    return "arm", low, high, follower.arm
-
-
-@singledispatch
-def _smallest(follower: Any) -> float:
-    """The base radius [mm] down to which there is a mechanism."""
-    raise TypeError(type(follower))
-
-
-@_smallest.register
-def _(follower: TranslatingRoller) -> float:
-    return abs(follower.offset)
-
-
-@_smallest.register
-def _(follower: OscillatingRoller) -> float:
-    return abs(follower.excess)
+    return "arm", low, high, follower.arm, abs(follower.excess)
