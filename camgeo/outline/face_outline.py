@@ -119,22 +119,30 @@ def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, floa
     """Ranges of cam angle (start, end) [rad] with p < 0, ends in [0, 2 pi); the whole turn is
     (0, 2 pi).
 
-    `deepest` is the largest -rho [mm]. Moved out by more, the face has a regular outline, whose
-    parallel inwards is this one: p < 0 where that undercuts. None is missed, because cells are
-    halved until p keeps its sign over each, or is that of the known ranges.
+    `deepest` is the largest -rho [mm] that is known. Moved out by more, the face has a regular
+    outline, whose parallel inwards is this one: p < 0 where that undercuts. None is missed, because
+    cells are halved until p keeps its sign over each, or is that of the known ranges.
+
+    Raises
+    ------
+    GeometryError
+        If the ranges are so many that no number of passes finds all.
     """
     follower: Any = pitch.follower  # a frozen dataclass
-    out = max(deepest, 0.0) + follower.base_radius
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
-    moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
-    parallel = WorkingCurve(replace(pitch, follower=moved), -out)
-    bends = curvature_extremes(parallel.pitch)
+    known = np.empty(0)
     for _ in range(PASSES):
+        out = max(deepest, 0.0) + follower.base_radius
+        moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
+        parallel = WorkingCurve(replace(pitch, follower=moved), -out)
+        bends = with_places(parallel.pitch, curvature_extremes(parallel.pitch), known)
         ranges = deep_ranges(parallel, bends)
         missed = _missed(pitch, ranges)
         if not len(missed):
             return sorted(ranges)
-        bends = with_places(parallel.pitch, bends, missed)
+        known, at = np.concatenate((known, missed)), touch(pitch, missed)
+        # It may be deeper still beside them.
+        deepest = max(deepest, 2.0 * float(np.max(-at.pace[0] / at.turn[0])))
     raise GeometryError(UNDECIDED)
 
 
