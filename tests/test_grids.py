@@ -275,8 +275,8 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/outline/replay.py": {"np.arange(count, dtype=np.float64)": PICTURE},
     "camgeo/outline/swallow_tail.py": {
         "np.arange(SAMPLES)": (
-            "a run of cells that provably turns by less than a right angle; what is left of a table"
-            " with noise is compared in `tests.draws.trimmed`"
+            "a run of cells that provably turns by less than a right angle, with four borders at"
+            " most in it; other tails are left to the search by boxes"
         ),
         "np.linspace(0.0, 1.0, SAMPLES)": "the same",
     },

@@ -337,7 +337,9 @@ class _Pair:
         state, own = self.made.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
         edges = merged(np.concatenate((state.smooth_angles, own.smooth_angles)))
-        return AccelerationJoints.between(state.replay.lift, state.motion.jet, own.motion, edges)
+        return AccelerationJoints.between(
+            state.replay.lift.shift_of, state.motion.jet, own.motion, edges
+        )
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:
         """The largest magnitude of the difference; both are smooth between `edges` (k,) [rad]."""

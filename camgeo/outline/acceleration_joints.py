@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Self
+from typing import Final, Self
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from camgeo.motion.motion import Motion
 from camgeo.numeric.arrays import SIDES, FloatArray, Side, frozen
 from camgeo.numeric.many import Quantity
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.outline.replay_result import DiscLift
 
 SHIFT: Final = 4.0
 """This multiple of the error of the lift at places around a joint certainly covers how far off the
@@ -51,12 +48,12 @@ class AccelerationJoints:
     @classmethod
     def between(
         cls,
-        lift: DiscLift,
+        shift_of: Callable[[float, FloatArray], FloatArray],
         made: Callable[[FloatArray], FloatArray],
         exact: Motion,
         edges: FloatArray,
     ) -> Self:
-        """Those of `exact` on the disc with the `lift`.
+        """Those of `exact` on a disc, with its `camgeo.outline.replay_result.DiscLift.shift_of`.
 
         `made` gives the lift with two derivatives (3 or more, n), smooth between the `edges` (m,)
         [rad] over a turn, as `exact` is.
@@ -67,7 +64,7 @@ class AccelerationJoints:
         errors = made(phi)[:3] - exact.jet(phi, "right", 2)[:3] if len(joints) else np.empty((3, 0))
         shifts = []
         for joint in joints.tolist():
-            shift = lift.shift_of(joint, errors[:, _away(phi, joint) < AROUND])
+            shift = shift_of(joint, errors[:, _away(phi, joint) < AROUND])
             shifts.append(float(np.max(shift, initial=0.0)))
         return cls(frozen(joints, np.float64), frozen(SEAM + SHIFT * np.array(shifts), np.float64))
 

@@ -105,7 +105,7 @@ def trimmed_path(flank: WorkingCurve, found: Convexity) -> Path:
     """
     if found.turn[0] <= 0.0 or found.jumps or found.clearance[0] <= SMALLEST * found.size:
         raise UndercutError("a flat face touches only a convex cam, and this one is not")
-    ranges = backward_angles(flank.pitch, -found.radius[0])
+    ranges = backward_angles(flank.pitch, found.turn[0])
     if not ranges:
         return Path((Stretch(flank, 0.0, TURN),))
     arcs = [
@@ -116,17 +116,23 @@ def trimmed_path(flank: WorkingCurve, found: Convexity) -> Path:
     return _path(flank, _scanned(_Face(flank.pitch), arcs))
 
 
-def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, float]]:
+def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]:
     """Ranges of cam angle (start, end) [rad] with p < 0, ends in [0, 2 pi); the whole turn is
     (0, 2 pi).
 
-    `deepest` is the largest -rho [mm]. Moved out by more, the face has a regular outline, whose
-    parallel inwards is this one: p < 0 where that undercuts. None is missed, because cells are
-    halved until p keeps its sign over each, or is that of the known ranges.
+    `turn` is the smallest tau, above 0. Moved out by more than a bound of |p| over it, the face has
+    a regular outline, whose parallel inwards is this one: p < 0 where that undercuts. None is
+    missed, because cells are halved until p keeps its sign over each, or is that of the known
+    ranges.
+
+    Raises
+    ------
+    GeometryError
+        If the ranges are so many that no number of passes finds all.
     """
     follower: Any = pitch.follower  # a frozen dataclass
-    out = max(deepest, 0.0) + follower.base_radius
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
+    out = float(np.max(pitch.speed_bounds(*turn_cells(pitch))[0])) / turn + follower.base_radius
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)
     bends = curvature_extremes(parallel.pitch)

@@ -242,7 +242,7 @@ class Replay:
         if len(self.drops):
             return None
         motion, edges = self.lift.motion, edges_between(self.lift)
-        joints = AccelerationJoints.between(self.lift, self.lift.jet, motion, edges)
+        joints = AccelerationJoints.between(self.lift.shift_of, self.lift.jet, motion, edges)
         off = joints.deviation(
             lambda phi, side: self.lift.jet(phi, side)[2],
             lambda phi, side: motion.jet(phi, side, 2)[2],

@@ -39,7 +39,8 @@ SQUARE = 1.5
 """Largest angle [rad] by which it turns in the run: less than a right angle."""
 
 SAMPLES = 33
-"""Places at which the tangents of a part are sampled; over so short a part they turn steadily."""
+"""Places at which the tangents of a part are sampled; over so short a part, with few borders, they
+turn steadily."""
 
 
 STEPS = 60
@@ -52,7 +53,7 @@ NODES = 12
 """Nodes of a quadrature over each smooth part."""
 
 MOST_BREAKS = 4
-"""Most borders inside a tail that is integrated by quadrature."""
+"""Most borders inside a tail that is integrated by quadrature, or that short parts are known of."""
 
 SETTLED = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
@@ -173,6 +174,8 @@ def small_runs(
     first, last = _samples(envelope, np.stack((start, end))).tangents
     apart |= np.maximum(*rates) * REACH * length < np.abs(np.angle(last * np.conj(first)))
     sure &= apart & (np.max(np.abs(np.hstack((before, after))), axis=1) < SLIGHT)
+    inside = np.searchsorted(_borders(envelope), reaches)
+    sure &= inside[1] - inside[0] <= MOST_BREAKS
     return [
         replace(run, low=float(low), high=float(high)) if one else None
         for run, low, high, one in zip(runs, *reaches, sure, strict=True)
@@ -272,6 +275,12 @@ def _tails(
     )
 
 
+def _borders(envelope: Envelope) -> FloatArray:
+    """(k,) path parameters of the borders in three turns, ascending."""
+    turns = envelope.total * np.array([[-1.0], [0.0], [1.0]])
+    return np.sort((envelope.borders + turns), axis=None)
+
+
 def _across(one: ComplexArray, other: ComplexArray) -> FloatArray:
     """(n,) the part of `other` (n,) to the left of the unit vectors `one` (n,)."""
     return one.real * other.imag - one.imag * other.real
@@ -289,8 +298,7 @@ def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSample
     way: ComplexArray = ends.points[1] - ends.points[0]
     size = np.max(np.abs(ends.points), axis=0) + abs(envelope.curve.distance)
     small = np.sum(np.abs(ends.pace), axis=0) * (y - x) <= SMALL * size
-    turns = envelope.total * np.array([[-1.0], [0.0], [1.0]])
-    breaks = np.sort((envelope.borders + turns).ravel())
+    breaks = _borders(envelope)
     first = np.searchsorted(breaks, x, side="right")
     count = np.searchsorted(breaks, y) - first
     for inside in range(MOST_BREAKS + 1):
