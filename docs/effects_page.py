@@ -24,6 +24,7 @@ from camgeo.answers.answer import finding_lines
 from camgeo.answers.check import check
 from camgeo.answers.explain import Explanation, explain
 from camgeo.answers.explain.rendering import tree_lines
+from camgeo.check.finding import MOST_ALIKE
 from camgeo.design import Design
 from camgeo.effects.balance.holes import MOST_HOLES
 from camgeo.effects.contact_pressure.findings import HEAVY
@@ -88,6 +89,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "contact": ", ".join(each for each in EFFECTS if find_effect(each).premise == "contact"),
     "gravity": STANDARD_GRAVITY / 1e3,
     "near": math.degrees(NEAR),
+    "alike": MOST_ALIKE,
     "rebounds": MOST_REBOUNDS,
     "searched": f"{SEARCHED:g}",
     "steps": MOST_STEPS,

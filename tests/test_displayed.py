@@ -81,8 +81,11 @@ def test_effects_are_named() -> None:
 
 def test_findings_are_counted() -> None:
     ok, broken = Finding("a", "ok", "it is"), Finding("b", "broken", "it is not")
-    assert repr(ok) == "Finding('a', 'ok', 'it is')"
-    assert repr(Findings([broken, ok, ok])) == "<3 findings: 1 broken (b), 2 ok>"
+    figure, kept = Finding("a", "ok", "it is", 1.0), Finding("a", "ok", "it is", 1.0, 2.0)
+    assert repr(kept) == "Finding('a', 'ok', 'it is')"
+    assert repr(figure) == "Finding('a', 'figure', 'it is')"
+    told = "<4 findings: 1 broken (b), 2 note, 1 figure>"
+    assert repr(Findings([broken, ok, ok, figure])) == told
     assert repr(Findings([broken] * 5)) == "<5 findings: 5 broken (b, b, b and 2 more)>"
     assert repr(Findings()) == "<0 findings>"
     assert len(repr(Finding("a", "ok", "so " * LONGEST))) == LONGEST

@@ -184,10 +184,15 @@ def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     alike: dict[tuple[str, str], list[Finding]] = {}
     for each in found:
         alike.setdefault((each.name, each.severity), []).append(each)
+    many = {
+        kind: own
+        for kind, own in alike.items()
+        if len(own) > MOST_ALIKE and all(each.cam_angle is not None for each in own)
+    }
     told = []
     for each in found:
-        own = alike[each.name, each.severity]
-        if len(own) <= MOST_ALIKE or any(one.cam_angle is None for one in own):
+        own = many.get((each.name, each.severity), [])
+        if not own:
             told.append(each)
         elif each is own[0]:
             worst = max(own, key=_beyond)

@@ -110,16 +110,20 @@ class ErrorsWithPremises(Mapping[str, Bound]):
     force: Callable[[], Mapping[str, Bound]]
 
     def __getitem__(self, name: str) -> Bound:
-        if name in OF_FORCE:
+        if name in self._of_force:
             return max(self.force().values(), key=lambda bound: bound.error)
         return self.own[name]
 
     def __iter__(self) -> Iterator[str]:
         yield from self.own
-        yield from (each.name for each in self.added if each.name in OF_FORCE)
+        yield from self._of_force
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
+        return len(self.own) + len(self._of_force)
+
+    @property
+    def _of_force(self) -> list[str]:
+        return [each.name for each in self.added if each.name in OF_FORCE]
 
 
 def _moved(own: Figures, other: Callable[[], Result]) -> dict[str, float]:

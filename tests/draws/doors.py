@@ -23,6 +23,7 @@ from camgeo.answers.report import advised
 from camgeo.design import Design
 from camgeo.designing.job import Job
 from camgeo.designing.work import run
+from camgeo.effects.results import FINDERS
 from camgeo.errors import CamgeoError, EffectError, GeometryError, SceneError
 from camgeo.scene.load import parse_scene
 from camgeo.sweep.asked import asked_of, hyphened
@@ -55,14 +56,17 @@ def scenes_with_effects() -> list[Path]:
 
 
 def random_scene(rng: Random) -> tuple[str, str]:
-    """File and text of a scene with effects that is valid."""
+    """File and text of a valid scene with effects; none whose train acts back on a speed to be
+    found, which may take minutes, and of which `fixtures` have some.
+    """
     while True:
         file, scene = scene_of(rng)
         try:
-            if parse_scene(scene, file).effects:
-                return file, scene
+            named = parse_scene(scene, file).effects
         except SceneError:
             continue
+        if named and not ("vibration" in named and not {*FINDERS}.isdisjoint(named)):
+            return file, scene
 
 
 def printed(finding: Mapping[str, Any]) -> str:

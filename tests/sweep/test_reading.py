@@ -18,7 +18,7 @@ from camgeo.product.judged_part import part_of
 from camgeo.product.value_table import bare
 from camgeo.scene.load import load_scene
 from camgeo.sweep.asked import BY_GROUP, Asked, asked_of, hyphened
-from camgeo.sweep.reading import Reading, read
+from camgeo.sweep.reading import Reading, judged, read
 from camgeo.sweep.rows import Work
 from tests.sweep.families import FIXTURES, SETZHUB, family
 
@@ -80,6 +80,11 @@ def test_the_part_is_that_of_a_check() -> None:
     assert answer(design, "diameter").value == found["largest-diameter"]
     assert answer(design, "diameter").unit == "mm"
     assert answer(design, "verdict").value in WORST_FIRST
+
+
+def test_a_pair_in_one_piece_is_judged_as_by_a_check() -> None:
+    design = Design(load_scene(FIXTURES / "pairs" / "conjugate_pair.toml"))
+    assert judged(design) == [*check(Design(design.scene), machining=False).everything]
 
 
 @pytest.mark.parametrize("name", ["scenes/conjugate_lever", "milling/steel_plate_cam"])

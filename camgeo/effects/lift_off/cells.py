@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
+from camgeo.wording import cam_angle
 
 FIRST_CELL: Final = 2.0**-16
 """Length of the first cell as a share of a smooth piece; each cell is twice as long as the one
@@ -46,6 +47,26 @@ Polynomial = np.polynomial.Chebyshev
 
 class StiffError(ArithmeticError):
     """Picard's iteration does not converge in a cell; words say where shorter ones do not help."""
+
+
+SLOW: Final = 1e-6
+"""Share of a rate at which viscous friction has gone; what is left of a jump is not."""
+
+
+def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], FloatArray]) -> str:
+    """That a follower turns round near a cam `angle` [rad], and that the `force` on it, at a rate
+    (n,), jumps with the sign of this; empty if it does not.
+    """
+    least, most = float(np.min(rate)), float(np.max(rate))
+    if not least < 0.0 < most:
+        return ""
+    back, ahead = (force(np.full_like(rate, SLOW * end)) for end in (least, most))
+    if np.allclose(back, ahead, rtol=SLOW, atol=0.0):
+        return ""
+    return (
+        f"off the cam it turns round near cam angle {cam_angle(angle, '.0f')} deg, and friction"
+        " that jumps there to the other side is not followed"
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
