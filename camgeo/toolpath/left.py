@@ -204,7 +204,7 @@ def _rests(
     corners: Sequence[tuple[float, float]],
 ) -> Iterator[Flaw]:
     """Material that is left beside the part, or on one of its faces."""
-    found: list[Flaw] = []
+    found: dict[int, Flaw] = {}  # the largest fault, of what is meant, and of what corners leave
     known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
     unfinished = shapely.boundary([polygon([each], 0.5 * allowed) for each in setup.unfinished])
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
@@ -227,18 +227,9 @@ def _rests(
             text += ", where the corners of a cutter are rounded" if by_corner else ""
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
-            found.append(
-                Flaw(
-                    "rest",
-                    stage.operation,
-                    text,
-                    size,
-                    allowed,
-                    where,
-                    watched=bool(by_corner or meant),
+            kind = 2 if by_corner else 1 if meant else 0
+            if kind not in found or size > found[kind].value:
+                found[kind] = Flaw(
+                    "rest", stage.operation, text, size, allowed, where, watched=kind > 0
                 )
-            )
-    for watched in (False, True):  # the largest of both
-        yield from sorted(
-            (each for each in found if each.watched == watched), key=lambda each: -each.value
-        )[:1]
+    yield from (found[kind] for kind in sorted(found))

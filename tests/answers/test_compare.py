@@ -32,7 +32,7 @@ def test_findings_are_those_of_a_check_side_by_side() -> None:
             (line,) = (line for line in reported["findings"] if line["name"] == name)
             cell = line["values"][number]
             assert (cell["value"], cell["severity"]) == (first.value, first.severity)
-    assert [each["verdict"] for each in reported["designs"]] == ["ok", "broken"]
+    assert [each["verdict"] for each in reported["designs"]] == ["warning", "broken"]
     assert reported["keys"] == [
         {"key": "follower.base_radius", "values": ["50.199", "46"]},
         {"key": "limits.radius_ratio", "values": ["0.7", "1"]},

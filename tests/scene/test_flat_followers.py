@@ -11,6 +11,7 @@ from camgeo.check.judge import TRIM
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError
+from camgeo.formats.registry import find_format
 from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.scene.load import parse_scene
@@ -58,7 +59,6 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
         ("face = [-16, 16]", "face = [16, -16]"),
         ("\n[part]", "\n[limits]\nundercut = 'trim'\nradius_ratio = 0.6\n[part]"),
         ("\n[output]", f"{EFFECTS}\n[output]"),
-        ('["dxf"', '["asc", "dxf"'),
     )
     with pytest.raises(SceneError) as error:
         parse_scene(text)
@@ -71,11 +71,17 @@ def test_all_that_is_for_rollers_is_refused_at_once() -> None:
         "limits.radius_ratio",
         "effects.inertia.roller_mass",
         "effects.friction.rolling",
-        "output.formats[1]",
     ):
         assert "is for roller followers" in faults.pop(key)
     assert "tilts" in faults.pop("effects.friction.guide_length")
     assert not faults
+
+
+def test_points_of_opticurv_are_for_rollers() -> None:
+    scene = parse_scene(changed(TAPPET, ('["dxf"', '["asc", "dxf"')))
+    (linkage, roller) = scene.lacking([find_format("asc")])
+    assert linkage.message == "needs [linkage]"
+    assert str(roller).endswith('output.formats[1] = "asc": is for roller followers')
 
 
 @pytest.mark.parametrize(
