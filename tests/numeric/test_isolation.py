@@ -110,7 +110,7 @@ def test_what_is_missed_changes_no_value_by_what_matters(place: float, depth: fl
 
 
 def test_rounding_ends_the_halving() -> None:
-    """Slopes of a constant, all rounding: cells are halved a few times, not until they are points."""
+    """Slopes that are all rounding: cells are halved a few times, not down to points."""
     asked: list[int] = []
     noise = np.random.default_rng(1)
 
