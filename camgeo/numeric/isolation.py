@@ -3,10 +3,11 @@
 In a cell a slope is known at seven places, by the polynomial through them. How far the slope may be
 off that is estimated by the last difference, and in a cell that was halved by how far the slope was
 off the polynomial of the whole. A cell is decided where the polynomial, with that to spare, has no
-root or is monotone, as its Bernstein coefficients show; else it is halved, until the value whose
-slope it is cannot change in it by what could matter. So what is missed between the places changes
-no value by more than `NEGLIGIBLE` of its size. That rests on the estimate, which holds for what is
-analytic in a cell, and is not a proof. The borders of the formula must be ends of cells.
+root, or is monotone, or has no more roots than its values change their sign, as its Bernstein
+coefficients show; else it is halved, until the value whose slope it is cannot change in it by what
+could matter. So what is missed between the places changes no value by more than `NEGLIGIBLE` of its
+size. That rests on the estimate, which holds for what is analytic in a cell, and is not a proof.
+The borders of the formula must be ends of cells.
 """
 
 from __future__ import annotations
@@ -48,8 +49,12 @@ NEGLIGIBLE: Final = 1e-10
 HALVINGS: Final = 24
 """Most rounds of halving."""
 
-NOISY: Final = 4
-"""Round from which a slope whose differences no longer shrink is taken for rounding."""
+NOISY, SHRINKING = 5, 0.125
+"""Round from which a slope whose last difference does not shrink to that fraction is taken for
+rounding; that of a slope that is resolved shrinks to a sixty-fourth."""
+
+RESOLVED: Final = 0.02
+"""Largest error, as a fraction of the slope, with which sign changes are counted."""
 
 MOST: Final = 200_000
 """Most cells halved at once; a table of thousands of noisy rows needs some thousand."""
@@ -136,8 +141,10 @@ def isolated_roots(
         error = np.maximum(SPARE * last, off)
         done = _decided(judged, error)
         if number >= NOISY:
-            done |= last > 0.25 * before
+            done |= last > SHRINKING * before
         left = np.flatnonzero(~done)
+        done[left] = _counted(judged[left, :PLACES], error[left], slope[left])
+        left = left[~done[left]]
         if len(left):
             at = values(x[left].ravel(), np.repeat(row[left], PLACES)).reshape(-1, PLACES)
             done[left] = _negligible(judged[left, :PLACES], error[left], at)
@@ -175,6 +182,19 @@ def _decided(judged: FloatArray, error: FloatArray) -> BoolArray:
     spare = error[:, np.newaxis]
     found: BoolArray = np.any((least > spare) | (most < -spare), axis=1)
     found |= (least[:, 0] == 0.0) & (most[:, 0] == 0.0)
+    return found
+
+
+def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArray:
+    """(n,) whether the `slopes` (n, 7) change their signs as often as their `hull` (n, 7) does, by
+    more than the `error` (n,), which is small: there are no more roots than that.
+    """
+    sure = np.min(np.abs(hull), axis=1) > error
+    sure &= error < RESOLVED * np.max(np.abs(slopes), axis=1)
+    most, seen = (
+        np.count_nonzero(np.diff(np.sign(each), axis=1), axis=1) for each in (hull, slopes)
+    )
+    found: BoolArray = sure & (most == seen)
     return found
 
 

@@ -115,10 +115,7 @@ def _distances(curve: PitchCurve) -> Extremes:
 
 
 def smallest_radius(curve: PitchCurve) -> Extreme:
-    """The smallest rho = p / tau [mm] where its slope changes its sign; tau must be positive.
-
-    Two changes between neighbouring samples are missed.
-    """
+    """The smallest rho = p / tau [mm] where its slope changes its sign; tau must be positive."""
 
     def radius(phi: FloatArray, side: Side) -> FloatArray:
         at = touch(curve, phi, side)

@@ -37,7 +37,9 @@ LAWS: Final = (
     "polynomial-345", "polynomial-4567", "modified-sine", "modified-trapezoid", "inclined-sine",
     "scca", "simple-sine", "quadratic-parabola", "polynomial-7",
 )  # fmt: skip
-KINDS: Final = ("translating-roller", "oscillating-roller", "translating-flat")
+KINDS: Final = (
+    "translating-roller", "oscillating-roller", "translating-flat", "oscillating-flat",
+)  # fmt: skip
 ASKED: Final = ("transmission-angle", "radius-ratio-inner", "max:kappa", "min:kappa", "min:mu")
 SIZED: Final = 5
 """One case of so many is sized too."""
@@ -64,6 +66,11 @@ def follower(source: random.Random, kind: str, lift: float) -> dict[str, Any]:
     own: dict[str, Any] = {"kind": kind, "base_radius": base}
     if kind == "translating-flat":
         return own
+    if kind == "oscillating-flat":
+        own["face_offset"] = source.uniform(-0.3, 0.3) * base
+        own["pivot"] = [source.uniform(1.2, 2.5) * (base - own["face_offset"]), 0.0]
+        own["arm_side"] = source.choice(["ccw", "cw"])
+        return own
     own["roller_radius"] = source.uniform(0.05, 0.35) * base
     if kind == "translating-roller":
         own["offset"] = source.uniform(-0.4, 0.4) * base
@@ -86,7 +93,7 @@ def scene_of(source: random.Random, kind: str, motion: list[dict[str, Any]], lif
         "cam": {"rotation": source.choice(["cw", "ccw"])},
         "follower": follower(source, kind, lift),
         "motion": motion,
-        "limits": {} if kind == "translating-flat" else limits,
+        "limits": limits if kind.endswith("roller") else {},
     }
 
 
@@ -105,7 +112,7 @@ def table(source: random.Random, kind: str) -> tuple[Any, str]:
         values[row] += source.choice([-1.0, 1.0]) * 0.02 * step**2 * source.uniform(0.0, 1.0)
     values -= values[0]
     size = 1.0
-    if kind == "oscillating-roller":
+    if kind.startswith("oscillating"):
         size = math.radians(1.0) * 60.0
     rows = [f"{a:.6g},{b / size:.7f}" for a, b in zip(phi, values, strict=True)]
     text = "\n".join(["angle,lift", *rows, "360,0"]) + "\n"
@@ -120,7 +127,7 @@ def plan(source: random.Random, kind: str) -> Any:
     dwells = [source.random() < 0.6 for _ in range(moves)]
     total = sum(spans[:moves]) + sum(s for s, d in zip(spans[moves:], dwells, strict=True) if d)
     lift, motion, left = source.uniform(5.0, 30.0), [], 360_000
-    size = math.radians(1.0) * 60.0 if kind == "oscillating-roller" else 1.0
+    size = math.radians(1.0) * 60.0 if kind.startswith("oscillating") else 1.0
     for number in range(moves):
         to = 0.0 if number == moves - 1 else source.uniform(0.3, 1.0) * lift / size
         span = round(360_000 * spans[number] / total)
@@ -165,6 +172,29 @@ def centres(values: Any, jet: FloatArray) -> tuple[ComplexArray, ComplexArray, C
     return w1 - 1j * sense * w, w2 - 2j * sense * w1 - w, way
 
 
+def on_face(own: Any, sense: float, jet: FloatArray) -> dict[str, FloatArray]:
+    """Radius of curvature [mm] and transmission angle [deg] under a face on a rocker.
+
+    From the distance h of the face from the cam axis as a function of the angle theta of its normal
+    in the cam: the contact is (h + i dh/dtheta) exp(i theta), the radius h + d2h/dtheta2.
+    """
+    s, s1, s2, _ = jet
+    pivot, side = complex(*own["pivot"]), 1.0 if own["arm_side"] == "ccw" else -1.0
+    start = math.acos((own["base_radius"] - own["face_offset"]) / abs(pivot))
+    normal = np.exp(1j * (np.angle(pivot) + side * (s - start)))
+    nu1, nu2 = side * s1, side * s2
+    theta1 = nu1 - sense
+    along, across = np.real(np.conj(normal) * pivot), np.real(np.conj(1j * normal) * pivot)
+    h, h1 = along + own["face_offset"], across * nu1
+    h2 = across * nu2 - along * nu1**2
+    slope = h1 / theta1
+    radius = h + (h2 * theta1 - h1 * nu2) / theta1**3
+    way = 1j * ((h + 1j * slope) * normal - pivot)
+    moved = np.conj(normal) * way
+    angle = np.degrees(np.arctan2(np.abs(moved.real), np.abs(moved.imag)))
+    return {"convexity": radius, "turn": 1.0 - sense * nu1, "transmission-angle": angle}
+
+
 def quantities(values: Any, jet: FloatArray) -> dict[str, FloatArray]:
     """What is told of a cam, at the cam angles of a `jet` (4, n)."""
     own, sense = values["follower"], 1.0 if values["cam"]["rotation"] == "ccw" else -1.0
@@ -172,6 +202,8 @@ def quantities(values: Any, jet: FloatArray) -> dict[str, FloatArray]:
     rates = {name: unit * np.abs(jet[order]) for order, name in enumerate(RATES, start=1)}
     if own["kind"] == "translating-flat":
         return {**rates, "convexity": own["base_radius"] + jet[0] + jet[2]}
+    if own["kind"] == "oscillating-flat":
+        return {**rates, **on_face(own, sense, jet)}
     first, second, way = centres(values, jet)
     kappa = -sense * np.imag(np.conj(first) * second) / np.abs(first) ** 3
     across = np.conj(1j * first / np.abs(first)) * way
@@ -184,8 +216,13 @@ def quantities(values: Any, jet: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-LEAST: Final = ("transmission-angle", "convexity")
+LEAST: Final = ("transmission-angle", "convexity", "turn")
 RATES: Final = ("largest-velocity", "largest-acceleration", "largest-jerk")
+
+
+def name_of(found: camgeo.Finding) -> str:
+    """The quantity of a finding: a face that turns back in the cam has no radius."""
+    return "turn" if found.name == "convexity" and found.unit != "mm" else found.name
 
 
 def checked(design: camgeo.Design) -> Iterator[Told]:
@@ -194,7 +231,7 @@ def checked(design: camgeo.Design) -> Iterator[Told]:
         if found.name in (*LEAST, *RATES, "radius-ratio-inner") and found.value:
             least, ok = found.name in LEAST, found.severity == "ok"
             value = abs(found.value) if found.name in RATES else found.value
-            yield Told(found.name, value, found.cam_angle, least, ok, found.limit)
+            yield Told(name_of(found), value, found.cam_angle, least, ok, found.limit)
 
 
 def swept(design: camgeo.Design) -> Iterator[Told]:
@@ -204,13 +241,15 @@ def swept(design: camgeo.Design) -> Iterator[Told]:
         design.scene,
         (Variable(("follower.base_radius",), Listed(((base * 1.01,), (base,)))),),
     )
-    flat = design.scene.values["follower"]["kind"] == "translating-flat"
+    flat = design.scene.values["follower"]["kind"].endswith("flat")
     asked = ("convexity",) if flat else ASKED
     row = [*sweep(family, asked).rows][-1]
     for name, value in zip(asked, row.values, strict=True):
         if isinstance(value, float):
             kind, _, column = name.rpartition(":")
             own = {"mu": "transmission-angle"}.get(column, column)
+            if own == "convexity":
+                own = next(name_of(each) for each in design.findings if each.name == own)
             yield Told(own, value, None, kind == "min" or (not kind and name in LEAST))
 
 
@@ -243,14 +282,17 @@ def misses(
 
 def sized(values: Any, design: camgeo.Design) -> Iterator[str]:
     """What is wrong with the sizes that `size` finds."""
-    flat = values["follower"]["kind"] == "translating-flat"
-    found = size(design)
+    flat = values["follower"]["kind"].endswith("flat")
+    found = size(design, radius_of_curvature=1.0) if flat else size(design)
     if found.sizing.answer is None:
         return
     answer = found.sizing.answer
     radius = answer.radius_of_curvature
     own: Any = answer.follower
     made = {**values["follower"], "base_radius": own.base_radius}
+    if "face_offset" in made:
+        made["pivot"] = [own.pivot.real, own.pivot.imag]
+        made["arm_side"] = "ccw" if own.arm_side > 0 else "cw"
     if flat:
         assert radius is not None
         tolds = [Told("convexity", radius.value, radius.place, least=True)]

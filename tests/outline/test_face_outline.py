@@ -215,7 +215,7 @@ def test_blind_to_all_extremes_it_drops_the_same(
     known = outline_of(tappet(base))
     assert known.dropped
     none = np.empty(0), np.empty(0, dtype=np.intp)
-    monkeypatch.setattr("camgeo.curve.extremes.roots_in_rows", lambda *_: none)
+    monkeypatch.setattr("camgeo.curve.extremes.isolated_roots", lambda *_: none)
     found = outline_of(tappet(base))
     assert np.array(found.dropped) == pytest.approx(np.array(known.dropped), abs=1e-9)
     assert area(found.path) == pytest.approx(area(known.path), rel=1e-12)

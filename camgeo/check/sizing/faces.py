@@ -29,7 +29,7 @@ ACTIVE = 1e-9
 """A condition this close to its limit, as a fraction of the size of its terms, is active."""
 
 BESIDE = 1e-5
-"""Fraction by which a cam is enlarged to prove that the samples missed nothing."""
+"""Fraction by which a cam is enlarged to prove that no extreme was missed."""
 
 
 def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
@@ -133,7 +133,7 @@ def smallest_for_face(task: FaceTask, asked: Asked) -> tuple[complex | None, tup
 
 
 def _missed(task: FaceTask, place: complex) -> float | None:
-    """Cam angle [rad] of a cusp or undercut between the samples of `slack`; None without one.
+    """Cam angle [rad] of a cusp or undercut that `slack` misses; None without one, as is usual.
 
     Of a cam that is larger by `BESIDE`: close to a cusp the proof takes ever smaller cells.
     """
