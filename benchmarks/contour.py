@@ -438,7 +438,7 @@ def peer_row(
     """The peer's line with the fewest pieces, the closed curve or piece by piece; or why none."""
     rows, why = [], "comes not near enough"
     start = flank.pieces[0].start
-    whole = (Piece(start, start + TURN, dwell=False),)
+    whole = (Piece(start, start + TURN),)
     ways = [("closed", whole)] + ([("by pieces", flank.pieces)] if len(flank.pieces) > 1 else [])
     for way, pieces in ways:
         row = row_of(flank, peer, pieces, way, tolerance, rounds, patience)

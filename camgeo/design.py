@@ -7,12 +7,12 @@ files need are imported only then, so that a check takes no longer than its comp
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
-from camgeo.check.finding import Findings
-from camgeo.check.judge import RETURN, Judgement
+from camgeo.check.finding import RETURN, Findings, forbidding
+from camgeo.check.judge import Judgement
 from camgeo.displayed import Displayed, brief, notebook
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from camgeo.scene.scene import Scene
     from camgeo.state.contours import Writing
     from camgeo.writing.write import Report
+
+
+KEPT: Final = ("law", "span", "to")
+"""Keys that a move has with every law."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,32 @@ class Design(Pickled, Displayed):
         scene = self.scene
         cams = self.cams if scene.follower is not None else ()
         tolerance = scene.output.tolerance
-        return Judgement(self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger)
+        return Judgement(
+            self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger, self._tried
+        )
+
+    def _tried(self, values: Mapping[str, Any]) -> Findings:
+        """The findings on the scene with other `values` by key, and on the parts of its discs."""
+        from camgeo.product.judged_part import findings_on  # few designs need a cure
+
+        other = Design(self.scene.with_values(self.edits(values)))
+        if forbidding(other.findings):
+            return other.findings
+        of_parts = (each for disc in other.discs for each in findings_on(disc))
+        return Findings((*other.findings, *of_parts))
+
+    def edits(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """What makes the scene have other `values` by key: these, and None for the parameters of a
+        law that another one replaces.
+        """
+        gone: dict[str, None] = {}
+        for key in values:
+            segment, _, last = key.rpartition(".")
+            if last == "law":
+                number = int(segment.removeprefix("motion[").removesuffix("]")) - 1
+                own = self.scene.values["motion"][number]
+                gone |= {f"{segment}.{name}": None for name in own if name not in KEPT}
+        return {**gone, **values}
 
     @property
     def findings(self) -> Findings:

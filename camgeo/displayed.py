@@ -39,7 +39,7 @@ def clipped(line: str) -> str:
 
 
 def brief(value: object) -> str:
-    """A value in a few words, an object by its class, an array by its shape.
+    """A value in a few words, an object by its class, an array by its shape, findings by severity.
 
     Control characters of texts are escaped, so that none reaches a terminal.
     """
@@ -54,6 +54,8 @@ def brief(value: object) -> str:
     name, shape = type(value).__name__, getattr(value, "shape", None)
     if isinstance(shape, tuple):
         return f"{name}{shape}"
+    if isinstance(value, Collection) and isinstance(value, Displayed):
+        return repr(value)
     if isinstance(value, Collection):
         return f"<{counted(len(value), 'byte' if isinstance(value, bytes) else 'item')}>"
     return f"{name}(…)" if is_dataclass(value) or callable(value) else brief(str(value))

@@ -31,7 +31,6 @@ from camgeo.effects.contact_pressure.line_contact import SHEAR_DEPTH, SHEAR_SHAR
 from camgeo.effects.friction.jamming import NEAR
 from camgeo.effects.gravity import STANDARD_GRAVITY
 from camgeo.effects.helical import STABLE
-from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.elastic_flight import MOST_PERIODS
 from camgeo.effects.lift_off.elastic_flight import MOST_TURNS as ELASTIC_TURNS
 from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
@@ -89,7 +88,6 @@ NUMBERS: Final[dict[str, Any]] = {
     "contact": ", ".join(each for each in EFFECTS if find_effect(each).premise == "contact"),
     "gravity": STANDARD_GRAVITY / 1e3,
     "near": math.degrees(NEAR),
-    "listed": LISTED,
     "rebounds": MOST_REBOUNDS,
     "searched": f"{SEARCHED:g}",
     "steps": MOST_STEPS,

@@ -4,7 +4,8 @@
 
 Each mutant is one changed statement in a copy of the tree. The test modules of the mirror folder
 run first, those that import the changed module before the others, then the test modules elsewhere
-that import it or a module that does; the first failure ends the run. A mutant that no test fails
+that import it or a module that does; then those that import it through others, first of the same
+room, then of kept results; the first failure ends the run. A mutant that no test fails
 for, or that uses up its CPU time, has survived. Prints the share that was caught, by room, and one
 line for each survivor. With `--rows` results are kept in a file, and a second call goes on there.
 
@@ -72,6 +73,11 @@ WAIT: Final = 1200
 FIRST: Final = 4
 """Test modules of the first process that runs them, the next one takes twice as many: most mutants
 are caught by the first few, and to import all takes long."""
+
+KEPT: Final = "as_kept("
+"""Tests of these names compare whole results of commands, files and pages: they pass through all
+modules, which they do not import.
+"""
 
 MOST_CODE: Final = max(pytest.ExitCode)
 """Exit codes beyond this one are not pytest's."""
@@ -182,7 +188,9 @@ def statements(tree: ast.AST) -> Iterator[list[tuple[ast.AST, str, int]]]:
 
 
 def for_types(node: ast.stmt) -> bool:
-    """Whether a statement asks whether types are being checked."""
+    """Whether a statement asks whether types are being checked, or names a type."""
+    if isinstance(node, ast.Assign):
+        return ast.unparse(node.value).startswith("TypeVar(")
     return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
@@ -301,13 +309,25 @@ def name_of(path: str) -> str:
     )
 
 
+def importers_of(module: str) -> tuple[frozenset[str], frozenset[str]]:
+    """The modules of the product that import a module, and those that do through others."""
+    imports = {
+        name_of(each.relative_to(ROOT).as_posix()): imported(each)
+        for top in ("camgeo", "export")
+        for each in (ROOT / top).rglob("*.py")
+    }
+    near = every = frozenset(each for each, names in imports.items() if module in names)
+    reached: frozenset[str] = frozenset()
+    while reached != every:
+        reached = every
+        every |= {each for each, names in imports.items() if not reached.isdisjoint(names)}
+    return near, every
+
+
 def modules_for(path: str) -> list[str]:
     """The test modules for a module of the product, in the order in which they run."""
     module = name_of(path)
-    product = [each for top in ("camgeo", "export") for each in (ROOT / top).rglob("*.py")]
-    near = {
-        name_of(each.relative_to(ROOT).as_posix()) for each in product if module in imported(each)
-    }
+    near, beyond = importers_of(module)
     words = module.split(".")[1:]
     mirrors = [ROOT / "tests" / "/".join(words[:depth]) for depth in range(len(words), 0, -1)]
     mirror = next((each for each in mirrors if each.is_dir()), None)
@@ -318,9 +338,13 @@ def modules_for(path: str) -> list[str]:
             mirror in each.parents if mirror is not None
             else own.startswith((f"test_{words[0]}", f"export/test_{words[0]}"))
         )  # fmt: skip
-        if inside or module in names or not near.isdisjoint(names):
-            rank = 0 if inside and module in names else 1 if inside else 2 if module in names else 3
-            ranks[each] = (rank, EXPENSIVE.get(own, 0.5))
+        tiers = (
+            inside and module in names, inside, module in names, not near.isdisjoint(names),
+            own.startswith(f"{words[0]}/") and not beyond.isdisjoint(names),
+            KEPT in each.read_text("utf-8"), not beyond.isdisjoint(names),
+        )  # fmt: skip
+        if any(tiers):
+            ranks[each] = (tiers.index(True), EXPENSIVE.get(own, 0.5))
     return [each.relative_to(ROOT).as_posix() for each in sorted(ranks, key=ranks.__getitem__)]
 
 

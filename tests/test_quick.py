@@ -7,7 +7,7 @@ import pytest
 from tests.end_to_end.built import SCENES
 from tests.quick import BUILDS, BUILT, EXPENSIVE, LONGEST, QUICK, TESTS, chosen
 
-FOLDERS = sorted(path.parent.name for path in TESTS.glob("*/__init__.py"))
+FOLDERS = sorted({path.parent.relative_to(TESTS).parts[0] for path in TESTS.glob("*/**/test_*.py")})
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

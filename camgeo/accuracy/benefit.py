@@ -10,7 +10,7 @@ near the demanded one, however many they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final
@@ -31,14 +31,12 @@ from camgeo.lazy import Ledger
 from camgeo.motion.time_course import ConstantSpeed
 from camgeo.numeric.arrays import SIDES, FloatArray, Side, merged
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.outline.replay_result import AROUND, SEAM, SHIFT
+from camgeo.numeric.many import Quantity
+from camgeo.outline.acceleration_joints import AccelerationJoints
 from camgeo.state.contours import Writing
 from camgeo.state.state import FIRST
 from camgeo.state.written import Written
-from camgeo.units import RPM, TURN
-
-SAMPLES: Final = 41
-"""Places around a joint at which the error of the lift is looked at."""
+from camgeo.units import RPM
 
 SLOW: Final = 1e-3
 """Share of the lowest speed at which forces with a rigid train are looked at first: as good as at
@@ -47,8 +45,6 @@ rest, where contact is lost nowhere."""
 MOST_PIECES: Final = 500
 """Pieces of the motion up to which forces with an elastic train are computed: its lift-off speed is
 searched at about a hundred speeds, on all pieces each time."""
-
-Quantity = Callable[[FloatArray, Side], FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,7 +297,7 @@ class _Pair:
         made = self.made.known_at(row.speed)
         if exact.contact is None or made.contact is None:
             return row
-        edges = merged(np.concatenate((exact.contact.edges, made.contact.edges, self._around)))
+        edges = merged(np.concatenate((exact.contact.edges, made.contact.edges, self._joints.ends)))
         forces = made.force(row.speed), exact.force(row.speed)
         own, demanded = (piecewise_extremes(each, edges) for each in forces)
         return replace(
@@ -316,7 +312,7 @@ class _Pair:
     @cached_property
     def _acceleration(self) -> float:
         made, exact = self.made.subject.state.smooth_angles, self.exact.subject.state.smooth_angles
-        edges = merged(np.concatenate((made, exact, self._around)))
+        edges = merged(np.concatenate((made, exact, self._joints.ends)))
         return self._deviation(self.made.acceleration, self.exact.acceleration, edges)
 
     @cached_property
@@ -336,45 +332,13 @@ class _Pair:
         return float(np.max(np.abs(after - before), initial=0.0))
 
     @cached_property
-    def _joints(self) -> tuple[tuple[float, float], ...]:
-        """Cam angles [rad] at which the exact acceleration jumps, and how near to one the contour
-        may place it.
-        """
-        state, own = self.made.subject.state, self.exact.subject.state.motion
+    def _joints(self) -> AccelerationJoints:
+        """Of the exact motion, as the contour places them."""
+        state, own = self.made.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
-        left, right = (own.jet(own.breaks, side, 2)[2] for side in SIDES)
-        found = []
-        for joint in own.breaks[left != right].tolist():
-            around = joint + np.linspace(-AROUND, AROUND, SAMPLES)
-            errors = state.motion.jet(around)[:3] - own.jet(around)[:3]
-            reach = SEAM + SHIFT * float(np.max(state.replay.lift.shift_of(joint, errors)))
-            found.append((joint, reach))
-        return tuple(found)
-
-    @property
-    def _around(self) -> FloatArray:
-        """(k,) cam angles [rad] of these joints and of the ends of what is near them."""
-        near = [[joint - reach, joint, joint + reach] for joint, reach in self._joints]
-        return np.asarray(np.remainder(np.array(near).ravel(), TURN))
+        edges = merged(np.concatenate((state.smooth_angles, own.smooth_angles)))
+        return AccelerationJoints.between(state.replay.lift, state.motion.jet, own.motion, edges)
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:
-        """The largest magnitude of the difference; both are smooth between `edges` (k,) [rad].
-
-        A joint at which the exact quantity jumps lies on the contour only within the tolerance: so
-        close to one, a value between those of its two sides is not off.
-        """
-        steps = []
-        for joint, reach in self._joints:
-            ends = [float(exact(np.array([joint]), side)[0]) for side in SIDES]
-            steps.append((joint, reach, min(ends), max(ends)))
-
-        def gap(phi: FloatArray, side: Side) -> FloatArray:
-            values = quantity(phi, side)
-            off = values - exact(phi, side)
-            for joint, reach, low, high in steps:
-                away = np.abs(np.remainder(phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
-                near = away <= reach
-                off[near] = values[near] - np.clip(values[near], low, high)
-            return off
-
-        return piecewise_extremes(gap, edges).magnitude
+        """The largest magnitude of the difference; both are smooth between `edges` (k,) [rad]."""
+        return piecewise_extremes(self._joints.deviation(quantity, exact), edges).magnitude

@@ -209,12 +209,13 @@ def reason(error: ToleranceError | GeometryError | EffectError | SceneError | Fi
 def _ripple(
     design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
 ) -> float | None:
-    """The largest ripple of all flanks; None where no acceleration is prescribed."""
+    """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
+    roller drops off an edge.
+    """
     found = []
     for flank, contour in zip(flanks, contours, strict=True):
         side = Flank.OUTER if flank.hole else Flank.INNER
-        replay = replay_contour(design.cam.disc.pitch_curve, contour, side)
-        # Where the roller drops off an edge, the acceleration is unbounded.
-        if replay.ripple is not None and not len(replay.drops):
-            found.append(replay.ripple)
+        ripple = replay_contour(design.cam.disc.pitch_curve, contour, side).ripple
+        if ripple is not None:
+            found.append(ripple)
     return max(found, default=None)

@@ -55,9 +55,12 @@ MARKS: Final = {
     "broken": "BROKEN",
     "warning": "warning",
     "ok": "ok",
+    "figure": "figure",
+    "note": "note",
 }
+"""Words for what is said of findings, by their verdict."""
 
-MANY: Final = {**MARKS, "warning": "warnings"}
+MANY: Final = {**MARKS, "warning": "warnings", "figure": "figures", "note": "notes"}
 """The same of several findings."""
 
 NAME_WIDTH: Final = 26
@@ -68,7 +71,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """One line per finding, marks and sentences aligned."""
     found = tuple(findings)
     width = max([NAME_WIDTH, *(len(f.name) + 2 for f in found)])
-    return [f"{MARKS[f.severity]:8}{f.name:{width}}{f.sentence}" for f in found]
+    return [f"{MARKS[f.verdict]:8}{f.name:{width}}{f.sentence}" for f in found]
 
 
 def verdict_on(findings: Iterable[Finding]) -> str:

@@ -52,8 +52,12 @@ class Breadth:
     @property
     def breaks(self) -> FloatArray:
         """(m,) cam angles [rad] at which a derivative may jump on either side."""
-        breaks = self.motion.breaks
-        return merged(np.concatenate((breaks, (breaks + HALF) % TURN)))
+        return _on_both_sides(self.motion.breaks)
+
+    @property
+    def borders(self) -> FloatArray:
+        """(k,) cam angles [rad] at which the formula changes on either side."""
+        return _on_both_sides(self.motion.borders)
 
     @property
     def dwells(self) -> tuple[Dwell, ...]:
@@ -126,6 +130,11 @@ class Breadth:
             direction=-first.direction,
         )
         return turned
+
+
+def _on_both_sides(angles: FloatArray) -> FloatArray:
+    """The cam `angles` (m,) [rad], and those half a turn from them."""
+    return merged(np.concatenate((angles, (angles + HALF) % TURN)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import numpy as np
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.closure import joints
 from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.numeric.rounding import resolved
 from camgeo.wording import at_cam_angles
 
 POINT_LIMIT = 1e-12
@@ -29,7 +30,8 @@ def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Fi
         curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
     )
     at_gap, at_turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
-    gap, turn = float(join.gaps[at_gap]), math.degrees(join.turns[at_turn])
+    gap = float(join.gaps[at_gap])
+    turn = math.degrees(resolved(float(join.turns[at_turn]), 1.0))
     place = float(join.phi[at_turn])
     statement = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
     turned = f"largest angle between the tangents at a joint {turn:.2g} deg {at_cam_angles(place)}"

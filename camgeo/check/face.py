@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.check.cures.cure import DIGITS, rounded_beyond
 from camgeo.check.finding import Finding, Severity
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import flat_follower
@@ -61,10 +60,9 @@ def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Fin
             " a little larger"
         )
     else:
-        missing = rounded_beyond(2.0 * least - radius, DIGITS, upward=True)
         sentence = (
             f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
-            f" touches only what is convex; make {keys} larger by at least {missing} mm"
+            f" touches only what is convex; make {keys} larger"
         )
     return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
 

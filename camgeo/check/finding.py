@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, overload
 
 from camgeo.displayed import Displayed, clipped
+from camgeo.errors import CamgeoError
 from camgeo.units import TURN, LengthUnit, LiftUnit, in_unit
-from camgeo.wording import counted, listed
+from camgeo.wording import cam_angle, counted, listed
 
 Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
 
-ok: within its limit. warning: worth knowing. broken: beyond its limit, though the disc can be made
-all the same. no-disc: no disc makes this motion, and no outline is written. invalid: what the scene
-describes is no cam mechanism, which a command treats as a fault of the scene.
+ok: within its limit, or without one, see `Verdict`. warning: worth knowing. broken: beyond its
+limit, though the disc can be made all the same. no-disc: no disc makes this motion, and no outline
+is written. invalid: what the scene describes is no cam mechanism, which a command treats as a fault
+of the scene.
+"""
+
+Verdict = Literal["note", "figure", Severity]
+"""What is said of a finding: its severity where it is compared with anything or bad all the same.
+
+figure: a value that nothing limits, so that it is neither good nor bad. note: a sentence for which
+the same holds.
 """
 
 NO_OUTLINE: Final = ("invalid", "no-disc")
 """Severities with which no outline is written."""
 
+BROKEN: Final = ("broken", *NO_OUTLINE)
+"""Severities of a limit that does not hold."""
+
+UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
+"""Beginnings of the names of findings for which a cure can be sought."""
+
+CONVEXITY: Final = "convexity"
+"""Name of the finding for which a cure of a flat face can be sought."""
+
+RETURN: Final = "return"
+"""Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
 STATED: Final[dict[LiftUnit, tuple[float, str]]] = {
     "mm": (1.0, "mm"),
@@ -72,11 +92,22 @@ class Finding(Displayed):
         return self if sentence == self.sentence else replace(self, sentence=sentence)
 
     def __repr__(self) -> str:
-        return clipped(f"Finding({self.name!r}, {self.severity!r}, {self.sentence!r})")
+        return clipped(f"Finding({self.name!r}, {self.verdict!r}, {self.sentence!r})")
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is said of it, see `Verdict`."""
+        if self.severity != "ok" or self.limit is not None:
+            return self.severity
+        return "note" if self.value is None else "figure"
 
 
 NAMED: Final = 3
-"""Findings of a severity that are named where many are described."""
+"""Findings of a verdict that are named where many are described."""
+
+
+QUIET: Final = ("ok", "figure", "note")
+"""Verdicts on findings that are not bad."""
 
 
 class Findings(tuple[Finding, ...], Displayed):
@@ -87,10 +118,10 @@ class Findings(tuple[Finding, ...], Displayed):
     def __repr__(self) -> str:
         names: dict[str, list[str]] = {}
         for each in self:
-            names.setdefault(each.severity, []).append(each.name)
+            names.setdefault(each.verdict, []).append(each.name)
         told = [
-            f"{len(own)} {severity}" + ("" if severity == "ok" else f" ({listed(own, NAMED)})")
-            for severity, own in names.items()
+            f"{len(own)} {verdict}" + ("" if verdict in QUIET else f" ({listed(own, NAMED)})")
+            for verdict, own in names.items()
         ]
         head = counted(len(self), "finding")
         return clipped(f"<{': '.join([head, *([', '.join(told)] if told else [])])}>")
@@ -99,6 +130,89 @@ class Findings(tuple[Finding, ...], Displayed):
 def stated_in(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings with their sentences in the unit of a scene, see `Finding.in_unit`."""
     return tuple(findings if unit == "mm" else (each.in_unit(unit) for each in findings))
+
+
+class LazyFindings(Sequence[Finding], Displayed):
+    """Findings that are made when one looks at them, then shown as `Findings` are.
+
+    Parameters
+    ----------
+    find : makes them, once.
+    """
+
+    def __init__(self, find: Callable[[], Findings]) -> None:
+        self._find = find
+
+    @overload
+    def __getitem__(self, index: int) -> Finding: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Finding, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Finding | tuple[Finding, ...]:
+        return self._find()[index]
+
+    def __len__(self) -> int:
+        return len(self._find())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, tuple | LazyFindings) and self._find() == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self._find())
+
+    def __repr__(self) -> str:
+        try:
+            return repr(self._find())
+        except CamgeoError as error:
+            return clipped(f"<no findings: {error}>")
+
+
+MOST_ALIKE: Final = 12
+"""Findings of one name and severity that are told one by one."""
+
+TOUCHING: Final = 1e-9
+"""Ranges [rad] this close to each other are told as one."""
+
+
+def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings, but of more than `MOST_ALIKE` alike only the worst one, with the places of all.
+
+    The worst is the farthest from its limit, or from 0 without one, or has no value at all.
+    """
+    found = tuple(findings)
+    alike: dict[tuple[str, str], list[Finding]] = {}
+    for each in found:
+        alike.setdefault((each.name, each.severity), []).append(each)
+    told = []
+    for each in found:
+        own = alike[each.name, each.severity]
+        if len(own) <= MOST_ALIKE or any(one.cam_angle is None for one in own):
+            told.append(each)
+        elif each is own[0]:
+            worst = max(own, key=_beyond)
+            sentence = f"{worst.sentence}; {len(own)} alike in all, {_places(own)}"
+            told.append(replace(worst, sentence=sentence, cam_range=None))
+    return tuple(told)
+
+
+def _beyond(finding: Finding) -> float:
+    """By how much the value differs from its limit."""
+    if finding.value is None:
+        return math.inf
+    return abs(finding.value - (finding.limit or 0.0))
+
+
+def _places(alike: Iterable[Finding]) -> str:
+    """The ranges, or places, of several findings in words; ranges that touch are one."""
+    ranges: list[tuple[float, float]] = []
+    for each in alike:
+        start, end = each.cam_range or (each.cam_angle or 0.0, each.cam_angle or 0.0)
+        if ranges and start != end and abs(start - ranges[-1][1]) <= TOUCHING:
+            start = ranges.pop()[0]
+        ranges.append((start, end))
+    places = [" to ".join(dict.fromkeys(map(cam_angle, each))) for each in ranges]
+    return f"at cam angles {listed(places, MOST_ALIKE)} deg"
 
 
 def held(

@@ -6,12 +6,23 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.check.closure import check_closure
 from camgeo.check.curvature import check_radius_ratio, check_undercut
 from camgeo.check.curved_face import check_curved_face, is_curved_face
-from camgeo.check.finding import Finding, Findings, Severity, forbidding, stated_in
+from camgeo.check.finding import (
+    BROKEN,
+    CONVEXITY,
+    RETURN,
+    UNDERCUT,
+    Finding,
+    Findings,
+    Severity,
+    folded,
+    forbidding,
+    stated_in,
+)
 from camgeo.check.follower import check_follower
 from camgeo.check.limits import (
     RULE_OF_THUMB,
@@ -40,22 +51,16 @@ if TYPE_CHECKING:
 WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 """Order of the findings, by severity."""
 
-UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
-"""Beginnings of the names of findings for which a cure can be sought."""
-
 LINKAGE: Final = "linkage"
 """Name of the check of the linkage."""
 
-CONVEXITY: Final = "convexity"
-"""Name of the finding for which a cure of a flat face can be sought."""
+CURABLE: Final = (*UNDERCUT, CONVEXITY, "transmission-angle", "radius-ratio-")
+"""The same for any cure."""
 
 UNMENDED: Final = ("outline-", "closure")
 """Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
 
 TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
-
-RETURN: Final = "return"
-"""Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
 
 FINDINGS: Final = "findings."
 """Prefix of the names under which ledgers record checks."""
@@ -95,6 +100,8 @@ class Judgement(Pickled, Displayed):
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
     unit : that of the scene, in which findings and cures state lengths.
     ledger : records what has been computed.
+    trial : gives the findings on the scene, and on its part, with other values by key; None if
+        there is no scene, where cures are judged by the discs alone.
     """
 
     drive: Drive
@@ -103,6 +110,9 @@ class Judgement(Pickled, Displayed):
     tolerance: float
     unit: LengthUnit = "mm"
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    trial: Callable[[Mapping[str, Any]], Findings] | None = field(
+        default=None, repr=False, compare=False
+    )
 
     @lazy
     def by_check(self) -> ByCheck:
@@ -173,20 +183,27 @@ class Judgement(Pickled, Displayed):
 
     @lazy
     def cures(self) -> tuple[Cure, ...]:
-        """What would cure undercut, one for each knob, cheapest first; empty if there is none.
-
-        Raises GeometryError if whether the flanks cross cannot be decided.
+        """What would cure undercut, a broken transmission angle and a broken radius ratio, see
+        `camgeo.check.cures.remedies`; empty if nothing is wrong with them.
         """
-        names = [f.name.removeprefix(f"{RETURN}: ") for f in self.findings if f.severity != "ok"]
-        if CONVEXITY in names:
-            from camgeo.check.cures.face import face_cures  # few cams have a flat face
-
-            return face_cures(self.cams[0], self.unit)
-        if not any(name.startswith(UNDERCUT) for name in names):
+        if not any(
+            each.severity in BROKEN and each.name.removeprefix(f"{RETURN}: ").startswith(CURABLE)
+            for each in self.findings
+        ):
             return ()
-        from camgeo.check.cures.smallest import cures  # a search that few cams need
+        from camgeo.check.cures.remedies import remedies  # a search that few cams need
 
-        return cures(self.cams, self.unit)
+        known: dict[tuple[tuple[str, object], ...], Findings] = {}
+
+        def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> Findings:
+            question = tuple(edits.items())
+            if question not in known:
+                other = replace(self, drive=cams[0].drive, cams=cams, ledger=Ledger())
+                known[question] = other.findings if self.trial is None else self.trial(edits)
+            return known[question]
+
+        limits = transmission_angle_limit(self.cams[0], self.limits), self.limits.radius_ratio
+        return remedies(self.cams, *limits, self.findings, self.unit, judged)
 
 
 def worst(findings: Iterable[Finding]) -> Severity:
@@ -204,7 +221,7 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
     """What the checks find in the motion and the speed, without any disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
-    return (*check_motion(drive.plan, drive.unit), *speed)
+    return folded((*check_motion(drive.plan, drive.unit), *speed))
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:

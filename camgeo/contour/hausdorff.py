@@ -46,7 +46,13 @@ FEW = 12
 """Pieces per cell up to which the distances from all of them are bounded."""
 
 HALVINGS = 60
-"""Most rounds of halving; then the bound is not sharp, but still one."""
+"""Most rounds of halving; then, or before `MOST` cells, the bound is not sharp, but still one."""
+
+MOST = 100_000
+"""Cells that are halved at most [some 50 MB]."""
+
+PAIRS = 250_000
+"""Pairs of a cell and a piece that are looked at in one go [some 60 MB]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,8 +112,14 @@ def distance(one: Contour, other: Contour) -> float:
     a, b = _pieces(one), _pieces(other)
     if len(a.sweep) < len(b.sweep):
         a, b = b, a  # many cells with few pieces each take one round, and the others then few
-    there = _largest(a, b, rounding, 0.0)
-    return _largest(b, a, rounding, there) + 2.0 * rounding
+    bound = 0.0
+    for cells, pieces in ((a, b), (b, a)):
+        found, some = bound, max(1, PAIRS // len(pieces.sweep))
+        for first in range(0, len(cells.sweep), some):
+            block = taken(cells, slice(first, first + some))
+            found, own = _largest(block, pieces, rounding, found)
+            bound = max(bound, own)
+    return bound + 2.0 * rounding
 
 
 def _pieces(contour: Contour) -> _Pieces:
@@ -116,8 +128,10 @@ def _pieces(contour: Contour) -> _Pieces:
     return _Pieces(parts.vertices[moving], parts.ends[moving], parts.sweeps[moving])
 
 
-def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> float:
-    """Bound [mm] of the largest distance of a point of `cells` from `pieces`; at least `known`."""
+def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> tuple[float, float]:
+    """Largest distance [mm] found of a point of `cells` from `pieces`, and a bound of it; both at
+    least `known`.
+    """
     count, others = len(cells.sweep), len(pieces.sweep)
     pairs = np.repeat(np.arange(count), others), np.tile(np.arange(others), count)
     starts = _least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
@@ -128,14 +142,16 @@ def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> 
         loose = most > found * (1.0 + HALF) + rounding
         bound = max(bound, float(np.max(most[~loose], initial=0.0)))
         if not np.any(loose):
-            return bound
+            return found, bound
+        if np.count_nonzero(loose) > MOST:
+            break
         place = np.cumsum(loose) - 1
         kept = loose[pairs[0]]
         cell, piece = place[pairs[0][kept]], pairs[1][kept]
         number = int(place[-1]) + 1
         pairs = np.concatenate((cell, cell + number)), np.concatenate((piece, piece))
         cells = taken(cells, loose).halves()
-    return max(bound, float(np.max(most[loose])))
+    return found, max(bound, float(np.max(most[loose])))
 
 
 Pairs = tuple[IntArray, IntArray]

@@ -41,7 +41,7 @@ def require_regular(curve: WorkingCurve, piece: Piece) -> None:
 def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> None:
     """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
     smallest = float(np.min(regularity))
-    if smallest < -CUSP or (piece.dwell and smallest <= CUSP):
+    if smallest < -CUSP or (piece.is_arc and smallest <= CUSP):
         raise UndercutError(
             "the offset curve has a cusp or undercut between cam angles"
             f" {math.degrees(piece.start):.6g} and {math.degrees(piece.end):.6g} degrees"
@@ -126,7 +126,7 @@ def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
     GeometryError
         If the roller centre stands still at a sample.
     """
-    counts = [RESTING if piece.dwell else CELLS for piece in pieces]
+    counts = [RESTING if piece.is_arc else CELLS for piece in pieces]
     phi = np.concatenate(
         [
             piece.start + (piece.end - piece.start) / count * (np.arange(count) + 0.5)

@@ -67,14 +67,14 @@ def forced_pieces(path: Path) -> int:
     legs = legs_of(path)
     turns = sum(isinstance(leg, TurnLeg) for leg in legs)
     return turns + sum(
-        piece.dwell for leg in legs if isinstance(leg, StretchLeg) for piece in leg.pieces
+        piece.is_arc for leg in legs if isinstance(leg, StretchLeg) for piece in leg.pieces
     )
 
 
 def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:
     """The smooth pieces that are no dwells."""
     stretches = [leg for leg in legs_of(path) if isinstance(leg, StretchLeg)]
-    return [(leg.curve, piece) for leg in stretches for piece in leg.pieces if not piece.dwell]
+    return [(leg.curve, piece) for leg in stretches for piece in leg.pieces if not piece.is_arc]
 
 
 def _middles(piece: Piece) -> tuple[FloatArray, float]:

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.curve.pieces import Piece, smooth_pieces
+from camgeo.curve.circles import arc_pieces, centres_at
+from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 
@@ -61,18 +62,18 @@ class StretchLeg:
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """Its smooth pieces, in order."""
+        """Its smooth pieces, in order; neighbours on one circle are one."""
         if self.closed:
-            return smooth_pieces(self.curve)
+            return arc_pieces(self.curve)
         found = []
         for turn in (-TURN, 0.0, TURN):
-            for piece in smooth_pieces(self.curve):
+            for piece in arc_pieces(self.curve):
                 start, end = piece.start + turn, piece.end + turn
                 if min(end, self.end) - max(start, self.start) <= SNAP:
                     continue
                 start = self.start if start < self.start + SNAP else start
                 end = self.end if end > self.end - SNAP else end
-                found.append(Piece(start, end, piece.dwell))
+                found.append(Piece(start, end, piece.centre))
         return tuple(found)
 
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
@@ -85,11 +86,6 @@ class StretchLeg:
         """
         return self.curve.traced(t)
 
-    @property
-    def pole(self) -> complex:
-        """The point [mm] about which Z turns where it `turns_rigidly`: the cam axis, in a rest."""
-        return 0j
-
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """(3 or more, n) complex [mm/rad^k] Z, Z', Z'' in the middle of cells [low, high] (n,), and
         (3, n) upper bounds of |Z'|, |Z''|, |Z'''| over them; no border lies inside a cell, so that
@@ -100,15 +96,11 @@ class StretchLeg:
             np.maximum(low - turns, 0.0), np.minimum(high - turns, TURN)
         )
 
-    def turns_rigidly(self, t: FloatArray) -> BoolArray:
-        """(n,) whether the stretch without a border that `t` (n,) lies in is a circle about `pole`,
-        run through with t as the angle: a rest.
+    def poles(self, t: FloatArray) -> ComplexArray:
+        """(n,) complex [mm] the point about which Z turns, with t as the angle, all along the
+        stretch without a border that `t` (n,) lies in; NaN where it is not known to.
         """
-        rests = np.zeros(len(t), dtype=np.bool_)
-        for rest in self.curve.dwells:
-            # Both ends of a rest are borders: a place between them is not affected by rounding.
-            rests |= (t - rest.start) % TURN < rest.span
-        return rests
+        return centres_at(self.curve.pitch, t)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,20 +153,15 @@ class TurnLeg:
         tangents = 1j * math.copysign(1.0, self.sweep) * arm / self.radius
         return self.centre + arm, tangents, np.full(len(t), self.radius)
 
-    @property
-    def pole(self) -> complex:
-        """The arc's centre."""
-        return self.centre
-
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """See `StretchLeg`."""
         arm = self._arm(0.5 * (low + high))
         jet = np.stack((self.centre + arm, 1j * math.copysign(1.0, self.sweep) * arm, -arm))
         return jet, np.full((3, len(low)), self.radius)
 
-    def turns_rigidly(self, t: FloatArray) -> BoolArray:
-        """See `StretchLeg`: everywhere."""
-        return np.ones(len(t), dtype=np.bool_)
+    def poles(self, t: FloatArray) -> ComplexArray:
+        """See `StretchLeg`: its centre."""
+        return np.full(len(t), self.centre)
 
     def _arm(self, t: FloatArray) -> ComplexArray:
         turned: ComplexArray = np.exp(1j * math.copysign(1.0, self.sweep) * t)

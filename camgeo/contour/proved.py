@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -15,7 +16,7 @@ from camgeo.contour.chain import Chain, Run, contour_of, runs_of
 from camgeo.contour.contour import Fit
 from camgeo.contour.joints import torn_apart
 from camgeo.contour.legs import Leg, StretchLeg, TurnLeg, legs_of
-from camgeo.contour.proof.deviation import proved_bound
+from camgeo.contour.proof.deviation import SHARPNESS, proved_bound
 from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError
@@ -106,9 +107,8 @@ def proved_fit(
     GeometryError
         If the contour cannot be compared with the path, or the path has a gap.
     """
-    runs, reached = proved(
-        fitted(path, tolerance, fit_pieces, fit_turn), proved_bound, aim, tolerance
-    )
+    prove = partial(proved_bound, enough=SHARPNESS * tolerance)
+    runs, reached = proved(fitted(path, tolerance, fit_pieces, fit_turn), prove, aim, tolerance)
     return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
 
 

@@ -1,6 +1,8 @@
 """Exact extremes of a quantity over the turn: bracketed roots of its slope in each smooth piece.
 
-Among them those of the curvature of a pitch curve, which decide the size of the roller.
+Among them those of the curvature of a pitch curve, which decide the size of the roller. The slope
+is examined in cells between the borders of the motion's formula, which are the knots of a table,
+and no number of samples is fixed, see `camgeo.numeric.isolation`.
 """
 
 from __future__ import annotations
@@ -9,20 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.curve.pieces import HasBreaks, smooth_pieces
+from camgeo.curve.pieces import HasBorders, smooth_pieces
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.displayed import Brief
-from camgeo.numeric.arrays import FloatArray, IntArray, frozen
+from camgeo.motion.kept import kept_with_owner
+from camgeo.numeric.arrays import FloatArray, IntArray, frozen, merged
+from camgeo.numeric.isolation import cells_between, isolated_roots, places_in
 from camgeo.numeric.many import ONE, Asked, Many, Quantity
-from camgeo.numeric.roots import roots_in_rows
 from camgeo.units import TURN
-
-SAMPLES = 257
-"""Grid points per smooth piece on which sign changes of a slope are sought."""
-
-INSIDE = 1e-8
-"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
-of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,12 +46,12 @@ class Extremes(Brief):
         return float(self.values[index]), float(self.phi[index]) % TURN
 
 
-def extremes(curve: HasBreaks, value: Quantity, slopes: Quantity) -> Extremes:
+def extremes(curve: HasBorders, value: Quantity, slopes: Quantity) -> Extremes:
     """All local extremes of `value` over one turn.
 
     Parameters
     ----------
-    curve : gives the smooth pieces.
+    curve : gives the smooth pieces, and the borders inside them.
     value : the quantity, (n,) at n cam angles, from the side asked for.
     slopes : what vanishes inside the pieces at the candidates, besides the ends of the pieces seen
         from inside: (n,), or (k, n) for several such quantities.
@@ -64,26 +60,20 @@ def extremes(curve: HasBreaks, value: Quantity, slopes: Quantity) -> Extremes:
 
 
 def extremes_of_each(
-    breaks: HasBreaks, many: Many[Asked], value: Asked, slopes: Asked
+    breaks: HasBorders, many: Many[Asked], value: Asked, slopes: Asked
 ) -> list[Extremes]:
     """The `extremes` of each of `many`, which all have the same `breaks`."""
-    pieces = smooth_pieces(breaks)
-    starts = np.array([piece.start for piece in pieces])
-    ends = np.array([piece.end for piece in pieces])
-    moving = np.array([not piece.dwell for piece in pieces])
+    turn = kept_turn(breaks) if isinstance(breaks, PitchCurve) else turn_of(breaks)
+    starts, ends = turn.starts, turn.ends
     middle, which = np.empty(0), np.empty(0, dtype=np.intp)
-    if np.any(moving):
-        grid = np.linspace(starts[moving], ends[moving], SAMPLES, axis=1)
-        inside = INSIDE * (ends - starts)[moving]
-        grid[:, 0] += inside  # from inside, where a slope may jump
-        grid[:, -1] -= inside
-        middle, which = _turning(many, slopes, grid)
+    if len(turn.places):
+        middle, which = _turning(many, value, slopes, turn.places)
     at_starts = many.everywhere(value, starts, "right")
     at_ends = many.everywhere(value, ends, "left")
     between = many.at(value, middle, "right", which)
     # At a break the end of one piece comes before the start of the next.
     owner = np.searchsorted(starts, middle, side="right") - 1
-    each = np.arange(len(pieces))
+    each = np.arange(len(starts))
     found = []
     for one in range(many.count):
         own = which == one
@@ -95,20 +85,59 @@ def extremes_of_each(
     return found
 
 
-def _turning(many: Many[Asked], slopes: Asked, grid: FloatArray) -> tuple[FloatArray, IntArray]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Turn:
+    """The smooth pieces of a turn, and the cells in which a slope is examined.
+
+    Attributes
+    ----------
+    starts, ends : (m,) of the pieces [rad], ascending; the last end may exceed 2 pi.
+    places : (n, k) in the cells of the pieces that are no dwells, see `places_in`.
+    """
+
+    starts: FloatArray
+    ends: FloatArray
+    places: FloatArray
+
+
+def turn_of(curve: HasBorders) -> Turn:
+    """The pieces and the cells of a curve: none of the cells reaches across a border."""
+    pieces = smooth_pieces(curve)
+    starts = np.array([piece.start for piece in pieces])
+    ends = np.array([piece.end for piece in pieces])
+    moving = np.array([not piece.dwell for piece in pieces])
+    borders = np.concatenate((curve.borders, curve.borders + TURN))
+    inner = borders[(borders > starts[0]) & (borders < ends[-1])]
+    low, high = cells_between(merged(np.concatenate((starts, inner, ends[-1:]))))
+    owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
+    low, high, owner = (each[moving[owner]] for each in (low, high, owner))
+    return Turn(starts, ends, places_in(low, high, starts[owner], ends[owner]))
+
+
+@kept_with_owner
+def kept_turn(curve: PitchCurve) -> Turn:
+    """`turn_of` a curve of which several quantities are examined."""
+    return turn_of(curve)
+
+
+def _turning(
+    many: Many[Asked], value: Asked, slopes: Asked, places: FloatArray
+) -> tuple[FloatArray, IntArray]:
     """Where one of the `slopes` of one of `many` vanishes, ascending, and of which."""
-    values = many.everywhere(slopes, grid.ravel(), "right")
-    kinds = values.reshape(-1, many.count, *grid.shape)
+    known = many.everywhere(slopes, places.ravel(), "right")
+    known = known.reshape(-1, many.count, *places.shape)
 
     def of_row(phi: FloatArray, row: IntArray) -> FloatArray:
-        kind, one, _ = np.unravel_index(row, kinds.shape[:-1])
+        kind, one = np.divmod(row, many.count)
         found = many.at(slopes, phi, "right", one)
         return found if found.ndim == 1 else found[kind, np.arange(len(phi))]
 
-    roots, row = roots_in_rows(of_row, grid, kinds)
-    _, which, _ = np.unravel_index(row, kinds.shape[:-1])
+    def value_of(phi: FloatArray, row: IntArray) -> FloatArray:
+        return many.at(value, phi, "right", row % many.count)
+
+    roots, row = isolated_roots(of_row, value_of, places, known.reshape(-1, *places.shape))
     order = np.argsort(roots, kind="stable")
-    return roots[order], which[order]
+    return roots[order], row[order] % many.count
 
 
 def curvature_extremes(curve: PitchCurve) -> Extremes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -27,17 +28,35 @@ class HasBreaks(Protocol):
     def dwells(self) -> tuple[Dwell, ...]: ...
 
 
+class HasBorders(HasBreaks, Protocol):
+    """One that also knows where its formula changes, the breaks among them."""
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start may
     not.
 
-    Its values are the right-hand ones at `start`, the left-hand ones at `end`.
+    Its values are the right-hand ones at `start`, the left-hand ones at `end`. `centre` is the
+    point [mm] about which it turns rigidly with the cam, the cam axis in a dwell; else None.
     """
 
     start: float
     end: float
-    dwell: bool
+    centre: complex | None = None
+
+    @property
+    def is_arc(self) -> bool:
+        """Whether it is one arc."""
+        return self.centre is not None
+
+    @property
+    def dwell(self) -> bool:
+        """Whether it is an arc about the cam axis."""
+        return self.centre == 0.0
 
 
 def smooth_pieces(curve: HasBreaks) -> tuple[Piece, ...]:
@@ -45,10 +64,10 @@ def smooth_pieces(curve: HasBreaks) -> tuple[Piece, ...]:
     breaks = [float(angle) for angle in curve.breaks]
     dwell_starts = {dwell.start for dwell in curve.dwells}
     if not breaks:
-        return (Piece(0.0, TURN, dwell=bool(dwell_starts)),)
+        return (Piece(0.0, TURN, 0j if dwell_starts else None),)
     ends = [*breaks[1:], breaks[0] + TURN]
     return tuple(
-        Piece(start, end, dwell=start in dwell_starts)
+        Piece(start, end, 0j if start in dwell_starts else None)
         for start, end in zip(breaks, ends, strict=True)
     )
 
@@ -89,7 +108,11 @@ def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatAr
     """
     low, high = low[which], high[which]
     if len(low) > MOST:
-        raise GeometryError("the pitch curve is too steep to be analysed: it has no outline")
+        place = math.degrees(low[0] % TURN)
+        raise GeometryError(
+            f"about cam angle {place:.6f} deg the pitch curve is too steep, or meets a limit too"
+            f" exactly along a stretch, for {MOST:,} cells to decide what is left of the disc"
+        )
     middle = 0.5 * (low + high)
     return np.concatenate((low, middle)), np.concatenate((middle, high))
 

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.design import KEPT
 from camgeo.designing.given import Given
 from camgeo.designing.segments import with_a_point
 from camgeo.designing.snapping import is_number, rounded
@@ -63,10 +64,6 @@ def _with_law(given: Given, after: Tree, path: Path) -> Tree:
     own = value_at(after, path[:2])
     among = [(*path[:2], key) for key in own if key not in KEPT]
     return given.without_misfits(after, lambda misfit: misfit in among)
-
-
-KEPT: Final = ("law", "span", "to")
-"""Keys that a move has with every law."""
 
 
 def _with_contact(given: Given, after: Tree) -> Tree:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from camgeo.check.cures.cure import Cure
+from camgeo.check.cures.task import edits_of
 from camgeo.design import Design
 from camgeo.designing.companions import with_companions
 from camgeo.designing.fields import Fields
@@ -142,7 +142,7 @@ def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
         raise refusal("there is no such cure")
     if not cures[number].works:
         raise refusal(cures[number].sentence)
-    edits = edits_of_cure(cures[number])
+    edits = given.design.edits(edits_of(cures[number]))
     return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
 
 
@@ -165,11 +165,6 @@ CHANGES: Final[Mapping[str, Callable[[Given, Mapping[str, Any]], tuple[Tree, str
 
 VALID: Final = ("handle",)
 """Those that are refused if the scene would not be valid: a handle stays where it last could be."""
-
-
-def edits_of_cure(cure: Cure) -> dict[str, Any]:
-    """The values by key that a cure, which works, sets."""
-    return {cure.key: cure.value_to} | {each.key: each.value_to for each in cure.also}
 
 
 # -- what goes with a change -----------------------------------------------------------------------

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Final
 
 from camgeo.design import Design
-from camgeo.errors import Fault, SceneError
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError
 from camgeo.scene.document import Source, document_of_tree
 from camgeo.scene.keys import Path, path_of
 from camgeo.scene.scene import Scene
@@ -68,6 +68,21 @@ class Given:
     def new_faults(self, tree: Tree) -> tuple[Fault, ...]:
         """What is wrong with other values, at keys that are not `wrong` as it is."""
         return tuple(fault for fault in self.faults(tree) if fault.key not in self.wrong)
+
+    def unmet(self, tree: Tree, name: str) -> Fault | None:
+        """What the effect `name` lacks in a scene with other values, where only computing it tells.
+
+        None as well if the text as it is has no design: then nothing can be computed.
+        """
+        if self.known is None:
+            return None
+        try:
+            Design(self.scene(tree)).effect(name)
+        except GeometryError as error:
+            return Fault(error.key, error.value, error.message) if error.key else None
+        except CamgeoError:  # faults of the scene, or no answer for this design, as findings tell
+            return None
+        return None
 
     def without_misfits(self, tree: Tree, may: Callable[[Path], bool]) -> Tree:
         """The tree without those of the `new_faults` that may be taken out.

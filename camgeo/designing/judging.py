@@ -12,8 +12,7 @@ from camgeo.answers.answer import MARKS, verdict_on
 from camgeo.answers.check import Check, check
 from camgeo.answers.report import Advised, advised
 from camgeo.check.cures.cure import Cure
-from camgeo.check.finding import Finding
-from camgeo.check.judge import RETURN
+from camgeo.check.finding import RETURN, Finding
 from camgeo.designing.arguments import Arguments
 from camgeo.designing.job import Job
 from camgeo.designing.painting import effect_charts
@@ -36,6 +35,7 @@ KEYS: Final[Mapping[str, str]] = {
     "lobe": "limits.undercut",
     "dead-centre": "linkage",
     "linkage-branch": "linkage",
+    "format": "output.formats",
 }
 """Key of the scene that a finding is about, by the name of the finding or its beginning."""
 
@@ -75,7 +75,7 @@ def _finding(each: Advised) -> dict[str, Any]:
         "about": each.about,
         "name": found.name,
         "severity": found.severity,
-        "mark": MARKS[found.severity],
+        "mark": MARKS[found.verdict],
         "sentence": found.sentence,
         "value": _finite(found.value),
         "limit": _finite(found.limit),
@@ -96,7 +96,8 @@ def _key(name: str) -> str:
 
 
 def _cure(index: int, cure: Cure) -> dict[str, Any]:
-    return {"sentence": cure.sentence, "works": cure.works, "index": index, "key": cure.key}
+    sentence = f"{cure.fault}: {cure.sentence}"
+    return {"sentence": sentence, "works": cure.works, "index": index, "key": cure.key}
 
 
 def _places(found: Check) -> Iterator[dict[str, Any]]:

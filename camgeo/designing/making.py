@@ -5,7 +5,8 @@ from __future__ import annotations
 import base64
 import json
 import math
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Final
 
 from camgeo.answers.build import told
 from camgeo.answers.render import text
@@ -19,7 +20,11 @@ from camgeo.designing.arguments import Arguments
 from camgeo.designing.job import Job
 from camgeo.designing.recent import Recent
 from camgeo.units import MM_PER
+from camgeo.wording import listed
 from camgeo.writing.write import CERTIFICATE, make_files
+
+BASE_RADIUS: Final = "follower.base_radius"
+"""The key of the size that is as small as possible."""
 
 
 def build(job: Job, recent: Recent) -> dict[str, Any]:
@@ -91,15 +96,17 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
         for name, each in (("present design", found.present), ("smallest", found.written))
         if each is not None
     ]
+    edits = {} if made is None else edits_with(found.scene, made)
     return {
         "sizes": sizes,
-        "sentence": _sentence(found),
+        "sentence": _sentence(found, edits),
         "text": text(found),
-        "edits": {} if made is None else edits_with(found.scene, made),
+        "edits": edits,
     }
 
 
-def _sentence(found: CamSize) -> str:
+def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
+    """The smallest base radius, and what else changes with it."""
     if found.written is None:
         return found.infeasible or "The requirement can only just be met: no scene surely keeps it."
     unit = MM_PER[found.scene.unit]
@@ -107,7 +114,8 @@ def _sentence(found: CamSize) -> str:
     sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
     if found.present is not None:
         sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
-    return f"{sentence}."
+    others = [f"{key} = {json.dumps(edits[key])}" for key in edits if key != BASE_RADIUS]
+    return f"{sentence}, with {listed(others)}." if others else f"{sentence}."
 
 
 def _rating(name: str, rating: Rating, unit: float) -> dict[str, Any]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Final
 
 from camgeo.answers.report.readings import shown
@@ -14,13 +16,22 @@ from camgeo.errors import SceneError
 from camgeo.figure import laws as picture
 from camgeo.figure.model import data_of
 from camgeo.figure.thinned import thinned
+from camgeo.motion.boundary import ends_of
+from camgeo.motion.joints import joints
 from camgeo.motion.laws import FAMILIES, OPTIONS
 from camgeo.motion.laws.comparison import entry_of
 from camgeo.motion.laws.law import Law
+from camgeo.motion.plan import MotionPlan
+from camgeo.motion.spans import FULL_TURN
 from camgeo.scene.new import KINDS, template
 
-FACTS: Final = {"velocity": "C_v", "acceleration": "C_a", "deceleration": "C_a*", "jerk": "C_j"}
-"""Characteristic values that are shown of a law, and their symbols."""
+FACTS: Final = {
+    "C_v": (("velocity",), ("velocity",)),
+    "C_a": (("least_acceleration", "largest_acceleration"), ("acceleration", "deceleration")),
+    "C_j": (("least_jerk", "largest_jerk"), ("jerk", "braking_jerk")),
+}
+"""By its symbol what is shown of a law: its extremes over the whole move, which are those of the
+motion, whatever parts the law has, and the characteristic values that are unbounded if they are."""
 
 
 def laws(job: Job, recent: Recent) -> dict[str, Any]:
@@ -59,19 +70,30 @@ def _edits(name: str, stated: Any, key: str) -> Iterator[dict[str, Any]]:
 
 def _law(job: Job, recent: Recent, edits: dict[str, Any], segment: int) -> Law | None:
     try:
-        made = recent.edited(job, edits).plan.segments[segment]
+        plan = recent.edited(job, edits).plan
     except SceneError:
         return None
-    law = getattr(made, "law", None)
-    return law if isinstance(law, Law) else None
+    law = getattr(plan.segments[segment], "law", None)
+    return _in_place(law, plan, segment) if isinstance(law, Law) else None
+
+
+def _in_place(law: Law, plan: MotionPlan, segment: int) -> Law:
+    """The law for the task that it has in the plan: from or to a rest where the velocity jumps."""
+    ends = []
+    for class_, angle in zip(ends_of(law.task), plan.joints_deg[segment:], strict=False):
+        place = math.radians(float(angle % FULL_TURN))
+        joint = min(joints(plan), key=lambda each: abs(each.cam_angle - place))
+        ends.append("R" if joint.order < 1 else class_)
+    return replace(law, task="-".join(ends))
 
 
 def _told(name: str, law: Law, edits: dict[str, Any]) -> dict[str, Any]:
     entry = entry_of(law)
     facts = []
-    for quantity, symbol in FACTS.items():
-        value = entry.bounded(quantity)
-        facts.append({"name": symbol, "value": "∞" if value is None else shown(value)})
+    for symbol, (names, quantities) in FACTS.items():
+        extremes = dict.fromkeys(shown(getattr(entry.values, name).value) for name in names)
+        bounded = entry.unbounded.isdisjoint(quantities)
+        facts.append({"name": symbol, "value": " to ".join(extremes) if bounded else "∞"})
     return {
         "name": name,
         "title": name.replace("-", " "),

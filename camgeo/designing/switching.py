@@ -10,7 +10,7 @@ from camgeo.designing.given import Given, refusal
 from camgeo.designing.snapping import is_number, rounded
 from camgeo.effects.effect import Effect
 from camgeo.effects.registry import effect_names, find_effect
-from camgeo.errors import SceneError, UnknownNameError
+from camgeo.errors import Fault, SceneError, UnknownNameError
 from camgeo.scene.document import document_of_tree
 from camgeo.scene.keys import Path, path_of, value_at
 from camgeo.scene.schema import EFFECTS
@@ -22,6 +22,11 @@ SPEED: Final = 60
 """Of a cam that has none [rev/min]."""
 
 Table = dict[str, Any]
+
+WIRE: Final[Mapping[str, Any]] = {
+    "diameter": "0.08", "coil_diameter": "0.6", "active_coils": 6, "free_length": "2",
+}  # fmt: skip
+"""Of a helical spring."""
 
 EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
     "inertia": (
@@ -37,6 +42,8 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
     "spring": (
         {"stiffness": 5, "preload": 200},
         {"kind": "torsion", "torsional_stiffness": 20, "preload_torque": 10},
+        {"preload": 200, "wire": WIRE},
+        {"preload": 200, "wire": WIRE, "anchor": None, "attachment": None},
     ),
     "friction": (
         {"guide": Decimal("0.1"), "guide_length": "1.8", "guide_overhang": "1.2"},
@@ -60,7 +67,11 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
     ),
 }
 """Initial tables, of which the first one that suits the machine is taken: lengths as texts, in base
-radii; None for a speed somewhat above that of the cam. Effects without an entry start empty."""
+radii; None for a speed somewhat above that of the cam, and for an end of a spring on a rocker.
+Effects without an entry start empty."""
+
+BESIDE: Final = {"anchor": 1.5, "attachment": 0.0}
+"""Ends of a spring on a rocker, see `_end`."""
 
 FASTER: Final = Decimal("1.05")
 """No-load speed of a motor, in speeds of the cam."""
@@ -96,33 +107,64 @@ def _on(given: Given, name: str) -> Tree:
     tree = given.tree
     if not isinstance(tree.get(EFFECTS, {}), dict):
         raise refusal("is no table", EFFECTS)
+    wanted = []
     for need in _needs(tree, find_effect(name)):
         if need.startswith(f"{EFFECTS}."):
-            tree = _with(given, tree, need.partition(".")[2])
+            wanted.append(need.partition(".")[2])
         else:
             tree = edited(tree, {need: _value(tree, need)})
-    return _with(given, tree, name)
+    unmet: list[Fault] = []
+    for made in _with(given, tree, (*wanted, name)):
+        fault = given.unmet(_alone(made, name), name)
+        if fault is None:
+            return made
+        unmet.append(fault)
+    raise SceneError(unmet[:1])
 
 
-def _with(given: Given, tree: Tree, name: str) -> Tree:
-    """The tree with that effect; SceneError if the machine cannot have it."""
-    made = suiting(given, tree, name)
-    if made is None:
-        tried = _with_table(tree, name, EXAMPLES.get(name, ({},))[0])
-        raise SceneError([each for each in given.faults(tried) if _is_of(each.key, name)])
-    return made
+def _alone(tree: Tree, name: str) -> Tree:
+    """The tree with no other effects than those without which there is no `name`: with them all it
+    may take long to compute.
+    """
+    required, waiting = {name}, [name]
+    while waiting:
+        effect = find_effect(waiting.pop())
+        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS,))}
+        waiting += needs - required
+        required |= needs
+    own = {each: table for each, table in tree[EFFECTS].items() if each in required}
+    return {**tree, EFFECTS: own}
+
+
+def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
+    """The trees with examples of all these effects, see `_fitting`; SceneError if the machine
+    cannot have one of them.
+    """
+    if not names:
+        yield tree
+        return
+    fitting = list(_fitting(given, tree, names[0]))
+    if not fitting:
+        tried = _with_table(tree, names[0], EXAMPLES.get(names[0], ({},))[0])
+        raise SceneError([each for each in given.faults(tried) if _is_of(each.key, names[0])])
+    for each in fitting:
+        yield from _with(given, each, names[1:])
 
 
 def suiting(given: Given, tree: Tree, name: str) -> Tree | None:
-    """The tree with the first example of an effect that leaves nothing wrong with it, but for what
-    was wrong before; None if none does.
+    """The tree with the first of the fitting examples of an effect; None if there is none."""
+    return next(_fitting(given, tree, name), None)
+
+
+def _fitting(given: Given, tree: Tree, name: str) -> Iterator[Tree]:
+    """The tree with each example of an effect that leaves nothing wrong with it, but for what was
+    wrong before.
     """
-    made = [_with_table(tree, name, each) for each in EXAMPLES.get(name, ({},))]
-
-    def fits(each: Tree) -> bool:
-        return not any(_is_of(fault.key, name) for fault in given.new_faults(each))
-
-    return next(filter(fits, made), None)
+    for example in EXAMPLES.get(name, ({},)):
+        made = _with_table(tree, name, example)
+        if not any(_is_of(fault.key, name) for fault in given.new_faults(made)):
+            yield made
 
 
 def _is_of(key: str, name: str) -> bool:
@@ -157,16 +199,35 @@ def _value(tree: Tree, key: str) -> Any:
 
 
 def _with_table(tree: Tree, name: str, example: Table) -> Tree:
-    made: Table = {}
-    for key, value in example.items():
-        if isinstance(value, str) and key != "kind":
-            made[key] = rounded(Decimal(value) * base_radius(tree))
-        elif value is None:
-            speed = value_at(tree, ("cam", "speed"))
-            made[key] = rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
-        else:
-            made[key] = value
+    made = {key: _initial(tree, key, value) for key, value in example.items()}
     return {**tree, EFFECTS: {**tree.get(EFFECTS, {}), name: made}}
+
+
+def _initial(tree: Tree, key: str, value: Any) -> Any:
+    """What an example states for a key, in the scene's unit."""
+    if isinstance(value, Mapping):
+        return {inner: _initial(tree, inner, each) for inner, each in value.items()}
+    if isinstance(value, str) and key != "kind":
+        return rounded(Decimal(value) * base_radius(tree))
+    if value is not None:
+        return value
+    if key in BESIDE:
+        return _end(tree, BESIDE[key])
+    speed = value_at(tree, ("cam", "speed"))
+    return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
+
+
+def _end(tree: Tree, beside: float) -> list[Decimal]:
+    """An end of a spring on a rocker: so many base radii beside the middle between pivot and cam
+    axis, on the side of the arm, from which the spring turns it towards the axis.
+    """
+    pivot = value_at(tree, ("follower", "pivot"))
+    if not isinstance(pivot, list) or len(pivot) != 2 or not all(map(is_number, pivot)):
+        return []
+    at = complex(*map(float, pivot))
+    side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
+    found = 0.5 * at + beside * float(base_radius(tree)) * side * at / (abs(at) or 1.0)
+    return [rounded(Decimal(each)) for each in (found.real, found.imag)]
 
 
 def base_radius(tree: Tree) -> Decimal:

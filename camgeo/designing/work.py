@@ -55,7 +55,7 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
         raise
     except CamgeoError as error:
         recent.restate(job, error)
-        return {"faults": told(error)}
+        return {"faults": told(error, job.text)}
 
 
 def prepared() -> Callable[[Job], dict[str, Any]]:

@@ -6,7 +6,7 @@ moments of inertia, t mm^2. They are consistent, so formulas need no conversion 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from inspect import signature
@@ -264,13 +264,14 @@ class Result(Displayed):
 
     Attributes
     ----------
-    findings : all values found, good and bad.
+    findings : all values found, good and bad; from `camgeo.effects.graph` with those that say what
+        the others do not hold for.
     columns : the quantities over the cam angle.
     errors : by the names of findings and columns; figures without an entry are exact to rounding.
     state : for which the graph of effects had it computed; None outside of it.
     """
 
-    findings: tuple[Finding, ...] = ()
+    findings: Sequence[Finding] = ()
     columns: tuple[Column, ...] = ()
     errors: Mapping[str, Bound] = field(default_factory=dict)
     state: Used | None = None

@@ -9,15 +9,17 @@ one that the scene gives. An elastic train acts back on it (`camgeo.effects.feed
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Final, overload
 
-from camgeo.check.finding import Finding, stated_in
+from camgeo.check.finding import Finding, Findings, LazyFindings, folded, stated_in
 from camgeo.check.judge import FINDINGS
 from camgeo.displayed import clipped
 from camgeo.effects.catalogue import Catalogue, Find
-from camgeo.effects.effect import Answer, Effect, Key, Subject
+from camgeo.effects.effect import Answer, Effect, Key, Result, Subject
+from camgeo.effects.inherited import ErrorsWithPremises, InheritedErrors
 from camgeo.effects.lost_contact import LostContact
 from camgeo.effects.nodes import Nodes, node_name
 from camgeo.effects.premises import qualified, trimming
@@ -28,6 +30,7 @@ from camgeo.effects.results import (
     LIFT_OFF,
     SPEED_FLUCTUATION,
     SPRING,
+    Leaving,
     Touching,
 )
 from camgeo.effects.touching import holds_both_ways
@@ -80,6 +83,8 @@ class Effects:
         self._stated: Nodes | None = None
         self._found: Nodes | None = None
         self._rigid: Nodes | None = None
+        self._whole: dict[str, Any] = {}
+        self._judged: dict[str, Any] = {}
 
     def __repr__(self) -> str:
         return clipped(f"Effects({', '.join(map(repr, self.names))})")
@@ -106,6 +111,9 @@ class Effects:
     def result(self, name: str) -> Any:
         """The result of the effect `name`, whether or not the scene names it.
 
+        Its findings begin with those that say what the others do not hold for, see
+        `camgeo.effects.premises`; they are made when they are looked at.
+
         Raises
         ------
         UnknownNameError
@@ -118,7 +126,30 @@ class Effects:
             If there is no answer for this design.
         """
         with self.ledger.lock:  # another thread may be computing it
-            return self._nodes(name).result(name)
+            if name not in self._whole:
+                self._whole[name] = self._with_premises(name, self._computed(name))
+            return self._whole[name]
+
+    def _computed(self, name: str) -> Any:
+        """The result of the effect `name` as it computes it; raises as `result`."""
+        return self._nodes(name).result(name)
+
+    def _with_premises(self, name: str, result: Any) -> Any:
+        """The `result` of the effect `name` with all its findings."""
+        if not isinstance(result, Result):
+            return result
+
+        def found() -> Findings:
+            told: Findings = self.ledger.once(
+                FINDINGS + node_name(name), self._judged,
+                lambda: Findings(self._qualified(name, result)),
+            )  # fmt: skip
+            return told
+
+        whole, errors = LazyFindings(found), result.errors
+        if isinstance(errors, InheritedErrors):
+            errors = ErrorsWithPremises(errors, whole, lambda: self._computed(CONTACT_FORCE).errors)
+        return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
         """How the cam turns in the state of the effect `name`; None if that is not known.
@@ -188,12 +219,9 @@ class Effects:
         )  # fmt: skip
 
     def findings(self, name: str) -> tuple[Finding, ...]:
-        """The findings of the effect `name`; a "broken" one that says why if there is no answer.
-
-        First come those that say what the others do not hold for, see `camgeo.effects.premises`.
-        """
+        """The findings of the effect `name`; a "broken" one that says why if there is no answer."""
         try:
-            result = self.result(name)
+            return tuple(self.result(name).findings)
         except GeometryError as error:
             if error.key:
                 raise
@@ -212,7 +240,6 @@ class Effects:
             )
             trimmed = trimming(self.effect(name), self.subject)
             return stated_in(self.subject.unit, (*trimmed, refusal))
-        return self.ledger.run(FINDINGS + node_name(name), lambda: self._qualified(name, result))
 
     def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
         """The findings of the result of `name`, after those that say what they do not hold for."""
@@ -229,7 +256,8 @@ class Effects:
             holding=self._holding if lost and at_speed_of_scene else "",
             follows=self._follows(effect), elastic=self._is_elastic(effect),
         )  # fmt: skip
-        return stated_in(self.subject.unit, (*self._at_speed(name, result.findings), *found))
+        stated = (*self._at_speed(name, result.findings), *found)
+        return stated_in(self.subject.unit, folded(stated))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
@@ -242,10 +270,10 @@ class Effects:
         if not self._follows(effect):
             return False
         if effect.name in FINDERS:
-            return self.result(effect.name).feedback is not None
-        return self.result(CONTACT_FORCE).behind is not None
+            return self._computed(effect.name).feedback is not None
+        return self._computed(CONTACT_FORCE).behind is not None
 
-    def _at_speed(self, name: str, findings: tuple[Finding, ...]) -> Iterator[Finding]:
+    def _at_speed(self, name: str, findings: Sequence[Finding]) -> Iterator[Finding]:
         """For which speed the figures of the effect `name` are, if that is the found one."""
         nodes = self._nodes(name)
         if not nodes.at_found or not self.catalogue.of_given_speed(name):
@@ -264,9 +292,10 @@ class Effects:
         if LIFT_OFF not in self.tables:
             return ()
         try:
-            return self.result(LIFT_OFF).flown
+            found: Leaving = self._computed(LIFT_OFF)
         except (EffectError, GeometryError):  # which its own findings report
             return ()
+        return found.flown
 
     @cached_property
     def _holding(self) -> str:
@@ -285,24 +314,19 @@ class Effects:
             return ""
 
     def _lost_contact(self, name: str) -> LostContact | None:
-        """Where contact is lost; None if the effect `name` can do without contact, if no effect of
-        the scene needs the contact force, or if there is no contact force.
+        """Where contact is lost; None if the effect `name` can do without contact, if neither it
+        nor an effect of the scene needs the contact force, or if there is no contact force.
         """
-        if self.effect(name).premise != "contact" or not self._called_for(CONTACT_FORCE):
+        if self.effect(name).premise != "contact":
+            return None
+        asked = {name, *self.names}
+        if CONTACT_FORCE not in asked.union(*map(self.catalogue.behind, asked)):
             return None
         try:
-            found: LostContact = self.result(CONTACT_FORCE).lost_contact
+            found: LostContact = self._computed(CONTACT_FORCE).lost_contact
         except (EffectError, GeometryError):  # which its own findings report
             return None
         return found
-
-    def _called_for(self, name: str) -> bool:
-        """Whether the scene names the effect `name` or one that needs it."""
-
-        def needed(each: str) -> bool:
-            return each == name or any(needed(other) for other in self.catalogue.received(each))
-
-        return any(needed(each) for each in self.names)
 
     def recomputed(self, name: str, tolerance: float | None = None) -> Nodes:
         """Effects of the same design in which only `name` is computed again.

@@ -19,6 +19,7 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.check.finding import Finding
 from camgeo.effects.effect import Bound, Result
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray
@@ -31,6 +32,9 @@ known to the root of a rounding."""
 
 ANGLES: Final = 1024
 """Cam angles over a turn at which columns are compared."""
+
+OF_FORCE: Final = ("contact-lost", "other-side")
+"""Findings on premises that state a contact force."""
 
 OFFSET: Final = 0.381966
 """Offset of the first of these angles from 0, as a fraction of their spacing: no jump is there."""
@@ -88,6 +92,34 @@ class InheritedErrors(Mapping[str, Bound]):
         valued = [each.name for each in result.findings if each.value is not None]
         columns = [each.name for each in result.columns]
         return dict.fromkeys([*result.errors, *valued, *columns])
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorsWithPremises(Mapping[str, Bound]):
+    """The errors of figures, and of those that premises add to them.
+
+    Attributes
+    ----------
+    own : of the effect.
+    added : the findings with the premises; `OF_FORCE` are as accurate as the contact force.
+    force : makes the errors of its figures.
+    """
+
+    own: InheritedErrors
+    added: Sequence[Finding]
+    force: Callable[[], Mapping[str, Bound]]
+
+    def __getitem__(self, name: str) -> Bound:
+        if name in OF_FORCE:
+            return max(self.force().values(), key=lambda bound: bound.error)
+        return self.own[name]
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.own
+        yield from (each.name for each in self.added if each.name in OF_FORCE)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
 
 def _moved(own: Figures, other: Callable[[], Result]) -> dict[str, float]:

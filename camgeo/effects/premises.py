@@ -46,7 +46,7 @@ SLACK: Final = 1e-9
 
 def qualified(
     effect: Effect,
-    findings: tuple[Finding, ...],
+    findings: Sequence[Finding],
     subject: Subject,
     lost: LostContact | None,
     named: Sequence[str],
@@ -68,7 +68,7 @@ def qualified(
     elastic : whether its figures are for one.
     """
     if all(each.value is None for each in findings):
-        return findings  # without figures there is nothing to qualify
+        return tuple(findings)  # without figures there is nothing to qualify
     broken: list[Finding] = []
     crossed: list[Finding] = []
     if effect.premise == "contact" and lost:
@@ -82,7 +82,7 @@ def qualified(
     trimmed = tuple(trimming(effect, subject))
     uneven = tuple(_of_breadth(effect, subject))
     if broken or uneven or (trimmed and not _follows(effect, subject)):
-        findings = tuple(_doubted(each, effect) for each in findings)
+        findings = [_doubted(each, effect) for each in findings]
     told = [*uneven, *as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
     told += _simplified(effect, named, follows=follows)
     return (*broken, *crossed, *trimmed, *told, *findings)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.check.finding import Finding
 from camgeo.errors import EffectError
+from camgeo.numeric.rounding import resolved
 from camgeo.wording import at_cam_angles, cam_angle, listed, over_cam_angles
 
 if TYPE_CHECKING:
@@ -98,6 +99,26 @@ def placed(
     return Finding(name, severity, sentence, end.value, limit, unit, end.place)
 
 
+def resolved_ends(ends: Extremes, size: float = 0.0) -> Extremes:
+    """The extremes, 0 where they are but rounding of the larger one, or of terms of that `size`."""
+    most = max(size, ends.magnitude)
+    lowest, highest = (
+        replace(end, value=resolved(end.value, most)) for end in (ends.lowest, ends.highest)
+    )
+    return replace(ends, lowest=lowest, highest=highest)
+
+
+LEAST_LEFT: Final = 1e-8
+"""Share of a disturbance below which nothing is told of it."""
+
+
+def left_over(share: float, digits: int = 4) -> str:
+    """The share of a disturbance that is left, in words."""
+    if share < LEAST_LEFT:
+        return f"less than {100.0 * LEAST_LEFT:g} %"
+    return f"{100.0 * share:.{digits}g} %"
+
+
 def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = "") -> Finding:
     """The finding of an extreme value [`unit`] with its place; `sign` says what is positive."""
     sentence = f"{words} {end.value:.6g} {unit}{sign}, {at_cam_angles(end.place)}"
@@ -108,9 +129,10 @@ def extreme_findings(
     name: str, words: str, ends: Extremes, unit: str, sign: str = ""
 ) -> list[Finding]:
     """The findings of the largest and the smallest value, see `extreme_finding`."""
+    found = resolved_ends(ends)
     return [
         extreme_finding(f"{which}-{name}", f"{which} {words}", end, unit, sign)
-        for which, end in (("largest", ends.highest), ("smallest", ends.lowest))
+        for which, end in (("largest", found.highest), ("smallest", found.lowest))
     ]
 
 

@@ -64,7 +64,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     GeometryError
         With the key of the scene, if it has no program.
     """
-    if product.milled.spec is None:
+    if not product.scene.states_milling:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
     found = [each for side in sides_of(product) for each in _shown(side)]
     columns = min(2, max(1, len(found)))
@@ -110,9 +110,8 @@ class _Shown:
 def _shown(side: Product) -> Iterator[_Shown]:
     """The operations of one side."""
     milled = side.milled
-    spec, scale = milled.spec, 1.0 / MM_PER[side.unit]
+    toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
     assert spec is not None  # for there is a program
-    toolpath = milled.toolpath(TOLERANCE)
     runs = runs_of(toolpath)
     setup = setup_of(milled.cuts, runs, milled.part, spec.stock, spec.holding, TOLERANCE)
 

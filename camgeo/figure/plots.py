@@ -93,7 +93,7 @@ def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[st
     if SPECTRUM in what and SPECTRUM not in scene.effects:
         message = "is not named: there is no spectrum to draw"
         raise SceneError([Fault(f"effects.{SPECTRUM}", "", message)])
-    if BACKPLOT in what and scene.milling is None:
+    if BACKPLOT in what and not scene.states_milling:
         raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
     possible = [name for name in names() if name not in (EFFECTS, BACKPLOT, SPECTRUM)]
     possible += [EFFECTS] if scene.effects else []

@@ -45,7 +45,8 @@ class Values(Protocol):
 
 Rule = Callable[[Values], Iterator[tuple[str, str]]]
 """Keys of the format's table, each with what is wrong with it and what is allowed; an empty key
-stands for the format, in which the scene cannot be written."""
+stands for the format, in which the scene cannot be written. What is wrong is a fault of the scene;
+what a format lacks is found by a check, and refused by whoever makes the file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

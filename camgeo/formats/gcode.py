@@ -12,6 +12,11 @@ from camgeo.toolpath.spec import AXIS, EARLIER, NEEDED, STATE, GcodeSpec
 
 TABLE: Final = ("output", "gcode")
 
+MISSING: Final = "is missing: "
+"""Begins the reasons for keys that a table lacks."""
+
+DIAMETER: Final = "output.gcode.tool_diameter"
+
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
@@ -27,23 +32,24 @@ def parse(table: Mapping[str, Any]) -> GcodeSpec:
 
 def milling_has_a_tool(values: Values) -> Iterator[tuple[str, str]]:
     """A tool is stated, in the scene, in a library or by earlier keys."""
-    if not _has_tools(values) and values.lacks(*TABLE, "tool_diameter"):
+    earlier = any(values.get(*TABLE, key) is not None for key in EARLIER)
+    if not _has_tools(values) and not earlier:
         yield "", "needs [[tool]]: a tool, and how it is run"
 
 
 def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]:
-    """Earlier keys stand alone, and state all that nobody may invent."""
+    """Earlier keys stand alone; a program needs all of them that nobody may invent."""
     given = [key for key in EARLIER if values.get(*TABLE, key) is not None]
     if given and not values.lacks("tool"):
         for key in given:
             yield key, f"contradicts [[tool]]: state it as {EARLIER[key]} there"
         return
     if given and values.lacks(*TABLE, "tool_diameter"):
-        yield "tool_diameter", "is missing: the other keys state how this tool is run"
+        yield "", f"needs {DIAMETER}: the other keys state how this tool is run"
     if "tool_diameter" in given:
         for key in NEEDED:
             if values.lacks(*TABLE, key):
-                yield key, f"is missing: {STATE}"
+                yield "", f"needs output.gcode.{key}: {STATE}"
     heights = (values.get(*TABLE, key) for key in ("safe_height", "clearance_height"))
     if None not in heights:
         yield "safe_height", "contradicts clearance_height; give that alone"
@@ -113,10 +119,26 @@ def machine_has(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
-    """The corner of the blank on which the program's zero is."""
-    zero = values.get(*TABLE, "zero")
-    if zero not in (None, AXIS) and (values.lacks("stock", "length") or values.lacks("stock")):
-        yield "zero", "needs a plate whose length and width are stated in [stock]"
+    """The corners of the blank on which the zeros of the program and of its second side are."""
+    for place in (TABLE, ("second_side",)):
+        zero = values.get(*place, "zero")
+        if zero not in (None, AXIS) and values.lacks("stock", "length"):
+            where = f'{".".join(place)}.zero = "{zero}"'
+            yield "", f"needs [stock] length and width of a plate, for {where}"
+
+
+def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
+    """The tables on milling have all that nobody may invent."""
+    from camgeo.toolpath.milling import FAULTS  # few scenes mill
+
+    for name, faults in FAULTS.items():
+        given = values.get(*name.split("."))
+        several = isinstance(given, list)
+        for number, table in enumerate(given if several else [given] if given else [], start=1):
+            for key, message in faults(table):
+                if key not in table:
+                    place = f"{name}[{number}]" if several else name
+                    yield "", f"needs {place}.{key}: {message.removeprefix(MISSING)}"
 
 
 def program_suffix(spec: GcodeSpec) -> str:
@@ -140,6 +162,7 @@ FORMAT: Final = Format(
         tool_fits,
         machine_has,
         a_corner_is_known,
+        tables_are_whole,
     ),
     program_suffix,
 )

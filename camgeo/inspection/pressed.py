@@ -18,16 +18,17 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.inspection.deviation import Deviations
 from camgeo.inspection.exact_flank import ExactFlank, Places
-from camgeo.numeric.arrays import FloatArray, joined, taken
-from camgeo.numeric.extremes import Extremes, extremes_of
+from camgeo.numeric.arrays import FloatArray, Side, joined, taken
+from camgeo.numeric.extremes import Extremes, piecewise_extremes
 from camgeo.outline.replay import replay_contour, replay_outline
+from camgeo.outline.replay_result import edges_between
 from camgeo.units import TURN
 
 STEP: Final = math.radians(1.0)
 """Of the samples [rad] of the replays themselves, which are not used."""
 
 SAMPLES: Final = 3600
-"""Cam angles at which lifts are compared, besides those of the points."""
+"""Cam angles at which lifts are compared for a picture, besides those of the points."""
 
 SAME: Final = 1e-12
 """Nodes closer than this [rad] on a stretch are one."""
@@ -39,17 +40,14 @@ class LiftErrors:
 
     Attributes
     ----------
-    phi : (n,) cam angles [rad] in [0, 2 pi), ascending.
+    phi : (n,) cam angles [rad] in [0, 2 pi), ascending, for a picture.
     errors : (n,) lift on the measured disc less that on the exact one [mm or rad].
+    extremes : smallest and largest error of the turn with their cam angles [rad].
     """
 
     phi: FloatArray
     errors: FloatArray
-
-    @property
-    def extremes(self) -> Extremes:
-        """Smallest and largest error with their cam angles [rad]."""
-        return extremes_of(self.phi, self.errors)
+    extremes: Extremes
 
 
 def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
@@ -91,4 +89,9 @@ def lift_errors(flank: ExactFlank, deviations: Deviations, *, clearance: float =
     actual = replay_contour(pitch, contour, flank.side, step=STEP).lift
     grid = np.arange(SAMPLES) * (TURN / SAMPLES)
     phi = np.unique(np.concatenate((grid, deviations.places.phi)))
-    return LiftErrors(phi, actual.at(phi) - exact.at(phi))
+
+    def error(phi: FloatArray, side: Side = "right") -> FloatArray:
+        return actual.at(phi, side) - exact.at(phi, side)
+
+    found = piecewise_extremes(error, edges_between(actual, exact))
+    return LiftErrors(phi, error(phi), found)

@@ -115,6 +115,7 @@ class Follower(ABC):
     standstill : what it means where Z' = 0, in words.
     ahead : how many derivatives of the lift R_k needs beyond the k-th. A flat face needs one, so
         it has no R_3: a motion has three derivatives.
+    harmonic_is_round : whether Z turns rigidly about a point of the cam where s''' = -s'.
     """
 
     __slots__ = ()
@@ -127,6 +128,7 @@ class Follower(ABC):
     has_pitch_curve: ClassVar[bool]
     standstill: ClassVar[str]
     ahead: ClassVar[int]
+    harmonic_is_round: ClassVar[bool] = False
 
     if TYPE_CHECKING:  # at run time these would become defaults of the kinds' own fields
         base_radius: float

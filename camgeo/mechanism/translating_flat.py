@@ -50,6 +50,7 @@ class TranslatingFlat(Guided, FlatFollower):
     least_place: ClassVar = -math.inf  # it moves on its guide wherever it is pushed
     raised_by: ClassVar = ("follower.base_radius",)
     facing: ClassVar = 1
+    harmonic_is_round: ClassVar = True
 
     base_radius: Length
     guide_angle: Angle = math.pi / 2.0

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from camgeo.motion.motion import Motion
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.numeric.isolation import INSIDE, isolated_roots, places_between
 from camgeo.units import TURN
-
-SAMPLES = 33
-"""Grid points per piece between borders, on which sign changes are sought. A law has at most a few
-turning points per formula."""
 
 
 def pieces(motion: Motion) -> list[tuple[float, float]]:
@@ -32,6 +30,16 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
-    grid = np.linspace(starts, ends, SAMPLES, axis=1)[:, 1:-1]
-    moving = np.any(motion.jet(grid.ravel())[1].reshape(grid.shape), axis=1)
-    return roots_on_grid(lambda phi: np.asarray(motion.jet(phi)[1]), grid[moving])
+    places = places_between(np.append(starts, TURN))
+
+    def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
+        return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
+
+    velocity = of_order(1)
+    known = velocity(places.ravel(), np.empty(0, dtype=np.intp)).reshape(1, *places.shape)
+    roots, _ = isolated_roots(velocity, of_order(0), places, known)
+    # At rest at an end of its piece a law may round to 0 at the outermost place.
+    piece = np.searchsorted(starts, roots) - 1
+    off = 4.0 * INSIDE * (ends - starts)[piece]
+    found: FloatArray = roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)]
+    return found

@@ -13,12 +13,13 @@ from camgeo.motion.plan import MotionPlan
 from camgeo.motion.spans import FULL_TURN
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending, frozen
+from camgeo.numeric.isolation import cells_between
 from camgeo.pickled import Pickled
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
-"""A value below this fraction of the largest of its order in its segment counts as zero; the
-rounding of conversions from degrees is a thousand times smaller."""
+"""A value below this fraction of a bound of its order in its segment counts as zero; the rounding
+of conversions from degrees is a thousand times smaller."""
 
 JUMP = 1e-10
 """A jump below this fraction of the largest value of its order on either side is not a jump."""
@@ -104,11 +105,12 @@ def _slack(angles: FloatArray) -> FloatArray:
 def _scales(
     plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """(4, k) size of each derivative in the segment before and in the one after each joint."""
-    ends = np.append(angles[1:], angles[0] + TURN)
-    shares = np.linspace(0.0, 1.0, 17)[1:-1]
-    inside = angles[:, np.newaxis] + (ends - angles)[:, np.newaxis] * shares
-    size = np.abs(plan.jet(inside.ravel())).reshape(4, len(angles), -1).max(axis=2)
+    """(4, k) bounds of each derivative in the segment before and in the one after each joint."""
+    low, high = cells_between(np.append(plan.borders, TURN))
+    middle, bounds = plan.jet_and_bounds(low, high)
+    own = np.concatenate((np.abs(middle[:1]) + bounds[:1], bounds[1:]))
+    first = np.searchsorted(0.5 * (low + high), angles)
+    size = np.maximum.reduceat(own, first, axis=1)
     size = np.maximum(size, np.abs(right))
     after: FloatArray = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
     after[0] = np.max(after[0])

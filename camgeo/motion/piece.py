@@ -32,6 +32,9 @@ SNAP: Final = 4.0 * math.ulp(TURN)
 """Two cam angles [rad] closer than this are the same angle, rounded differently when converted from
 degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
 
+ULPS: Final = 2.0**-52 * 8.0
+"""Rounding of the rate of a harmonic, as a fraction of it."""
+
 COLUMNS: Final = 8
 """Numbers of a piece before those of its formula: start and end of the segment, one over its
 length, origin, and the factors of the near value and the derivatives."""
@@ -56,11 +59,17 @@ class Piece:
     jerk_bound: float = 0.0
     from_end: bool = False
     spline: Spline | None = None
+    harmonic: float = 0.0
 
     @property
     def rests(self) -> bool:
         """Whether nothing moves."""
         return self.formula is None
+
+    @property
+    def is_harmonic(self) -> bool:
+        """Whether s''' = -s': the lift swings once a turn about a fixed middle."""
+        return abs(self.harmonic - self.length) <= ULPS * self.length
 
     @property
     def length(self) -> float:

@@ -166,6 +166,7 @@ class MotionPlan(Pickled):
                     segment_end=end,
                     jerk_bound=region.jerk_bound,
                     from_end=region.from_end,
+                    harmonic=region.harmonic,
                 )
                 if piece.end > piece.start:
                     pieces.append(piece)
@@ -214,6 +215,12 @@ class MotionPlan(Pickled):
             found[-1][1] += found[0][1]
             found = found[1:]
         return tuple(DwellSpan(start, end - start) for start, end in found)
+
+    @cached_property
+    def harmonics(self) -> tuple[DwellSpan, ...]:
+        """Where s''' = -s' without a rest, one for each formula."""
+        chosen = (piece for piece in self._pieces if piece.is_harmonic)
+        return tuple(DwellSpan(piece.start, piece.end - piece.start) for piece in chosen)
 
     def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.

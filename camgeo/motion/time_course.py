@@ -19,8 +19,9 @@ from camgeo.motion.motion import Jet, Motion
 from camgeo.motion.plan import MotionPlan, Move, SplineMove
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending
-from camgeo.numeric.extremes import Extremes, climbed, extremes_of, grid_of, tops
-from camgeo.numeric.roots import bracketed_roots, sign_changes
+from camgeo.numeric.extremes import Extremes, extremes_of, extremes_of_each
+from camgeo.numeric.isolation import isolated_roots, places_between
+from camgeo.numeric.many import Quantity
 from camgeo.pickled import Pickled
 from camgeo.units import RPM, TURN, LiftUnit
 from camgeo.wording import at_cam_angles, counted
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 CLOSING: Final = 1e-9
 """The table of a speed curve may miss a full turn by this much [rad]: rounding of its degrees."""
 
-SMOOTH, SHARP = (1, 2), (3, 4)
+SMOOTH, SHARP = np.array([1, 2]), np.array([3, 4])
 """Rows of velocity and acceleration, which have extremes where the next row vanishes; rows of jerk
 and torque."""
 
@@ -251,13 +252,33 @@ class TimeExtremes:
     torque: Extremes
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """`Many` quantities, which are rows (k,) of one that has several."""
+
+    rows: IntArray
+
+    @property
+    def count(self) -> int:
+        """See `Many`."""
+        return len(self.rows)
+
+    def everywhere(self, quantity: Quantity, x: FloatArray, side: Side) -> FloatArray:
+        """See `Many.everywhere`."""
+        return quantity(x, side)[self.rows]
+
+    def at(self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
+        """See `Many.at`."""
+        found: FloatArray = quantity(x, side)[self.rows[which], np.arange(len(x))]
+        return found
+
+
 def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:
     """Physical extremes of `motion` with the cam turning as `course` says.
 
     Between neighbouring borders of both, velocity and acceleration turn where acceleration and
-    jerk change sign: those places are bracketed roots. Extremes of jerk and torque are refined from
-    the turning points of a grid to the last digits. Two turning points that lie within a
-    thirty-second of a piece can be missed. At borders both one-sided values count.
+    jerk change sign: those places are isolated roots. Extremes of jerk and torque, whose slopes are
+    not known, are sought as of `camgeo.numeric.extremes`. At borders both one-sided values count.
     """
     edges = ascending(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
     edges = edges[np.concatenate((np.diff(edges) > 8.0 * math.ulp(TURN), [True]))]
@@ -268,34 +289,28 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         out = _chained(motion.jet(phi, side), rates)
         return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
 
-    inside = grid_of(edges)
-    flat = timed(inside.ravel())
-    grid = flat.reshape(5, *inside.shape)
-
-    right, left = timed(edges[:-1]), timed(edges[1:], "left")
-
-    def extremes(row: int, turning: FloatArray) -> Extremes:
-        return extremes_of(
-            np.concatenate((edges[:-1], edges[1:], inside.ravel(), turning)),
-            np.concatenate((right[row], left[row], flat[row], timed(turning)[row])),
-        )
-
-    # Both searches run together, because each needs the motion and the time at its places.
-    cells = [sign_changes(inside, grid[row + 1]) for row in SMOOTH]
-    rows = np.repeat(SMOOTH, [len(low) for low, _ in cells])
-    low, high = (np.concatenate(each) for each in zip(*cells, strict=True))
-    roots = bracketed_roots(timed, low, high, rows + 1)
-    velocity, acceleration = (extremes(row, roots[rows == row]) for row in SMOOTH)
-
-    sign, low, high, which = tops(inside, grid[list(SHARP)])
-    rows = np.array(SHARP)[which]
-
-    def sharp(phi: FloatArray, bracket: IntArray) -> FloatArray:
-        found: FloatArray = timed(phi)[rows[bracket], np.arange(len(phi))]
+    def row_of(phi: FloatArray, rows: IntArray) -> FloatArray:
+        found: FloatArray = timed(phi)[rows, np.arange(len(phi))]
         return found
 
-    places = climbed(sharp, sign, low, high, which)
-    jerk, torque = (extremes(row, places[rows == row]) for row in SHARP)
+    places = places_between(edges)
+    known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)
+    roots, which = isolated_roots(
+        lambda phi, row: row_of(phi, SMOOTH[row] + 1),
+        lambda phi, row: row_of(phi, SMOOTH[row]),
+        places,
+        known,
+    )
+    right, left = timed(edges[:-1]), timed(edges[1:], "left")
+    at_roots = row_of(roots, SMOOTH[which])
+    velocity, acceleration = (
+        extremes_of(
+            np.concatenate((edges[:-1], edges[1:], roots[which == k])),
+            np.concatenate((right[row], left[row], at_roots[which == k])),
+        )
+        for k, row in enumerate(SMOOTH)
+    )
+    jerk, torque = extremes_of_each(Rows(SHARP), timed, edges)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -49,8 +50,7 @@ def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
 
 
 SAMPLES: Final = 33
-"""Grid points per piece on which turning points are sought. A smooth piece of a cam's motion has
-only a few."""
+"""Grid points per piece on which turning points are sought at first, see `_finer`."""
 
 FEWEST_SAMPLES: Final = 5
 MOST_POINTS: Final = 1_000_000
@@ -69,6 +69,20 @@ STEPS: Final = 6
 of its length; the value is then the extreme but for rounding. Golden section needs an eighth of the
 values, but one by one, and the cost of a call does not depend on so few."""
 
+ROUGH: Final = 0.5
+"""Fourth differences above this fraction of the second ones show that a grid does not resolve a
+curve: a wave has less than nine of its points."""
+
+PARTS: Final = np.linspace(0.0, 1.0, 9)
+"""Places in a cell of a grid that does not resolve the curve."""
+
+ROUNDS: Final = 12
+"""Most rounds of finer grids, to a cell of 2e-11 of a piece; and a cell that cannot exceed what is
+known by `NEGLIGIBLE` of its size is left as it is."""
+
+NEGLIGIBLE: Final = 1e-10
+MOST_FINER: Final = 4096
+"""Most cells that are made finer at once: if more are unresolved, they hold rounding alone."""
 
 TOPS: Final = (1.0,)
 BOTTOMS: Final = (-1.0,)
@@ -95,8 +109,10 @@ def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     edges : (m + 1,) ascending, m >= 1.
 
     At the edges both one-sided values count. Inside, turning points of a grid are refined until the
-    value is exact except for rounding; two of them within a thirty-second of a piece can be missed.
-    Where an edge has the extreme value except for rounding, the edge is the place: near a flat top
+    value is exact except for rounding. Where the grid does not resolve the function, as its own
+    differences show, and it may be beyond what is known there, the grid is made finer until it does
+    or nothing that matters can be left. This rests on the differences, and is no proof. Where an
+    edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
     return _extremes(function, edges, BOTH)
@@ -156,8 +172,63 @@ def extremes_of_each(
         own = which == one
         places = np.concatenate((ends, x, turning[own]))
         values = np.concatenate((at_ends[one], flat[one], there[own]))
-        found.append(_at_edges(extremes_of(places, values), ends, at_ends[one]))
+        known = extremes_of(places, values)
+        rows = flat[one].reshape(inside.shape)
+        finer = _finer(partial(_of_one, many, quantity, one), inside, rows, known, signs)
+        if len(finer[0]):
+            pairs = zip((places, values), finer, strict=True)
+            known = extremes_of(*(np.concatenate(each) for each in pairs))
+        found.append(_at_edges(known, ends, at_ends[one]))
     return found
+
+
+def _of_one(many: Many[Asked], quantity: Asked, one: int, x: FloatArray) -> FloatArray:
+    """(n,) the quantity of one of `many` at x (n,)."""
+    return many.at(quantity, x, "right", np.full(len(x), one))
+
+
+def _finer(
+    function: Function,
+    grid: FloatArray,
+    values: FloatArray,
+    known: Extremes,
+    signs: tuple[float, ...],
+) -> tuple[FloatArray, FloatArray]:
+    """(k,), (k,) places and values of `function` on finer grids, where the rows of `grid` (m, n)
+    with `values` (m, n) do not resolve it and it may be beyond what is `known`.
+    """
+    best = {sign: max(sign * known.lowest.value, sign * known.highest.value) for sign in signs}
+    places, found = [np.empty(0)], [np.empty(0)]
+    for _ in range(ROUNDS):
+        off = _unresolved(values)
+        if not np.any(off):
+            break
+        wanted = np.zeros(off.shape, dtype=np.bool_)
+        for sign, height in best.items():
+            ends = np.maximum(sign * values[:, :-1], sign * values[:, 1:])
+            wanted |= ends + off > height + NEGLIGIBLE * abs(height)
+        row, cell = np.nonzero(wanted & (off > 0.0))
+        if not 0 < len(row) <= MOST_FINER:
+            break
+        low, high = grid[row, cell], grid[row, cell + 1]
+        grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * PARTS
+        values = function(grid.ravel()).reshape(grid.shape)
+        turning = climbed(lambda x, _: function(x), *tops(grid, values[np.newaxis], tuple(best)))
+        places += [grid.ravel(), turning]
+        found += [values.ravel(), function(turning)]
+        for sign, height in best.items():
+            best[sign] = max(height, *(float(np.max(sign * e, initial=height)) for e in found[-2:]))
+    return np.concatenate(places), np.concatenate(found)
+
+
+def _unresolved(values: FloatArray) -> FloatArray:
+    """(m, n - 1) how far a curve may be beyond its `values` (m, n) between two of them; 0 where
+    these resolve it.
+    """
+    fourth, second = (np.abs(np.diff(values, order, axis=1)) for order in (4, 2))
+    bend = np.maximum(np.maximum(second[:, :-2], second[:, 1:-1]), second[:, 2:])
+    off = np.pad(np.where(fourth > ROUGH * bend, fourth, 0.0), ((0, 0), (2, 2)), mode="edge")
+    return np.asarray(np.maximum(off[:, :-1], off[:, 1:]))
 
 
 def _at_edges(found: Extremes, edges: FloatArray, values: FloatArray) -> Extremes:

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from camgeo.curve.circles import centres_at
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped, taken
 from camgeo.outline.envelope import Envelope
@@ -113,8 +114,11 @@ def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(slowest > 0.0, second / slowest, np.inf)
         turning_slope = np.where(slowest > 0.0, third / slowest, np.inf) + 2.0 * ratio * ratio
-        turning_most = np.minimum(ratio, np.abs(turning) + half * turning_slope)
         pace_slope = second + offset * turning_slope
+        # An arc that is run through evenly.
+        even = ~np.isnan(centres_at(pitch, middle))
+        turning_slope[even], pace_slope[even] = 0.0, 0.0
+        turning_most = np.minimum(ratio, np.abs(turning) + half * turning_slope)
         along = half * (np.abs(pace) + 0.5 * half * pace_slope)
         across = 0.5 * half * half * (np.abs(pace) + half * pace_slope) * turning_most
     known = np.isfinite(along) & np.isfinite(across)
@@ -160,8 +164,8 @@ def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
     """The error of a division that does not end, at the first of `places` (n,)."""
     angle = np.degrees(envelope.angles_at(envelope.within(places[:1])))[0]
     return GeometryError(
-        f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved: it cannot"
-        " be decided what is left of it"
+        f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved, or keeps"
+        " too near to a cusp: it cannot be decided what is left of it"
     )
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Self
+
 import numpy as np
 
+from camgeo.curve.circles import centres_at
 from camgeo.curve.extremes import extremes
 from camgeo.curve.pieces import halves, turn_cells, turn_enclosed
 from camgeo.curve.pitch_curve import PitchCurve
@@ -36,14 +40,15 @@ def are_clear(
     clear = np.ones(len(points), dtype=np.bool_)
     low, high = turn_cells(pitch)
     wide = high - low
-    centres, reach = pitch.point(0.5 * (low + high)), _reach(pitch, low, high)
+    centres, reach = pitch.point(0.5 * (low + high)), _Reach.of(pitch, low, high)
     owners, lows, highs = [], [], []
     for k, (start, end) in enumerate(owns.tolist()):
         ahead, span = (low - start) % TURN, end - start
         whole = (ahead >= span) & (ahead + wide <= TURN)
         distance = np.abs(centres[whole] - points[k])
         clear[k] = not np.any(distance < covered)
-        nearer = halves(low[whole], high[whole], distance - reach[whole] < covered)
+        near = distance - reach.seen_from(points[k])[whole] < covered
+        nearer = halves(low[whole], high[whole], near)
         # Of the cells in which its own angles begin or end, the part outside of these.
         cut = np.flatnonzero(~whole & (ahead + wide > span))
         both = cut[ahead[cut] + wide[cut] - TURN > span]
@@ -61,15 +66,38 @@ def are_clear(
             break
         distance = np.abs(pitch.point(0.5 * (low + high)) - points[owner])
         clear[owner[distance < covered]] = False
-        near = distance - _reach(pitch, low, high) < covered
+        near = distance - _Reach.of(pitch, low, high).seen_from(points[owner]) < covered
         owner = np.tile(owner[near], 2)
         low, high = halves(low, high, near)
     return clear  # or touched, to rounding
 
 
-def _reach(pitch: PitchCurve, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(n,) largest distance [mm] of the roller centre from its place in the middle of each cell."""
-    return np.asarray(0.5 * (high - low) * pitch.speed_bounds(low, high)[0])
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reach:
+    """How far the roller centre goes in n cells from its place in the middle of each.
+
+    Attributes
+    ----------
+    half : (n,) half the cells [rad].
+    pace : (n,) bound of |Z'| [mm/rad].
+    about : (n,) complex [mm] the point about which it turns with the cam; NaN where it does not.
+    """
+
+    half: FloatArray
+    pace: FloatArray
+    about: ComplexArray
+
+    @classmethod
+    def of(cls, pitch: PitchCurve, low: FloatArray, high: FloatArray) -> Self:
+        about = centres_at(pitch, 0.5 * (low + high))
+        return cls(0.5 * (high - low), pitch.speed_bounds(low, high)[0], about)
+
+    def seen_from(self, points: ComplexArray | complex) -> FloatArray:
+        """(n,) bound [mm] of the change of its distance from `points` (n,), or from one point.
+
+        Where it turns about a point, it is as if `points` turned about that.
+        """
+        return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.about)))
 
 
 def nearest_to_axis(pitch: PitchCurve) -> tuple[float, float]:

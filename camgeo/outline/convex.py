@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.curve.blocks import in_blocks
+from camgeo.curve.circles import centres_at
 from camgeo.curve.closure import joints
 from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pieces import halves, turn_cells
@@ -152,7 +153,9 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
         least = int(np.argmin(pace))
         if pace[least] <= 0.0:  # missed by every sample
             return float(pace[least] / turn[least]), float(middle[least])
-        near = pace <= half * curve.speed_bounds(low, high)[1]
+        # Along a circle p is the same all over.
+        near = np.isnan(centres_at(curve, middle))
+        near &= pace <= half * curve.speed_bounds(low, high)[1]
         if not np.any(near):
             break
         low, high = halves(low, high, near)

@@ -7,7 +7,7 @@ No undercut is missed, because the known extremes are checked against enclosures
 are found where the slope of the curvature changes its sign from one sample to the next; two changes
 between neighbouring samples would be missed. Over a cell whose pace provably keeps its sign there
 is no cusp. Undecided cells are halved, and where the pace has another sign than the known extremes
-imply, the extremes there are added.
+imply, the extremes there are added; then all cells are looked at once more.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, FloatArray, frozen
 from camgeo.numeric.roots import bracketed_roots, roots_on_grid
-from camgeo.outline.cells import Cells, halved
+from camgeo.outline.cells import Cells, halved, unresolved
 from camgeo.outline.division import undivided
 from camgeo.outline.envelope import Envelope, envelope_of
 from camgeo.outline.path import Pivot
@@ -133,29 +133,48 @@ def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float
 HALVINGS = 14
 """Rounds of halving, to cells of less than 1e-5 rad, in which a motion has no features."""
 
+PASSES = 40
+"""Most passes over the cells. Each adds extremes, and in all but the last one some were missing."""
+
 SAMPLES = 65
 """Places among which an added extreme is sought."""
 
 
 def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
-    """`bends` with the extremes that the undercut of `flank` shows to be missing; usually none."""
+    """`bends` with the extremes that the undercut of `flank` shows to be missing; usually none.
+
+    Raises
+    ------
+    GeometryError
+        If they are so many that no number of passes finds all.
+    """
     envelope = envelope_of(flank)
-    known = backward_ranges(envelope, bends)
     cells = undivided(envelope)
     # Turns about corners have no curvature of the pitch curve.
     cells = cells.some(~envelope.is_pivot[envelope.element_at(cells.low)])
-    missed: list[FloatArray] = []
+    for _ in range(PASSES):
+        missed = _missed(envelope, cells, backward_ranges(envelope, bends))
+        if not len(missed):
+            return bends
+        bends = with_places(flank.pitch, bends, missed)
+    raise unresolved(envelope, missed)
+
+
+def _missed(envelope: Envelope, cells: Cells, known: list[tuple[float, float]]) -> FloatArray:
+    """(k,) cam angles [rad] in and about the `cells` in which the pace has not the sign that the
+    `known` ranges imply: none is left out, however narrow, once there are none.
+    """
+    missed = [np.empty(0)]
     for _ in range(HALVINGS):
-        cells = cells.some(cells.sign == 0.0)
         if not len(cells):
             break
         middle = 0.5 * (cells.low + cells.high)
         wrong = (cells.pace < 0.0) != _inside(middle, known, envelope.total)
         wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
-        for k in np.flatnonzero(wrong):
-            missed.append(_extremes_near(envelope, cells, int(k)))
-        cells = halved(envelope, cells.some(~wrong))
-    return with_places(flank.pitch, bends, np.concatenate(missed)) if missed else bends
+        if np.any(wrong):
+            missed.append(_extremes_near(envelope, cells.some(wrong)))
+        cells = halved(envelope, cells.some(~wrong & (cells.sign == 0.0)))
+    return np.concatenate(missed)
 
 
 def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
@@ -177,13 +196,13 @@ def _speeds(envelope: Envelope, places: FloatArray) -> FloatArray:
     return speeds
 
 
-def _extremes_near(envelope: Envelope, cells: Cells, k: int) -> FloatArray:
-    """Cam angles of the middle of a cell and of the extremes of the curvature in it."""
-    shift = envelope.angle_offsets[envelope.element_at(cells.low[k : k + 1])][0]
-    grid = np.linspace(cells.low[k], cells.high[k], SAMPLES + 2)[1:-1] + shift
+def _extremes_near(envelope: Envelope, cells: Cells) -> FloatArray:
+    """Cam angles of the middles of cells and of extremes of the curvature in them."""
+    shift = envelope.angle_offsets[envelope.element_at(cells.low)]
+    ends = cells.low + shift, cells.high + shift
+    grid = np.linspace(*ends, SAMPLES + 2, axis=1)[:, 1:-1]
     found = roots_on_grid(envelope.curve.pitch.curvature_slope, grid)
-    middle = 0.5 * (cells.low[k : k + 1] + cells.high[k : k + 1]) + shift
-    return np.concatenate((found, middle))
+    return np.concatenate((found, 0.5 * (ends[0] + ends[1])))
 
 
 def with_places(pitch: PitchCurve, bends: Extremes, angles: FloatArray) -> Extremes:

@@ -70,6 +70,16 @@ class FaceLift:
         """(m,) cam angles [rad] where a derivative of the demanded lift may jump."""
         return self.motion.breaks
 
+    @property
+    def knots(self) -> FloatArray:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return self.motion.borders
+
+    @property
+    def as_demanded(self) -> bool:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return True
+
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) the circle at `phi` (n,) [rad]."""
         return piece_at(self.borders, self.numbers, phi, side)

@@ -27,6 +27,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.curve.circles import centres_at
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
@@ -36,7 +37,7 @@ from camgeo.mechanism.face import flat_follower
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.quadrature import gauss
 from camgeo.outline.convex import SMALLEST, Convexity, touch
-from camgeo.outline.cusps import CUSP, deep_ranges, with_places
+from camgeo.outline.cusps import CUSP, PASSES, deep_ranges, with_places
 from camgeo.outline.path import Element, Path, Pivot, Stretch
 from camgeo.units import TURN
 
@@ -67,6 +68,9 @@ BISECTIONS: Final = 40
 
 END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
+
+
+UNDECIDED: Final = "it cannot be decided what a flat face leaves of the disc"
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,11 +130,13 @@ def backward_angles(pitch: PitchCurve, deepest: float) -> list[tuple[float, floa
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)
     bends = curvature_extremes(parallel.pitch)
-    ranges = deep_ranges(parallel, bends)
-    missed = _missed(pitch, ranges)
-    if len(missed):
-        ranges = deep_ranges(parallel, with_places(parallel.pitch, bends, missed))
-    return sorted(ranges)
+    for _ in range(PASSES):
+        ranges = deep_ranges(parallel, bends)
+        missed = _missed(pitch, ranges)
+        if not len(missed):
+            return sorted(ranges)
+        bends = with_places(parallel.pitch, bends, missed)
+    raise GeometryError(UNDECIDED)
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
@@ -145,7 +151,8 @@ def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
         noise = CUSP * np.max(np.abs(at.distance))
         wrong = ((at.pace[0] < 0.0) != inside) & (np.abs(at.pace[0]) > noise)
         missed.append(middle[wrong])
-        unsure = ~wrong & (np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1])
+        unsure = ~wrong & np.isnan(centres_at(pitch, middle))
+        unsure &= np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1]
         if not np.any(unsure):
             break
         low, high = halves(low, high, unsure)
@@ -205,7 +212,7 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
         del arcs[place], bridges[place]
         if bridges:
             bridges[place - 1] = None
-    raise GeometryError("it cannot be decided what a flat face leaves of the disc")
+    raise GeometryError(UNDECIDED)
 
 
 def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:

@@ -31,6 +31,7 @@ from camgeo.outline.clearance import (
 )
 from camgeo.outline.crossings import Node, find_crossings, find_nodes
 from camgeo.outline.cusps import backward_ranges
+from camgeo.outline.division import divide
 from camgeo.outline.envelope import Envelope, envelope_of
 from camgeo.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.units import TURN
@@ -39,7 +40,8 @@ ROUND = 1024
 """Places of the envelope at which its winding number is taken, at least eight per part."""
 
 NEIGHBOURHOOD = 1.0
-"""Turn of the tangent [rad] up to which neighbours of a point provably do not cover it."""
+"""Turn of the tangent [rad] up to which neighbours of a point provably do not cover it, by bounds
+over cells; more than twice `camgeo.outline.division.STEEPEST`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,19 +255,21 @@ def _sides(
 
 
 def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
-    """(n, 2) cam angles about `middles` (n,) along which the tangent turns little, inside each of
-    the `parts`; the second above the first.
+    """(n, 2) cam angles about `middles` (n,) along which the tangent provably turns little, inside
+    each of the `parts`; the second above the first.
     """
-    shares = np.linspace(0.0, 1.0, 129)
-    places = np.array([part.start + (part.end - part.start) * shares for part in parts])
-    tangents = envelope.samples(places.ravel()).tangents.reshape(places.shape)
-    steps = np.abs(np.angle(tangents[:, 1:] * np.conj(tangents[:, :-1])))
-    ranges = []
-    for along, step, middle in zip(places, steps, middles, strict=True):
-        turned = np.concatenate(([0.0], np.cumsum(step)))
-        inside = along[np.abs(turned - np.interp(middle, along, turned)) < 0.5 * NEIGHBOURHOOD]
-        ranges.append((min(inside[0], middle), max(inside[-1], middle)))
-    owns = envelope.angles_at(envelope.within(np.array(ranges)))
+    cells, total = divide(envelope, np.empty(0)).cells, envelope.total
+    turns = np.repeat([0.0, total, 2.0 * total], len(cells))
+    low, high = np.tile(cells.low, 3) + turns, np.tile(cells.high, 3) + turns
+    turned = np.concatenate(([0.0], np.cumsum(np.tile(2.0 * cells.turn, 3))))
+    shift = envelope.within(middles) + total - middles  # into the second of three turns
+    own = np.searchsorted(low, middles + shift, side="right") - 1
+    # A cell turns by less than that, so that its own is among them.
+    first = np.searchsorted(turned, turned[own + 1] - NEIGHBOURHOOD, side="right")
+    last = np.searchsorted(turned, turned[own] + NEIGHBOURHOOD) - 2
+    starts, ends = np.array([(part.start, part.end) for part in parts]).T
+    ranges = np.maximum(low[first] - shift, starts), np.minimum(high[last] - shift, ends)
+    owns = envelope.angles_at(envelope.within(np.column_stack(ranges)))
     owns[:, 1] += np.where(owns[:, 1] >= owns[:, 0], 0.0, TURN)
     return owns
 

@@ -23,10 +23,6 @@ from camgeo.units import TURN
 NEAR_A_TURN: Final = 1e-3
 """Tolerance of the angle by which a path goes round, which is a multiple of a turn."""
 
-PARTS: Final = 64
-"""Parts of an arc whose turns about the axis are added up; only an axis within a 1,600th of its
-radius beside it is mistaken."""
-
 
 def radii(path: Path) -> Extremes:
     """Smallest and largest distance from the cam axis [mm], each with the first cam angle [rad] at
@@ -59,9 +55,17 @@ def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
 
 
 def _turn_of_arc(pivot: Pivot) -> float:
-    turned = np.exp(1j * pivot.sweep * np.linspace(0.0, 1.0, PARTS + 1))
-    points = pivot.centre + pivot.distance * pivot.normal * turned
-    return math.fsum(np.angle(points[1:] * np.conj(points[:-1])))
+    """By how much the arc turns about the cam axis [rad], exactly.
+
+    With the axis outside its circle by less than half a turn; with the axis inside by its sweep and
+    what the direction from the axis leads that from the centre, less than a quarter turn, at its
+    ends.
+    """
+    ends = np.array([pivot.start, pivot.end])
+    if abs(pivot.centre) > abs(pivot.distance):
+        return float(np.angle(ends[1] * ends[0].conj()))
+    ahead = np.angle(ends / (ends - pivot.centre))
+    return pivot.sweep + float(ahead[1] - ahead[0])
 
 
 def _of_stretch(stretch: Stretch) -> Extremes:

@@ -25,16 +25,13 @@ from camgeo.outline.face_hull import hull_of
 from camgeo.outline.face_lift import face_between, face_on
 from camgeo.outline.path import Flank, Path, Stretch
 from camgeo.outline.replay_lift import AS_DEMANDED, ActualLift, PlayedLift, pressed
-from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, DiscLift, Jumps, Replay
+from camgeo.outline.replay_result import DiscLift, Jumps, Replay, held_at
 from camgeo.outline.roller_path import LinesAndArcs, branches, circles, parallel
 from camgeo.units import TURN
 
 STEP = math.radians(0.1)
-"""Step of the cam angle between the samples; the ends of all pieces are sampled as well."""
-
-INNER_SAMPLES = 15
-"""Samples inside each range in which a stretch of an outline is missing, however narrow: the lost
-stroke has one maximum there, to be bracketed."""
+"""Step of the cam angle between the samples, for pictures; the ends of all pieces are sampled as
+well."""
 
 CORNER = 1e-7
 """Corners up to this angle [rad] are ignored: the directions of two pieces at their common end are
@@ -119,7 +116,7 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = face_between(pitch, corners, starts, ends)
-        return compared(pitch, face, press, step, corner, _inside(starts, ends))
+        return compared(pitch, face, press, step, corner)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
@@ -140,18 +137,12 @@ def replay_outline(
     if len(starts):
         borders, numbers = pressed(found, path, press, (starts, ends))
     lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
-    return compared(pitch, lift, press, step, corner, _inside(starts, ends))
+    return compared(pitch, lift, press, step, corner)
 
 
 def _require_inner(press: int) -> None:
     if press > 0:
         raise GeometryError("a flat face runs on the inner flank, outside of the disc", key="flank")
-
-
-def _inside(starts: FloatArray, ends: FloatArray) -> FloatArray:
-    """Cam angles [rad] in [0, 2 pi) inside the ranges from `starts` (k,) to `ends` (k,) [rad]."""
-    shares = np.arange(1, INNER_SAMPLES + 1) / (INNER_SAMPLES + 1.0)
-    return np.asarray((starts[:, None] + (ends - starts)[:, None] * shares).ravel() % TURN)
 
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
@@ -171,15 +162,13 @@ def compared(
     press: int,
     step: float = STEP,
     corner: float = CORNER,
-    within: FloatArray | None = None,
 ) -> Replay:
-    """The replay of `lift`, sampled `within` further cam angles [rad] in [0, 2 pi) too."""
+    """The replay of `lift`."""
     motion = pitch.motion
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
-    besides = np.empty(0) if within is None else within
-    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks], besides)))
+    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
     special = ascending(np.concatenate((lift.borders, lift.breaks)))
     lifts = [lift.at(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
@@ -194,14 +183,11 @@ def compared(
     phi = np.concatenate([part.phi for part in parts])
     order = np.argsort(phi, kind="stable")
     numbers = np.concatenate([part.numbers for part in parts])[order]
-    held = numbers != AS_DEMANDED
-    element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
-    smooth = np.ones(len(numbers), dtype=np.bool_)
-    element[held], turns = lift.held_by(numbers[held])
-    smooth[held] = turns > corner
+    element, smooth = held_at(lift, numbers, corner)
     return Replay(
         lift=lift,
         press=press,
+        corner=corner,
         phi=phi[order],
         demanded=np.concatenate([part.demanded for part in parts], axis=1)[:, order],
         actual=np.concatenate([part.actual for part in parts], axis=1)[:, order],

@@ -205,6 +205,18 @@ class ActualLift:
         return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
 
     @property
+    def knots(self) -> FloatArray:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        if self.played is None:
+            return self.motion.borders
+        return ascending(np.concatenate((self.motion.borders, self.played.borders)))
+
+    @property
+    def as_demanded(self) -> bool:
+        """See `camgeo.outline.replay_result.DiscLift`."""
+        return self.played is None
+
+    @property
     def outward(self) -> int:
         """See `camgeo.outline.replay_result.DiscLift`."""
         return self.path.outward

@@ -9,7 +9,7 @@ squeezed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -24,22 +24,26 @@ from camgeo.numeric.arrays import (
     ascending,
     frozen,
 )
-from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.numeric.extremes import (
+    Extreme,
+    Extremes,
+    piecewise_extremes,
+    piecewise_highest,
+)
+from camgeo.numeric.many import Quantity
 from camgeo.numeric.roots import bracketed_roots
+from camgeo.outline.acceleration_joints import AccelerationJoints
+from camgeo.outline.replay_lift import AS_DEMANDED
 from camgeo.units import TURN
 
 AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
 """Number of the element that is the demanded motion itself: no piece or vertex has it."""
 
-SHIFT = 4.0
-"""A joint of the demanded motion lies on the disc within the disc's position error of its place;
-this multiple of the error of the lift around it certainly covers it."""
+EQUAL: Final = 1e-12
+"""Magnitudes that differ by less than this share of them differ by rounding."""
 
-AROUND = 0.02
-"""Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
-
-SEAM = 1e-9
-"""Least distance [rad] within which a joint is sought: rounding of cam angles."""
+POLISHED: Final = 1e-6
+"""Range [rad] on both sides of a largest value in which the root of its slope is its place."""
 
 
 class DiscLift(Protocol):
@@ -52,6 +56,9 @@ class DiscLift(Protocol):
     borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
     numbers : (k,) what holds it from each border to the next, or AS_DEMANDED.
     breaks : (m,) cam angles [rad] where a derivative of what is demanded may jump.
+    knots : (m,) the breaks and all other cam angles [rad] where its formula changes.
+    as_demanded : whether the lift is the demanded one, exactly, where it is AS_DEMANDED: not that
+        of a roller with play.
     """
 
     @property
@@ -65,6 +72,12 @@ class DiscLift(Protocol):
 
     @property
     def breaks(self) -> FloatArray: ...
+
+    @property
+    def knots(self) -> FloatArray: ...
+
+    @property
+    def as_demanded(self) -> bool: ...
 
     @property
     def numbers(self) -> IntArray: ...
@@ -128,13 +141,16 @@ class Jumps:
 class Replay:
     """The motion of the follower on a disc, next to the demanded one.
 
-    Samples lie on a regular grid and at both sides of every place where the formula of the actual
-    or of the demanded motion changes; such a place occurs twice in `phi`, its left side first.
+    Samples are for pictures. They lie on a regular grid and at both sides of every place where the
+    formula of the actual or of the demanded motion changes; such a place occurs twice in `phi`, its
+    left side first. What is largest is sought in the smooth pieces between these places, whatever
+    the grid.
 
     Attributes
     ----------
     lift : the actual lift as a function of the cam angle.
     press : -1 if the roller is pressed inward, onto a disc, +1 if outward, into a ring.
+    corner : corners up to this angle [rad] are ignored.
     phi : (n,) cam angles [rad] from 0 to 2 pi, ascending.
     demanded, actual : (3, n) lift with two derivatives [mm or rad per rad^k].
     element : (n,) number of the contour's piece that holds the roller, -1 - k at its vertex k, or
@@ -147,6 +163,7 @@ class Replay:
 
     lift: DiscLift
     press: int
+    corner: float
     phi: FloatArray
     demanded: FloatArray
     actual: FloatArray
@@ -175,65 +192,74 @@ class Replay:
     def largest_loss(self) -> Extreme:
         """Largest lost stroke with its cam angle; 0 if there is none.
 
-        Between samples it lies where both velocities are equal.
+        Between the ends of smooth pieces it lies where both velocities are equal.
         """
-        lost = self.lost
-        index = int(np.argmax(lost))
-        if lost[index] <= 0.0:
-            return Extreme(0.0, self._place(index))
-        before = np.flatnonzero(self.phi < self.phi[index])[-1:]
-        after = np.flatnonzero(self.phi > self.phi[index])[:1]
-        near = self.phi[[*before, index, *after]]
-        slopes = self._loss_velocity(near)
-        for k in np.flatnonzero(slopes[:-1] * slopes[1:] < 0.0).tolist():
-            ends = slopes[k : k + 2, np.newaxis]
-            phi = bracketed_roots(self._loss_velocity, near[[k]], near[[k + 1]], ends=ends)
-            apart = self.lift.at(phi) - self.lift.motion.jet(phi, "right", 1)[0]
-            value = self.press * self.lift.outward * float(apart[0])
-            if value > lost[index]:
-                return Extreme(value, float(phi[0]) % TURN)
-        return Extreme(float(lost[index]), self._place(index))
-
-    def _loss_velocity(self, phi: FloatArray) -> FloatArray:
-        """(n,) actual - demanded velocity at `phi` (n,) [rad]."""
-        actual = self.lift.jet(phi)[1]
-        return np.asarray(actual - self.lift.motion.jet(phi, "right", 2)[1])
+        sense = self.press * self.lift.outward
+        edges = self._edges_apart()
+        found = piecewise_highest(lambda phi, side: sense * self._error(phi, side), edges)
+        if found.value <= 0.0:
+            return Extreme(0.0, found.place % TURN)
+        beside = np.searchsorted(edges, found.place) + np.array([-1, 0])
+        low = max(found.place - POLISHED, float(edges[max(beside[0], 0)]))
+        high = min(found.place + POLISHED, float(edges[beside[1]]))
+        ends = np.array([low, high])
+        slopes = self._error(ends, "right", 1) if low < found.place < high else np.zeros(2)
+        if slopes[0] * slopes[1] < 0.0:
+            phi = bracketed_roots(
+                lambda phi: self._error(phi, "right", 1), ends[:1], ends[1:], ends=slopes[:, None]
+            )
+            return Extreme(sense * float(self._error(phi, "right")[0]), float(phi[0]) % TURN)
+        return Extreme(found.value, found.place % TURN)
 
     @property
     def largest_error(self) -> Extreme:
         """Difference actual - demanded lift of the largest magnitude, with its cam angle."""
-        return self._largest(self.actual[0] - self.demanded[0])
+        return _farthest(piecewise_extremes(self._error, self._edges_apart()))
 
     @property
-    def velocity(self) -> Extreme:
-        """Actual velocity of the largest magnitude, with its cam angle."""
-        return self._largest(self.actual[1])
+    def velocity(self) -> Extreme | None:
+        """Actual velocity of the largest magnitude, with its cam angle; None if it is unbounded,
+        where the lift jumps.
+        """
+        return self._peak(lambda phi, side: self.lift.jet(phi, side)[1])
 
     @property
-    def acceleration(self) -> Extreme:
-        """Actual acceleration of the largest magnitude, with its cam angle."""
-        return self._largest(np.where(self.smooth, self.actual[2], 0.0))
+    def acceleration(self) -> Extreme | None:
+        """Actual acceleration of the largest magnitude, with its cam angle; None as of `velocity`.
+
+        At ignored corners it does not count.
+        """
+        return self._peak(self._acceleration)
 
     @property
-    def acceleration_error(self) -> FloatArray:
-        """(n,) actual - demanded acceleration; 0 where `smooth` is False.
+    def largest_acceleration_error(self) -> Extreme | None:
+        """Actual - demanded acceleration of the largest magnitude; None as of `velocity`.
 
         A joint where the demanded acceleration jumps lies on the disc only within the disc's
-        position error; so close to one, a value between those of its two sides is not an error.
+        position error; so close to one, a value between those of its two sides is not an error. Nor
+        do ignored corners count.
         """
-        return np.where(self.smooth, self._beyond_joints(), 0.0)
+        if len(self.drops):
+            return None
+        motion, edges = self.lift.motion, edges_between(self.lift)
+        joints = AccelerationJoints.between(self.lift, self.lift.jet, motion, edges)
+        off = joints.deviation(
+            lambda phi, side: self.lift.jet(phi, side)[2],
+            lambda phi, side: motion.jet(phi, side, 2)[2],
+        )
 
-    @property
-    def largest_acceleration_error(self) -> Extreme:
-        """Of the largest magnitude, with its cam angle."""
-        return self._largest(self.acceleration_error)
+        def counted(phi: FloatArray, side: Side) -> FloatArray:
+            return np.where(self._is_smooth(phi, side), off(phi, side), 0.0)
+
+        return self._peak(counted, joints.ends)
 
     @property
     def ripple(self) -> float | None:
-        """Largest error of the acceleration over its demanded peak; None if that is 0."""
-        if self.demanded_acceleration == 0.0:
-            return None
-        return abs(self.largest_acceleration_error.value) / self.demanded_acceleration
+        """Largest error of the acceleration over its demanded peak; None if that is 0, or the error
+        unbounded.
+        """
+        off = self.largest_acceleration_error if self.demanded_acceleration else None
+        return None if off is None else abs(off.value) / self.demanded_acceleration
 
     @property
     def largest_shock(self) -> float | None:
@@ -243,37 +269,65 @@ class Replay:
         jump = self.shocks.largest
         return 0.0 if jump is None else abs(jump.value) / self.demanded_velocity
 
-    def _beyond_joints(self) -> FloatArray:
-        """(n,) acceleration error; 0 between the two values of a joint."""
-        motion = self.lift.motion
-        errors = self.actual - self.demanded
-        error = errors[2].copy()
-        left, right = _accelerations(motion)
-        for joint, before, after in zip(motion.breaks, left, right, strict=True):
-            if before == after:
-                continue
-            away = np.abs(np.remainder(self.phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
-            shift = self.lift.shift_of(float(joint), errors[:, away < AROUND])
-            reach = SEAM + SHIFT * float(np.max(shift, initial=0.0))
-            near = away < reach
-            low, high = min(before, after), max(before, after)
-            actual = self.actual[2][near]
-            error[near] = actual - np.clip(actual, low, high)
-        return np.asarray(error)
+    def _error(self, phi: FloatArray, side: Side, order: Literal[0, 1] = 0) -> FloatArray:
+        """(n,) actual - demanded lift at `phi` (n,) [rad], or its first derivative."""
+        actual = self.lift.jet(phi, side)[1] if order else self.lift.at(phi, side)
+        return np.asarray(actual - self.lift.motion.jet(phi, side, 2 * order or 1)[order])
 
-    def _largest(self, values: FloatArray) -> Extreme:
-        index = int(np.argmax(np.abs(values)))
-        return Extreme(float(values[index]), self._place(index))
+    def _acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
+        return np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
 
-    def _place(self, index: int) -> float:
-        return float(self.phi[index]) % TURN
+    def _is_smooth(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) False at ignored corners."""
+        return held_at(self.lift, self.lift.number(phi, side), self.corner)[1]
+
+    def _edges_apart(self) -> FloatArray:
+        """`edges_between` without those inside ranges in which the lift is the demanded one."""
+        edges = edges_between(self.lift)
+        if not self.lift.as_demanded:
+            return edges
+        apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
+        kept: FloatArray = edges[np.append(True, apart) | np.append(apart, True)]
+        return kept
+
+    def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
+        """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`
+        (k,) [rad].
+        """
+        if len(self.drops):
+            return None
+        edges = edges_between(self.lift)
+        edges = edges if more is None else ascending(np.concatenate((edges, more)))
+        return _farthest(piecewise_extremes(quantity, edges))
 
 
-def _accelerations(motion: Motion) -> tuple[FloatArray, FloatArray]:
-    """(m,), (m,) demanded acceleration before and after each break."""
-    if not len(motion.breaks):
-        return np.empty(0), np.empty(0)
-    return motion.jet(motion.breaks, "left", 2)[2], motion.jet(motion.breaks, "right", 2)[2]
+def edges_between(*lifts: DiscLift) -> FloatArray:
+    """(k,) cam angles [rad] from 0 to 2 pi between which the lifts and what is demanded are
+    smooth.
+    """
+    parts = [part for lift in lifts for part in (lift.borders, lift.knots)]
+    return ascending(np.clip(np.concatenate((np.array([0.0, TURN]), *parts)), 0.0, TURN))
+
+
+def held_at(lift: DiscLift, numbers: IntArray, corner: float) -> tuple[IntArray, BoolArray]:
+    """(n,) the `element` and (n,) whether it is `smooth`, see `Replay`, where `numbers` (n,) hold
+    the follower and corners up to `corner` [rad] are ignored.
+    """
+    element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
+    smooth = np.ones(len(numbers), dtype=np.bool_)
+    held = numbers != AS_DEMANDED
+    element[held], turns = lift.held_by(numbers[held])
+    smooth[held] = turns > corner
+    return element, smooth
+
+
+def _farthest(found: Extremes) -> Extreme:
+    """That of the larger magnitude, in the first turn; the highest one if they are equal but for
+    rounding.
+    """
+    higher = found.highest.value >= -found.lowest.value * (1.0 - EQUAL)
+    one = found.highest if higher else found.lowest
+    return Extreme(one.value, one.place % TURN)
 
 
 def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -303,7 +357,5 @@ def extreme_play(main: Replay, other: Replay) -> Extremes:
     """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
     is on the inner one.
     """
-    ends = np.array([0.0, TURN])
-    borders = (ends, main.lift.borders, other.lift.borders, main.lift.motion.borders)
-    edges = ascending(np.clip(np.concatenate(borders), 0.0, TURN))
+    edges = edges_between(main.lift, other.lift)
     return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

@@ -52,7 +52,7 @@ NODES = 12
 """Nodes of a quadrature over each smooth part."""
 
 MOST_BREAKS = 4
-"""Most breaks inside a tail that is integrated by quadrature."""
+"""Most borders inside a tail that is integrated by quadrature."""
 
 SETTLED = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
@@ -290,7 +290,7 @@ def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSample
     size = np.max(np.abs(ends.points), axis=0) + abs(envelope.curve.distance)
     small = np.sum(np.abs(ends.pace), axis=0) * (y - x) <= SMALL * size
     turns = envelope.total * np.array([[-1.0], [0.0], [1.0]])
-    breaks = np.sort((envelope.breaks + turns).ravel())
+    breaks = np.sort((envelope.borders + turns).ravel())
     first = np.searchsorted(breaks, x, side="right")
     count = np.searchsorted(breaks, y) - first
     for inside in range(MOST_BREAKS + 1):

@@ -14,6 +14,7 @@ from camgeo.contour.counts import too_many
 from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
 from camgeo.contour.exact import MAX_CHORDS, distance_between
 from camgeo.contour.hausdorff import ROUNDING
+from camgeo.contour.proof.deviation import ENOUGH
 from camgeo.contour.simple import crossing, winding_number
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.errors import GeometryError, ToleranceError
@@ -45,7 +46,8 @@ FIRST: Final = 2.5e-4
 """Tolerance of these arcs to begin with, as a share of the coarsest one of fits."""
 
 FINEST: Final = 1e-10
-"""How near to the outline these arcs come at most, as a share of its distance from the cam axis."""
+"""How near to the outline these arcs come at most, as a share of its distance from the cam axis,
+and no nearer than a proof needs."""
 
 FOREIGN: Final = 1e-5
 """Tolerance of the arcs by which splines of others are measured, as a share of the coarsest one."""
@@ -185,7 +187,7 @@ class LetterBoundary(Pickled):
                 return apart + 2.0 * ROUNDING * self.curve.reach
             by_arcs = approximating_arcs(contour, FOREIGN * self.coarsest)
             return self._deviation(by_arcs.contour) + by_arcs.apart
-        share, finest = FIRST * self.coarsest, FINEST * self.curve.reach
+        share, finest = FIRST * self.coarsest, max(FINEST * self.curve.reach, ENOUGH)
         while True:
             fine = self._arcs(share)
             reached = distance_between(fine.contour, contour)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from camgeo.errors import Fault
     from camgeo.product.product import Product
     from camgeo.toolpath.engaged import Engaged
+    from camgeo.toolpath.features import Feature
     from camgeo.toolpath.machine import Machine
 
 MILLING: Final = "milling"
@@ -32,17 +33,19 @@ class Program:
     Attributes
     ----------
     findings : what is told of its sequence, and what its simulation finds; why there is none, if
-        it cannot be planned.
+        it cannot be planned: "broken" for a key that the scene lacks, "invalid" for a wrong one.
     operations : the time of each; None if the machine's dynamics are not known, or if there is no
         program.
     faults : of the scene, if it cannot be planned.
     roughing : how the cutter is engaged in operations that clear an area.
+    features : of the part, with the operations of all its sides; empty of a second side.
     """
 
     findings: tuple[Finding, ...]
     operations: tuple[OperationTime, ...] | None = None
     faults: tuple[Fault, ...] = ()
     roughing: tuple[Engaged, ...] = ()
+    features: tuple[Feature, ...] = ()
 
     @property
     def seconds(self) -> float | None:
@@ -115,25 +118,32 @@ def _machine(side: Product) -> Machine:
 
 def _program(disc: Product, machine: Machine) -> Program:
     """The program of one side of a disc at the scene's tolerance, judged."""
+    from camgeo.product.milled import compared
+    from camgeo.scene.milling import is_missing
     from camgeo.toolpath.engaged import engagement_findings  # which times do without
 
     output, milled = disc.scene.output, disc.milled
-    lacking = FORMAT.lacking(disc.values)
-    if lacking and FORMAT.name not in output.formats:
-        return Program((Finding(MILLING, "ok", f"no program: it {'; '.join(lacking)}"),))
     try:
         toolpath = milled.toolpath(output.tolerance)
         found = milled.findings(toolpath, output.tolerance)
         times = times_on(machine, toolpath, output.tolerance)
         roughing = milled.engaged(toolpath)
     except SceneError as error:
-        where = f"{error.file}: " if error.file else ""
+        where, stated = f"{error.file}: " if error.file else "", disc.scene.stated
         return Program(
-            tuple(Finding(MILLING, "invalid", f"{where}{fault}") for fault in error.faults),
+            tuple(
+                Finding(
+                    MILLING,
+                    "broken" if is_missing(stated, fault) else "invalid",
+                    f"{where}{fault}",
+                )
+                for fault in error.faults
+            ),
             faults=error.faults,
         )
     except (ToleranceError, FileError, UndercutError) as error:
         disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
     found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
-    return Program(found, None if times is None else tuple(times), roughing=roughing)
+    timed = None if times is None else tuple(times)
+    return Program(found, timed, roughing=roughing, features=compared(milled))

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeVar
 
 from camgeo.check.finding import Finding, stated_in
-from camgeo.errors import GeometryError, UndercutError, UnsafeError
+from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
 from camgeo.formats.gcode import FORMAT
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.motion.kept import Kept, kept_with_owner
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from camgeo.scene.scene import Scene
     from camgeo.toolpath.cut import ContourCut, Cut
     from camgeo.toolpath.engaged import Engaged
+    from camgeo.toolpath.features import Feature
     from camgeo.toolpath.milling import MillingSpec
     from camgeo.toolpath.moves import Toolpath
     from camgeo.toolpath.sequence import Sequence
@@ -111,8 +112,8 @@ class MilledDisc(Pickled):
     def _sequence(self) -> Sequence:
         from camgeo.toolpath.sequence import sequence_of
 
-        if lacking := FORMAT.lacking(self.scene.stated):
-            raise GeometryError(f"milling {'; '.join(lacking)}", key="output.gcode")
+        if lacking := self.scene.lacking([FORMAT]):
+            raise SceneError(lacking, self.scene.source.file)
         assert self.spec is not None  # for the scene has a tool
         options = self.gcode
         found = sequence_of(self.part, self.spec, options.heights, options.compensation)
@@ -246,14 +247,12 @@ class MilledDisc(Pickled):
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
         if they must not be run.
         """
+        from camgeo.toolpath.features import findings_of
         from camgeo.toolpath.verdict import verdict
 
-        found = verdict(self.flaws(toolpath, tolerance))
+        found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
         names = {each.name for each in found}
         told = [each for each in self.sequence.findings if each.name not in names]
-        if edges := self._sharp_edges():
-            sentence = f"no operation makes the chamfers of {', '.join(edges)}"
-            told.append(Finding("chamfers", "warning", sentence))
         if low := self._low_change():
             told.append(Finding("tool-change-height", "warning", low))
         if len(self._groups) > 1:
@@ -263,20 +262,6 @@ class MilledDisc(Pickled):
             )
             told.append(Finding("programs", "warning", sentence))
         return stated_in(self.scene.unit, (*told, *found))
-
-    def _sharp_edges(self) -> tuple[str, ...]:
-        """The walls whose edges this side leaves sharp against what the part states."""
-        made = {cut.name for cut in self.sequence.cuts}
-        edges = {
-            each.boundary.name: each.boundary.corner_radius
-            for each in self.drawn.part.bevels
-            if each.upper == (self.first is None) or (self.first is None and self.second is None)
-        }
-        return tuple(
-            name if f"chamfer {name}" not in made else f"{name} beside its circle"
-            for name, corner in edges.items()
-            if f"chamfer {name}" not in made or corner is not None
-        )
 
     def _low_change(self) -> str:
         """That tools are changed close above the part, by nobody's wish; empty if not."""
@@ -298,6 +283,28 @@ class MilledDisc(Pickled):
         if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
             raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
         return tuple(each for each in found if each.severity != "ok")
+
+
+def compared(milled: MilledDisc) -> tuple[Feature, ...]:
+    """The part, feature by feature, with the operations of all sides of its job; none for a second
+    side, of whose operations the first one tells.
+    """
+    from camgeo.toolpath.features import features_of
+    from camgeo.toolpath.sides import Side
+
+    first = milled if milled.whole is None else milled.whole
+    if first.first is not None or first.spec is None:
+        return ()
+    sides = [Side(first.part, first.spec, first.sequence.cuts, ())]
+    if first.second is not None:
+        try:
+            second, cuts = first.second.spec, first.second.sequence.cuts
+        except SceneError:  # which is told of that side
+            second, cuts = first.spec.of_second_side(faced=False, done=frozenset()), ()
+        assert second is not None  # for there is that side
+        sides.append(Side(first.second.part, second, cuts, ()))
+    keyway = None if first.drawn.spec is None else first.drawn.spec.keyway
+    return features_of(first.drawn.part, keyway, sides)
 
 
 def job(
@@ -324,12 +331,13 @@ def job(
     from camgeo.toolpath.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
-    sides = [Side(milled.part, milled.spec, cuts, runs)]
+    density = None if milled.scene.part is None else milled.scene.part.density
+    sides = [Side(milled.part, milled.spec, cuts, runs, density)]
     other = milled.second if milled.first is None else milled.first
     if other is not None and (ahead or other is milled.first):
         assert other.spec is not None  # likewise
         planned = runs_of(other.toolpath(tolerance))
-        side = Side(other.part, other.spec, other.sequence.cuts, planned)
+        side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
         sides = [side, *sides] if other is milled.first else [*sides, side]
     return simulated(
         sides,

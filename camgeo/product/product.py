@@ -8,7 +8,8 @@ from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 from camgeo._version import __version__
-from camgeo.check.judge import RETURN, Judgement
+from camgeo.check.finding import RETURN, Finding
+from camgeo.check.judge import Judgement
 from camgeo.formats.format import Options, Values
 from camgeo.lazy import Ledger, built
 from camgeo.part.pair_spec import DISCS
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from camgeo.cam.cam import Cam
-    from camgeo.check.finding import Finding
     from camgeo.effects.effect import Column
     from camgeo.product.drawn import DrawnDisc
     from camgeo.product.milled import MilledDisc

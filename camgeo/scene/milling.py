@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.formats.gcode import misfits
+from camgeo.formats.gcode import misfits, tables_are_whole
 from camgeo.scene.document import document
 from camgeo.scene.inside import Inside
 from camgeo.scene.keys import Path, path_of
@@ -24,7 +24,7 @@ from camgeo.toolpath.milling import (
     stock_of,
     tool_of,
 )
-from camgeo.toolpath.spec import AXIS, EARLIER, GcodeSpec
+from camgeo.toolpath.spec import EARLIER, GcodeSpec
 from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import END_MILL, Tool, ToolError
 
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
+
+FORMATS: Final = ("output", "formats")
+"""Key of the formats, to each of which belongs what a scene lacks for it."""
 
 LIBRARY: Final = (*PROGRAM, "tools")
 """Key of the file with further tools."""
@@ -47,19 +50,20 @@ Broken = tuple[Path, str]
 Built = TypeVar("Built")
 
 
-def broken_tables(values: ValidValues) -> Iterator[Broken]:
-    """All that is wrong between the keys of the tables, each with its place."""
+def broken_tables(values: ValidValues, *, whole: bool = False) -> Iterator[Broken]:
+    """All that is wrong between the keys of the tables, each with its place.
+
+    Keys that are missing are faults of tables that must be `whole`: in a scene a program alone
+    needs them, see `camgeo.formats.gcode`.
+    """
     for name, faults in FAULTS.items():
         for place in _places(values, name):
             table = values.get(*place)
-            if table is None:
-                continue
-            for key, message in faults(table):
-                if key in table or values.lacks(*place, key):
+            for key, message in faults(table) if table is not None else ():
+                if key in table or (whole and values.lacks(*place, key)):
                     yield (*place, key), message
     yield from _tools_are_told_apart(values)
     yield from _machine_compensates(values)
-    yield from _a_corner_is_known(values)
     yield from _one_tool_fits(values)
 
 
@@ -72,14 +76,6 @@ def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
     written = values.exact(*key)
     if written is not None and values.get(*places[0], "kind") in (None, END_MILL):
         yield from ((key, message) for message in misfits(values, written))
-
-
-def _a_corner_is_known(values: ValidValues) -> Iterator[Broken]:
-    """The corner of the blank on which the zero of the second side is."""
-    zero = values.get(SECOND_SIDE, "zero")
-    if zero not in (None, AXIS) and (values.lacks("stock", "length") or values.lacks("stock")):
-        message = "needs a plate whose length and width are stated in [stock]"
-        yield (SECOND_SIDE, "zero"), message
 
 
 def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
@@ -138,13 +134,15 @@ class MillingBuilder:
         self._values = inside.values
 
     def spec(self, program: GcodeSpec | None) -> MillingSpec | None:
-        """All of it; None if the scene says nothing, or nothing valid."""
+        """All of it; None if the scene says nothing, or nothing valid, or not all of a table."""
         values = self._values
         earlier = _earlier_tool(program)
         named = any(values.has(name) for name in MILLING) or values.has(*LIBRARY)
         if not named and earlier is None:
             return None
         if any(values.has(name) and not values.valid(name) for name in MILLING):
+            return None
+        if any(tables_are_whole(values)):
             return None
         before = len(self._inside.faults)
         tools: list[Tool] = self.each("tool", tool_of)
@@ -176,8 +174,8 @@ class MillingBuilder:
         made: list[OperationSpec] = self.each(name, operation_of)
         known = {tool.number for tool in tools}
         for place, each in zip(_places(self._values, name), made, strict=False):
-            if library is not None and each.tool not in known:
-                numbers = ", ".join(str(number) for number in sorted(known)) or "none"
+            if library is not None and known and each.tool not in known:
+                numbers = ", ".join(str(number) for number in sorted(known))
                 message = f"there is no such tool; there are {numbers}"
                 self._inside.fault((*place, "tool"), message)
         return made
@@ -246,7 +244,7 @@ def tools_of(data: bytes) -> list[Tool]:
     verdict = judged(found, library_schema())
     values = ValidValues(found, verdict.bad, verdict.meant)
     faults: list[Fault] = [*found.faults, *verdict.faults]
-    faults += [found.fault(*each) for each in broken_tables(values)]
+    faults += [found.fault(*each) for each in broken_tables(values, whole=True)]
     inside = Inside(values)
     tools: list[Tool] = []
     if not faults:
@@ -276,6 +274,14 @@ def _blamed(values: ValidValues, error: GeometryError) -> Path:
     if path[0] == "toolpath":
         return PROGRAM
     return path if path[0] != "tool" or values.has("tool") else _tools_elsewhere(values)
+
+
+def is_missing(values: ValidValues, fault: Fault) -> bool:
+    """Whether a fault of planning is a key that the scene lacks, and not one that is wrong."""
+    path = path_of(fault.key)
+    if path in (None, (), PROGRAM):
+        return False
+    return path[:2] == FORMATS or values.lacks(*path)
 
 
 def _place_of(values: ValidValues, number: int, field: str) -> Path:

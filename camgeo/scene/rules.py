@@ -258,14 +258,9 @@ def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
         yield from misfits(values)
 
 
-def formats_have_what_they_need(values: ValidValues) -> Iterator[Broken]:
-    """The formats named have what they need, and their options obey the declared rules."""
-    listed: list[str] = values.get("output", "formats") or []
+def options_obey_their_rules(values: ValidValues) -> Iterator[Broken]:
+    """The options of the formats named obey the declared rules."""
     for form in schema_for(tables_of(values, *NAMING)).formats:
-        if form.name in listed:
-            place = ("output", "formats", listed.index(form.name))
-            for message in form.lacking(values):
-                yield place, message
         for key, message in form.broken(values):
             yield ("output", form.name, key), message
 
@@ -380,7 +375,7 @@ RULES: Final[tuple[Rule, ...]] = (
     effects_suit_the_machine,
     a_found_speed_is_sought,
     a_flank_is_one_of_two,
-    formats_have_what_they_need,
+    options_obey_their_rules,
     milling_is_stated,
     contact_and_part_agree,
     roller_is_possible,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from camgeo.displayed import brief
-from camgeo.errors import CamgeoError, GeometryError, SceneError
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError
 from camgeo.pickled import pickled
 from camgeo.scene.document import Document, Source, document, document_of, document_of_tree
 from camgeo.scene.door import enter
 from camgeo.scene.keys import path_of
+from camgeo.scene.schema import MILLING
 from camgeo.scene.tree import Tree, edited, read_only
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from camgeo.check.limits import Limits
     from camgeo.contour.contour import Form
     from camgeo.formats.drawing import DrawingSpec
-    from camgeo.formats.format import OutputSpec
+    from camgeo.formats.format import Format, OutputSpec
     from camgeo.mechanism.conjugate import Mount
     from camgeo.mechanism.follower import Follower
     from camgeo.mechanism.linkage_protocol import Linkage
@@ -75,7 +76,8 @@ class Scene:
         of `camgeo.effects.effect`.
     output : what is written.
     printing : how bodies are compensated for printing; None if the scene has no `[print]`.
-    milling : tools, blank, holding and operations; None if the scene says nothing on milling.
+    milling : tools, blank, holding and operations; None if the scene says nothing on milling, or
+        lacks keys of its tables.
     """
 
     source: Source
@@ -149,6 +151,22 @@ class Scene:
     @property
     def _tree(self) -> Tree:
         return self.stated.scene.exact
+
+    @property
+    def states_milling(self) -> bool:
+        """Whether it says anything on milling, perhaps not all that a program needs."""
+        return self.milling is not None or any(map(self.stated.has, MILLING))
+
+    def lacking(self, formats: Iterable[Format[Any]]) -> tuple[Fault, ...]:
+        """Why the scene cannot be written in `formats`, at the place that names each."""
+        named: list[str] = self.stated.get("output", "formats") or []
+        return tuple(
+            self.stated.scene.fault(("output", "formats", named.index(form.name)), message)
+            if form.name in named
+            else Fault("format", form.name, message)
+            for form in formats
+            for message in form.lacking(self.stated)
+        )
 
     @cached_property
     def identity(self) -> str:

@@ -145,7 +145,7 @@ def _asked(design: Design, word: str) -> Asked:
     name = ALSO.get(word, word)
     for group, names in BY_GROUP.items():
         if name in names:
-            if group == "machining" and design.scene.milling is None:
+            if group == "machining" and not design.scene.states_milling:
                 message = f"is not stated: {MACHINING_TIME} needs a milling program"
                 raise GeometryError(message, "tool")
             return Asked(word, name, "value", group)

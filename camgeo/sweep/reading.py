@@ -220,13 +220,14 @@ def judged(design: Design, *, machining: bool = False) -> list[Finding]:
     on the milling programs.
     """
     from camgeo.product.judged_part import findings_on
+    from camgeo.product.product import with_pair
 
     found = list(design.findings)
     if not any(finding.severity == "invalid" for finding in found):
         for name in design.scene.effects:
             found += design.effects.findings(name)
     if design.scene.follower is not None and not forbidding(design.findings):
-        for disc in design.discs:
+        for disc in with_pair(design.discs):
             found += findings_on(disc)
         if machining and design.scene.milling is not None:
             from camgeo.product.machining import machining_of
@@ -311,11 +312,12 @@ def _effects(design: Design, asked: Asked) -> Reading:
             result = design.effect(name)
         except EffectError as error:
             why = why or error.message
-            if hyphened(error.finding or name) == asked.name and error.value is not None:
-                return Reading(float(error.value), error.unit, error.message)
+            for finding in design.effects.findings(name):
+                if hyphened(finding.name) == asked.name and finding.value is not None:
+                    return Reading(float(finding.value), finding.unit, error.message)
             continue
         if asked.how == "value":
-            for finding in (*result.findings, *design.effects.findings(name)):
+            for finding in result.findings:
                 if hyphened(finding.name) == asked.name:
                     return _of([finding], asked.name)
             continue

@@ -130,6 +130,8 @@ class ContourCut(Cut):
     springs : rounds at the last depth after the first one there, which remove what deflection left.
     contact : radius at which the cutter meets the wall [mm], where its feed is held; 0 for that of
         the tool, less for a cone.
+    edge : name of the boundary whose upper edge a cone takes off, if that is what is cut.
+    width : of that chamfer on the face [mm].
     tabs : bridges to leave, or None.
     compensation : "computed"; "wear", the computed path with the wear of the tool's table on
         top; "control", the boundary itself, offset by the controller.
@@ -149,6 +151,8 @@ class ContourCut(Cut):
     cleared: Annotated[Truth, "toolpath"] = False
     springs: Annotated[Rounds, "toolpath"] = 0
     contact: Annotated[Radius, "toolpath"] = 0.0
+    edge: Annotated[Text, "toolpath"] = ""
+    width: Annotated[Size, "toolpath"] = 0.0
     tabs: Tabs | None = None
     compensation: Annotated[CompensationWord, "toolpath"] = COMPUTED
 

@@ -14,7 +14,7 @@ from camgeo.part.part import Boundary, Part
 from camgeo.toolpath.bench import BORE
 from camgeo.toolpath.course import course_of, level
 from camgeo.toolpath.cut import ContourCut, Cut, LetterCut
-from camgeo.toolpath.holding import FIXTURE, Holding, Obstacle
+from camgeo.toolpath.holding import FIXTURE, ONION_SKIN, TABS, Holding, Obstacle
 from camgeo.toolpath.moves import Move, Point, Stop, Toolpath
 from camgeo.toolpath.setup import Chamfer, Run, Setup
 from camgeo.toolpath.stages import Body
@@ -22,7 +22,11 @@ from camgeo.toolpath.stock import Stock
 from camgeo.toolpath.tool import CHAMFER_MILL, DRILL, Tool
 
 RIM: Final = 1.0
-"""Width [mm] of the strip along the outline of a blank by which waste is taken to be held."""
+"""Width [mm] of the strip along the outline of a blank by which it is held where tabs or a skin
+hold the part."""
+
+ROUGHLY: Final = 1.0
+"""Tolerance [mm] of contours of clamps, which are lines and arcs."""
 
 UNKNOWN: Final = 2.0
 """Diameters of the cutter by which a blank of unknown outline reaches beyond the course."""
@@ -79,7 +83,8 @@ def setup_of(
     are none of that part: they are made otherwise.
     A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Letters
     count as what the cutter makes of them. Without a
-    holding nothing is said of pieces that come loose.
+    holding nothing is said of pieces that come loose; with one, only what it holds is held: clamps
+    and screws as long as they are set.
     """
     made = part.without(left_out(part, every := (*(cuts := tuple(cuts)), *others)))
     letters = _letters(every)
@@ -93,7 +98,7 @@ def setup_of(
         for layer in made.layers
     )
     low, high = part.layers[0].z0, part.layers[-1].z1
-    outline, rim = _blank(cuts, runs, part, stock, tolerance)
+    outline, rim, known = _blank(cuts, runs, part, stock, tolerance)
     blank = [outline]
     if stock.bore is not None:
         blank.append(Contour.circle(0.5 * stock.bore))
@@ -101,9 +106,7 @@ def setup_of(
     held = None
     lowest = None
     if holding is not None:
-        held = [rim, *(_clamped(each.obstacle) for each in holding.clamps)]
-        if holding.kind == FIXTURE:
-            held.append(bodies[0].contours)
+        held = (bodies[0].contours,) if holding.kind == FIXTURE else ()
         if holding.tabs is not None:
             joined.append(low + holding.tabs.height)
         if holding.skin is not None:
@@ -114,11 +117,13 @@ def setup_of(
         high + stock.top,
         low - stock.bottom,
         bodies,
-        None if held is None else tuple(held),
+        held,
+        rim if holding is not None and holding.kind in (TABS, ONION_SKIN) else None,
         fixture=holding is not None and holding.kind == FIXTURE,
         chamfers=tuple(_chamfers(cuts, tolerance)),
         lowest=lowest,
         joined=max(joined, default=None),
+        known=known,
     )
 
 
@@ -174,18 +179,14 @@ def _contour(boundary: Boundary, tolerance: float) -> Contour:
 
 
 def _body(obstacle: Obstacle) -> Body:
-    contour = obstacle.outline.arcs(RIM, "fast").contour
+    contour = obstacle.outline.arcs(ROUGHLY, "fast").contour
     return Body(obstacle.name, -np.inf, obstacle.top, (contour,))
-
-
-def _clamped(obstacle: Obstacle) -> tuple[Contour, ...]:
-    return _body(obstacle).contours
 
 
 def _blank(
     cuts: Iterable[Cut], runs: Sequence[Run], part: Part, stock: Stock, tolerance: float
-) -> tuple[Contour, tuple[Contour, ...]]:
-    """The outline of the blank, and the strip along it.
+) -> tuple[Contour, tuple[Contour, ...], bool]:
+    """The outline of the blank, the strip along it, and whether the outline is known.
 
     Where it is not known it is the outermost boundary of the part, if nothing cuts that one, else
     a square around all.
@@ -194,22 +195,23 @@ def _blank(
         radius = 0.5 * stock.diameter
         outline = Contour.circle(radius, stock.centre)
         inner = Contour.circle(max(radius - RIM, 0.5 * radius), stock.centre)
-        return outline, (outline, inner)
+        return outline, (outline, inner), True
+    known = True
     if stock.length is not None and stock.width is not None:
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
     elif part.outermost.name not in _produced(cuts):
         outline = _contour(part.outermost, tolerance)
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
-        return outline, (outline, inner)
+        return outline, (outline, inner), True
     else:
         ends = [course_of(run.moves, run.start).ends for run in runs]
         both = [np.abs(part) for each in ends for part in (each.real, each.imag)]
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in runs), default=0.0)
-        corner, centre = (reach + wide) * (1.0 + 1.0j), 0j
+        corner, centre, known = (reach + wide) * (1.0 + 1.0j), 0j, False
     outline = _rectangle(corner, centre)
-    return outline, (outline, _rectangle(corner - RIM * (1.0 + 1.0j), centre))
+    return outline, (outline, _rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
 
 
 def _produced(cuts: Iterable[Cut]) -> set[str]:

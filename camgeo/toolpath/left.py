@@ -9,12 +9,15 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from camgeo.toolpath.setup import Setup
+from camgeo.toolpath.setup import Run, Setup
 from camgeo.toolpath.stages import Flaw, Slab, Stage, areas, each_once
-from camgeo.toolpath.sweep import Area, grown, overlap, parts, place_in
+from camgeo.toolpath.sweep import Area, farthest, grown, overlap, parts, place_in, polygon
 
 TOUCHING = 1e-4
 """Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
+
+FINENESS = 1e-3
+"""Deviation of chords of clamps [mm]."""
 
 SAME = 1e-6
 """Heights [mm] that differ by less are one."""
@@ -66,7 +69,7 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
 def left_flaws(
     stages: Sequence[Stage],
     part: Sequence[Area],
-    held: Sequence[Area] | None,
+    runs: Sequence[Run],
     setup: Setup,
     allowed: float,
     *,
@@ -77,25 +80,45 @@ def left_flaws(
     Parameters
     ----------
     part : in each slab.
-    held : areas within which the blank is held; None if that is not to be judged.
+    runs : of each stage, with the clamps and screws that are set.
     setup : what the program starts from, and what it has to leave.
     allowed : thickness [mm] that may be left; what is nowhere thicker is no piece.
     corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
     """
-    known: list[Piece] = []
-    for stage in stages:
-        for piece in pieces(stage.slabs) if held is not None else ():
-            if any(_same(piece, each) for each in known) or _held(piece, held or ()):
-                continue
-            if _is_dust(piece, allowed):
-                continue
-            known.append(piece)
-            yield _loose(stage, piece, part, fixture=setup.fixture)
+    if setup.held is not None:
+        held = [polygon(each, FINENESS) for each in setup.held]
+        yield from _loose_pieces(stages, part, runs, held, setup, allowed)
     if stages and setup.final:
         yield from _rests(stages[-1], part, setup, allowed, corners)
 
 
-def _held(piece: Piece, held: Sequence[Area]) -> bool:
+def _loose_pieces(
+    stages: Sequence[Stage],
+    part: Sequence[Area],
+    runs: Sequence[Run],
+    always: Sequence[Area],
+    setup: Setup,
+    allowed: float,
+) -> Iterator[Flaw]:
+    """Pieces that neither what holds `always` nor the clamps of a run hold, each once."""
+    known: list[Piece] = []
+    rim = [] if setup.rim is None else [polygon(setup.rim, FINENESS)]
+    for stage, run in zip(stages, runs, strict=True):
+        found = pieces(stage.slabs)
+        held = [*always, *(polygon(body.contours, FINENESS) for body in run.obstacles)]
+        kept = [piece for piece in found if _meets(piece, held or rim)]
+        if not held:  # what holds the rim is not stated; it holds what hangs on the part
+            kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept
+        for piece in found:
+            if piece in kept or any(_same(piece, each) for each in known):
+                continue
+            if _is_dust(piece, allowed):
+                continue
+            known.append(piece)
+            yield _loose(stage, piece, part, setup)
+
+
+def _meets(piece: Piece, held: Sequence[Area]) -> bool:
     return any(
         float(shapely.intersection(area, each).area) > TOUCHING
         for _, area in piece.areas
@@ -117,20 +140,34 @@ def _same(piece: Piece, other: Piece) -> bool:
     )
 
 
-def _loose(stage: Stage, piece: Piece, part: Sequence[Area], *, fixture: bool) -> Flaw:
+def _loose(stage: Stage, piece: Piece, part: Sequence[Area], setup: Setup) -> Flaw:
+    """A piece that comes loose: what it is, how large and heavy, and where."""
     k, area = max(piece.areas, key=lambda each: each[1].area)
-    low, _, high, _ = area.bounds
-    _, bottom, _, top = area.bounds
-    volume = piece.volume(stage.slabs)
-    what = PART if piece.shared(part) > 0.5 * sum(each.area for each in part) else "a core"
-    watched = fixture and what != PART
-    text = f"{what} of {high - low:.3g} x {top - bottom:.3g} mm, {volume:.3g} mm^3, "
-    text += "which the fixture must hold, comes loose" if watched else (
-        "comes loose and nothing holds it"
+    left, low, right, high = area.bounds
+    place, value, unit = place_in(area), piece.volume(stage.slabs), "mm^3"
+    what = _name(piece, place, part)
+    size = f"{what} of {right - left:.3g} x {high - low:.3g} mm, {value:.3g} mm^3"
+    if setup.density is not None:
+        size += f", {1e3 * setup.density * value:.3g} kg"
+    edge = float(np.max(np.abs(setup.blank[0].vertices)))
+    if not setup.known and max(map(abs, area.bounds)) > edge / np.sqrt(2.0) - SAME:
+        size, value, unit = f"{what}, in a blank of unstated size", 1.0, "pieces"
+    watched = setup.fixture and what != PART
+    text = f"{size}, which the fixture must hold, comes loose" if watched else (
+        f"{size}, comes loose and nothing holds it"
     )  # fmt: skip
-    place = place_in(area)
     where = (place.real, place.imag, stage.slabs[k].z0)
-    return Flaw("loose", stage.operation, text, volume, 0.0, where, "mm^3", watched=watched)
+    return Flaw("loose", stage.operation, text, value, 0.0, where, unit, watched=watched)
+
+
+def _name(piece: Piece, place: complex, part: Sequence[Area]) -> str:
+    """What a piece is: the part, a core within it, or waste beside it."""
+    if piece.shared(part) > 0.5 * sum(each.area for each in part):
+        return PART
+    rings = [ring for each in part for ring in parts(each)]
+    point = shapely.Point(place.real, place.imag)
+    inside = any(shapely.intersects(shapely.Polygon(ring.exterior), point) for ring in rings)
+    return "a core" if inside or not rings else "waste"
 
 
 def _may_stay(slab: Slab, setup: Setup) -> bool:
@@ -154,8 +191,7 @@ def _left_on(
     faces = shapely.difference(shapely.union_all(list(near)), target)
     for each in thick:
         if not target.is_empty and shapely.intersects(each, close):
-            points = shapely.points(shapely.get_coordinates(each))
-            yield each, float(np.max(shapely.distance(points, target)))
+            yield each, farthest(each, target)[0]
         elif float(shapely.intersection(each, faces).area) > TOUCHING:
             yield each, 0.0
 
@@ -170,6 +206,7 @@ def _rests(
     """Material that is left beside the part, or on one of its faces."""
     found: list[Flaw] = []
     known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
+    unfinished = shapely.boundary([polygon([each], 0.5 * allowed) for each in setup.unfinished])
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
         if slab.material.is_empty or _may_stay(slab, setup):
             continue
@@ -182,6 +219,7 @@ def _rests(
             left, low, right, high = each.bounds
             rounding = max((z1 - z0 for z0, z1 in corners if z0 < slab.middle < z1), default=0.0)
             by_corner = size <= rounding + allowed
+            meant = thickness and np.any(shapely.distance(unfinished, each) <= 2.0 * allowed)
             text = (
                 f"material is left on the part, up to {size:.3g} mm thick, {right - left:.3g} mm"
                 f" along X, {high - low:.3g} mm along Y and {slab.z1 - slab.z0:.3g} mm high"
@@ -190,7 +228,15 @@ def _rests(
             place = place_in(each)
             where = (place.real, place.imag, slab.z0)
             found.append(
-                Flaw("rest", stage.operation, text, size, allowed, where, watched=by_corner)
+                Flaw(
+                    "rest",
+                    stage.operation,
+                    text,
+                    size,
+                    allowed,
+                    where,
+                    watched=bool(by_corner or meant),
+                )
             )
     for watched in (False, True):  # the largest of both
         yield from sorted(

@@ -337,13 +337,7 @@ def holding_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "through", "is missing: how far cuts go below the part; 0 ends them at its lower face"
     for key, needed_by in (("clamp", "clamps"), ("screw", "screws")):
         if kind == needed_by and key not in table:
-            yield "kind", f"needs [[holding.{key}]] at least once"
-
-
-def second_holding_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Keys of `[second_side.holding]`, as of `[holding]`."""
-    for key, message in holding_faults(table):
-        yield key, message.replace("[[holding", f"[[{SECOND_SIDE}.holding")
+            yield key, f'is missing: kind "{needed_by}" needs it at least once'
 
 
 def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -373,6 +367,6 @@ FAULTS: Final[Mapping[str, TableFaults]] = {
     "stock": stock_faults,
     "holding": holding_faults,
     "operation": operation_faults,
-    f"{SECOND_SIDE}.holding": second_holding_faults,
+    f"{SECOND_SIDE}.holding": holding_faults,
     f"{SECOND_SIDE}.operation": operation_faults,
 }

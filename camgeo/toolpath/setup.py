@@ -114,7 +114,10 @@ class Setup:
     blank : contours, of which a point of it is within an odd number.
     top, bottom : of the blank, Z [mm].
     part : what must be left.
-    held : outlines within which the blank is held; None if that is not to be judged.
+    held : outlines within which the blank is held all the time, beside the clamps and screws of
+        each run; None if that is not to be judged.
+    rim : contours of the strip along the outline of the blank by which it is held where nothing
+        else holds it, as with tabs; None if it is not.
     fixture : whether a fixture below all of the blank is to hold what nothing else holds.
     chamfers : edges that the part lacks.
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
@@ -122,6 +125,9 @@ class Setup:
     hanging : Z from which on it may do so; None for none.
     before : what an earlier side has left of the blank; None for all of it.
     final : whether the part must be all there is in the end, and no other side follows.
+    unfinished : walls that the stated operations of all sides leave unfinished, or roughed.
+    known : whether the outline of the blank is stated, and not one that reaches beyond all cuts.
+    density : of the material [t/mm^3]; None if it is not stated.
     """
 
     blank: tuple[Contour, ...]
@@ -129,6 +135,7 @@ class Setup:
     bottom: float
     part: tuple[Body, ...] = ()
     held: tuple[tuple[Contour, ...], ...] | None = None
+    rim: tuple[Contour, ...] | None = None
     fixture: bool = False
     chamfers: tuple[Chamfer, ...] = ()
     lowest: float | None = None
@@ -136,3 +143,6 @@ class Setup:
     hanging: float | None = None
     before: Before | None = None
     final: bool = True
+    unfinished: tuple[Contour, ...] = ()
+    known: bool = True
+    density: float | None = None

@@ -7,11 +7,12 @@ last side alone, of the material that both have left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import shapely
 
+from camgeo.contour.contour import Contour
 from camgeo.part.part import Part, Wall
 from camgeo.toolpath.cut import Cut
 from camgeo.toolpath.holding import FIXTURE, Holding
@@ -35,12 +36,14 @@ class Side:
     part, milling : as tools from above see them.
     cuts : that are planned.
     runs : what is run.
+    density : of the material [t/mm^3]; None if it is not stated.
     """
 
     part: Part
     milling: MillingSpec
     cuts: tuple[Cut, ...]
     runs: tuple[Run, ...]
+    density: float | None = None
 
     @property
     def lowest(self) -> float:
@@ -69,7 +72,14 @@ def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
         setup = setup_of(side.cuts, side.runs, part, stock, holding, FINENESS, others)
         if k:
             setup = _second(setup, side, sides[k - 1], found[k - 1])
-        found.append(replace(setup, final=k == of - 1))
+        found.append(
+            replace(
+                setup,
+                final=k == of - 1,
+                density=side.density,
+                unfinished=tuple(_unfinished(sides)),
+            )
+        )
     return tuple(found)
 
 
@@ -86,22 +96,20 @@ def simulated(sides: Sequence[Side], *, allowed: float, level: float, of: int) -
 
 
 def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
-    """The flaws of each side, as its work lies; a rest is one to be watched if the operations that
-    the scene states leave a wall of the part unfinished.
-    """
-    stated = any(each.side.milling.operations for each in done)
-    sides = [each.side for each in done]
-    left = stated and not all(_is_finished(wall, sides) for wall in sides[0].part.walls)
-    return tuple(
-        tuple(
-            _seen(replace(flaw, watched=True) if left and flaw.name == "rest" else flaw, each.side)
-            for flaw in each.simulation.flaws
-        )
-        for each in done
-    )
+    """The flaws of each side, as its work lies."""
+    return tuple(tuple(_seen(flaw, each.side) for flaw in each.simulation.flaws) for each in done)
 
 
-def _is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
+def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
+    """The walls that stated operations leave unfinished: what they leave there is to be watched."""
+    if not any(side.milling.operations for side in sides):
+        return
+    for wall in sides[0].part.walls:
+        if not is_finished(wall, sides):
+            yield wall.boundary.arcs(FINENESS, "fast").contour
+
+
+def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
     """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
     first, name = sides[0], wall.boundary.name
     down = finished_down_to(first.cuts, name)

@@ -30,6 +30,7 @@ from camgeo.toolpath.sweep import (
     NOTHING,
     Area,
     Known,
+    farthest,
     grown,
     parts,
     place_in,
@@ -100,8 +101,7 @@ def simulate(
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
-    held = None if setup.held is None else [polygon(each, fineness) for each in setup.held]
-    flaws += left_flaws(stages, part, held, setup, allowed, corners=corners_of(setup, runs))
+    flaws += left_flaws(stages, part, runs, setup, allowed, corners=corners_of(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
@@ -331,8 +331,8 @@ class _Bench:
 
     def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
         known: dict[tuple[int, int], Area] = {}
-        for slab, kernel, part, area in zip(
-            self.slabs, self.kernels, self.part, reached, strict=True
+        for number, (slab, kernel, area) in enumerate(
+            zip(self.slabs, self.kernels, reached, strict=True)
         ):
             both = (id(area), id(kernel))
             if both not in known:
@@ -340,15 +340,29 @@ class _Bench:
             touched = known[both]
             if parts(touched):
                 low = below(course, slab.z1 - 2.0 * self.level)
-                points = shapely.points(shapely.get_coordinates(touched))
-                depths = shapely.distance(points, shapely.boundary(part))
-                deepest = int(np.argmax(depths))
-                depth, where = float(depths[deepest]), shapely.get_coordinates(points)[deepest]
+                depth, where = self._depth(number, touched)
                 if depth <= self.allowed + 2.0 * self.fineness:  # an edge that is rounded
                     continue
-                place = (float(where[0]), float(where[1]), float(np.min(low.lowest)))
                 text = f"the cutter goes {depth:.3g} mm into the part"
+                place = _point(where, float(np.min(low.lowest)))
                 yield Flaw("gouge", run.name, text, depth, self.allowed, place)
+
+    def _depth(self, number: int, touched: Area) -> tuple[float, complex]:
+        """How deep in the part the area `touched` of a slab lies [mm], and where: below the face
+        over it or behind the wall beside it, whichever is nearer.
+        """
+        edge = shapely.boundary(self.part[number])
+        _, middle = farthest(touched, edge)
+        places = np.vstack((shapely.get_coordinates(touched), (middle.real, middle.imag)))
+        points = shapely.points(places)
+        face = np.full(len(places), self.slabs[number].z1)
+        under = np.ones(len(places), dtype=np.bool_)
+        for slab, part in zip(self.slabs[number + 1 :], self.part[number + 1 :], strict=True):
+            under &= shapely.intersects(part, points)
+            face[under] = slab.z1
+        depths = np.minimum(shapely.distance(points, edge), face - self.slabs[number].z0)
+        deepest = int(np.argmax(depths))
+        return float(depths[deepest]), complex(*places[deepest])
 
     def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
         """Obstacles touched, and depths that are too large."""

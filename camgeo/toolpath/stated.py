@@ -359,7 +359,6 @@ class _Stated:
         """The edge that lies up: a pointed cutter runs with its point beside and below the edge."""
         size, tool = self.spec.size, self.tool
         assert size is not None  # which the rules of the scene require
-        assert tool.tip_angle is not None
         if wall.z1 != 0.0:
             message = f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face"
             raise GeometryError(message, f"{self.key}.boundary")
@@ -386,6 +385,8 @@ class _Stated:
             depths=(-depth,),
             centre=centre,
             contact=reach,
+            edge=wall.boundary.name,
+            width=size,
             springs=self.spec.springs,
             note=f"{size:g} mm wide on the face",
         )

@@ -24,6 +24,9 @@ FINEST: Final = 1e-5
 
 NOTHING: Final = shapely.Polygon()
 
+SHARE: Final = 0.005
+"""Of a distance, to which the farthest point of an area is sought."""
+
 LONGEST: Final = 200
 """Points of a line that is widened at once. A line of several turns is met by itself at every turn:
 in parts its area takes a quarter of the time."""
@@ -136,6 +139,25 @@ def place_in(area: Area) -> complex:
     """A point within the largest part of `area`."""
     point = shapely.point_on_surface(max(parts(area), key=lambda each: each.area))
     return complex(point.x, point.y)
+
+
+def farthest(area: Area, edge: Area) -> tuple[float, complex]:
+    """How far from `edge` a point of `area` lies at most [mm], and that point: of all points, not
+    of its corners alone, to a hundredth.
+    """
+    corners = shapely.get_coordinates(area)
+    away = shapely.distance(shapely.points(corners), edge)
+    most = int(np.argmax(away))
+    low, high, place = max(float(away[most]), FINEST), np.inf, complex(*corners[most])
+    step = SHARE
+    while high > (1.0 + SHARE) * low:
+        middle = (1.0 + step) * low if np.isinf(high) else 0.5 * (low + high)
+        beyond = shapely.difference(area, grown(edge, middle))
+        if parts(beyond):
+            low, place, step = middle, place_in(beyond), 1.0
+        else:
+            high = middle
+    return float(shapely.distance(shapely.Point(place.real, place.imag), edge)), place
 
 
 def rings(area: Area) -> tuple[ComplexArray, ...]:

@@ -124,13 +124,8 @@ def make_files(
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
     found = find_writers(formats)
-    faults = [
-        Fault("format", name, message)
-        for name, writer in found.items()
-        for message in writer.format.lacking(product.values)
-    ]
-    if faults:
-        raise SceneError(faults)
+    if lacking := product.scene.lacking(writer.format for writer in found.values()):
+        raise SceneError(lacking, product.scene.source.file)
     if forbidden := forbidding(product.findings):
         raise UndercutError("; ".join(each.sentence for each in forbidden))
     writers = [(name, each) for name, one in found.items() for each in with_companions(one)]

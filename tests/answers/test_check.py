@@ -325,7 +325,7 @@ def test_mass_properties_of_the_part_of_each_disc() -> None:
     assert layer["area_mm2"] * 12.0 == pytest.approx(part.body.solid.volume, rel=1e-12)
     lines = lines_of(found)
     start = lines.index("part:")
-    assert lines[start + 1].startswith("ok      largest-diameter ")
+    assert lines[start + 1].startswith("figure  largest-diameter ")
     assert lines[start + 1].endswith(" largest diameter 96 mm at cam angle 180 deg")
     assert f"mass {part.body.mass:.6g} kg" in lines[start + 2]
     assert "smallest wall 30 mm, between outline and bore" in lines[start + 3]

@@ -132,10 +132,12 @@ def test_every_position_is_that_of_the_mechanism() -> None:
 def test_a_cure_that_works_is_the_next_step_for_undercut() -> None:
     found = of("refused/undercut_tappet")
     assert any(cure.works for cure in found.check.cures)
-    undercut = Finding("undercut-inner", "no-disc", "it undercuts")
+    undercut = Finding("convexity", "no-disc", "it undercuts")
     works = next(cure.sentence for cure in found.check.cures if cure.works)
     assert works[1:] in next_step(undercut, found.check.cures)
-    assert "smaller roller" in next_step(undercut, ())
+    assert "Enlarge the base radius" in next_step(undercut, ())
+    other = Finding("transmission-angle", "broken", "it is small")
+    assert works[1:] not in next_step(other, found.check.cures)
 
 
 def test_a_return_disc_has_the_next_steps_of_any_other() -> None:

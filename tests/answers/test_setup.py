@@ -56,7 +56,11 @@ def test_a_document_is_what_its_schema_says(sheet: SetupSheet) -> None:
     reported = document(sheet)
     assert [each["name"] for each in reported["operations"]] == [s.name for s in sheet.steps]
     assert reported["tools"][0]["diameter"] == 10.0
-    assert reported["flaws"] == []
+    (frame,) = reported["flaws"]
+    assert (frame["name"], frame["watched"], frame["unit"]) == ("loose", True, "pieces")
+    made = {each["name"]: each["operations"] for each in reported["features"]}
+    assert made["outline"] == ["outline"]
+    assert made["keyway"] == []
     assert sheet.exit_code == 0
     assert sheet.seconds == pytest.approx(sum(each["seconds"] for each in reported["operations"]))
 
@@ -66,7 +70,9 @@ def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
     assert "zero      X 0, Y 0 on the cam axis, Z 0 on the upper face" in shown
     assert "cuts go 0.5 mm below the part" in shown
     assert all(re.search(rf"\d  {step.name} ", shown) for step in sheet.steps)
-    assert "nothing comes loose" in shown
+    assert "which the fixture must hold, comes loose" in shown
+    assert "warning keyway: 5 mm wide at 0 deg: no operation makes it" in shown
+    assert "nothing comes loose" in text(replace(sheet, flaws=()))
     wrong = replace(sheet, flaws=(FLAW,))
     assert wrong.exit_code == 1
     assert FLAW.sentence in text(wrong)

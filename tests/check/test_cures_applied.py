@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.check.cures.cure import Change, Cure
-from camgeo.check.judge import CONVEXITY, RETURN, TRIM, UNDERCUT
+from camgeo.check.finding import CONVEXITY, RETURN, UNDERCUT
+from camgeo.check.judge import TRIM
 from camgeo.design import Design
 from camgeo.errors import SceneError
 from camgeo.motion.laws import FAMILIES

@@ -200,8 +200,8 @@ def test_many_findings_are_told_in_short() -> None:
     ok = [made(f"good {k}", "ok") for k in range(5)]
     bad = [made(f"bad {k}", "warning") for k in range(4)]
     assert repr(Findings()) == "<0 findings>"
-    assert repr(Findings(ok[:1])) == "<1 finding: 1 ok>"
-    assert repr(Findings((*ok, bad[0]))) == "<6 findings: 5 ok, 1 warning (bad 0)>"
+    assert repr(Findings(ok[:1])) == "<1 finding: 1 note>"
+    assert repr(Findings((*ok, bad[0]))) == "<6 findings: 5 note, 1 warning (bad 0)>"
     four = repr(Findings(bad))
     assert four.startswith("<4 findings: 4 warning (bad 0, bad 1")
     assert "bad 3" not in four

@@ -125,5 +125,6 @@ def test_the_rule_of_thumb_is_of_the_roller_and_the_cusp_of_the_flank() -> None:
     assert [f for f in cam.findings if f.name.startswith("undercut") and f.severity == "no-disc"]
     without = design("translating", 0.0, roller, 40.0)
     assert not [f for f in without.findings if f.name.startswith("undercut") and f.severity != "ok"]
-    (cure,) = (each for each in cam.judgement.cures if each.knob == "roller radius")
+    found = {(each.fault, each.knob): each for each in cam.judgement.cures}
+    cure = found["undercut", "roller radius"]
     assert cure.limit == pytest.approx(radius - 0.25, rel=1e-9)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from camgeo.contour import hausdorff
 from camgeo.contour.contour import Contour
 from camgeo.contour.hausdorff import SHARPNESS, distance
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import outline
 from tests.long_form import examples
 
@@ -86,3 +86,27 @@ def test_without_enough_halvings_it_is_still_a_bound(monkeypatch: pytest.MonkeyP
         bounds.append(distance(circle, square))
     assert bounds == sorted(bounds, reverse=True)
     assert bounds[-1] >= exact * (1.0 - 2.0 * SHARPNESS)
+
+
+def test_blocks_and_a_cap_change_no_more_than_the_sharpness(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Memory is that of a block of pairs; at the cap of cells the bound is wider, and holds."""
+    chance = np.random.default_rng(4)
+    ways = np.exp(2j * math.pi * np.arange(400) / 400.0)
+    one, other = (Contour.polygon(ways * chance.uniform(9.9, 10.1, 400)) for _ in range(2))
+    bound = distance(one, other)
+    most = 0
+
+    def counted(points: ComplexArray, pieces: hausdorff._Pieces) -> FloatArray:
+        nonlocal most
+        most = max(most, len(points))
+        return plain(points, pieces)
+
+    plain = hausdorff._distances
+    monkeypatch.setattr(hausdorff, "_distances", counted)
+    monkeypatch.setattr(hausdorff, "PAIRS", 4000)
+    assert distance(one, other) == pytest.approx(bound, rel=SHARPNESS)
+    assert most <= 4000
+    monkeypatch.setattr(hausdorff, "MOST", 1)
+    assert bound <= distance(one, other) * (1.0 + SHARPNESS) <= 2.0 * bound

@@ -19,7 +19,7 @@ CUSP = math.radians(78.9790897521664912236687251744)
 
 def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
     """The samples' own middle falls on the cusp of HC21a."""
-    piece = Piece(CUSP - 0.1, CUSP + 0.1, dwell=False)
+    piece = Piece(CUSP - 0.1, CUSP + 0.1)
     curve = hard_curve("HC21a")
     assert abs(curve.regularity(np.array([CUSP]))[0]) < 1e-13
     require_regular(curve, piece)
@@ -30,7 +30,7 @@ def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
 @pytest.mark.parametrize(("roller", "regular"), [(39.999, True), (40.0, False), (40.001, False)])
 def test_dwell_needs_a_radius(roller: float, regular: bool) -> None:
     pitch = translating(dwell(180), move(100, 1.0), move(80, 0.0)).pitch
-    curve, piece = WorkingCurve(pitch, -roller), Piece(0.0, math.pi, dwell=True)
+    curve, piece = WorkingCurve(pitch, -roller), Piece(0.0, math.pi, 0j)
     if regular:
         require_regular(curve, piece)
         return

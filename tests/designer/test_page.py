@@ -6,12 +6,15 @@ Without Chromium or playwright these tests are skipped with a word, as is that o
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import pytest
 
+from camgeo.designing.children import Refused
+from camgeo.designing.job import Job
+from camgeo.scene.new import template
 from tests.designer.served import Served, computing, served
 from tests.judges import axe
 from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing
@@ -35,6 +38,16 @@ VIOLATIONS: Final = """async () => {
   const found = await axe.run(document);
   return found.violations.map((each) => `${each.id}: ${each.nodes[0].html}`);
 }"""
+
+PASTE: Final = """(text) => {
+  const data = new DataTransfer();
+  data.setData("text/plain", text);
+  const area = document.getElementById("text-area");
+  area.select();
+  const given = { clipboardData: data, bubbles: true, cancelable: true };
+  if (area.dispatchEvent(new ClipboardEvent("paste", given))) throw new Error("not taken");
+}"""
+"""Pastes a text over all that is there, as Ctrl+V does."""
 
 HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
   const handles = [...document.querySelectorAll("[data-space=mechanism]")];
@@ -257,3 +270,50 @@ def test_a_scene_with_faults_is_not_told_to_be_well(page: Page) -> None:
     settled(page, old)
     page.wait_for_function("() => document.querySelector('a.verdict').textContent.startsWith('✓')")
     assert verdict.get_attribute("href") == "#findings"
+
+
+def test_a_scene_that_only_its_findings_refuse_is_red_at_its_field(page: Page) -> None:
+    """A compression spring on a rocker without ends: its curves have no fault."""
+    old = settled(page, -1)
+    text = template("oscillating-roller") + "[effects.spring]\nstiffness = 5\npreload = 200\n"
+    page.evaluate("(text) => camgeo.session.write(text, 'test')", text)
+    settled(page, old)
+    verdict = page.locator("a.verdict")
+    assert verdict.get_attribute("class") in ("verdict waiting", "verdict invalid")
+    page.wait_for_selector("a.verdict.invalid")
+    assert verdict.inner_text() == "✗ The scene has a fault."
+    field = page.locator("[data-key='effects.spring.anchor']")
+    assert field.get_attribute("aria-invalid") == "true"
+    line = text[: text.index("[effects.spring]\nstiffness = 5")].count("\n") + 1
+    page.wait_for_function(
+        "(line) => document.getElementById('faults').textContent.includes(`Line ${line}`)", arg=line
+    )
+
+
+def test_findings_that_do_not_come_are_not_green(browser: Browser, tmp_path: Path) -> None:
+    folder, inner = tmp_path / "slow", computing()
+    folder.mkdir()
+    (folder / "cam.toml").write_bytes(SETZHUB.read_bytes())
+
+    def slow(job: Job, most: float) -> Mapping[str, Any]:
+        if job.kind == "findings":
+            raise Refused(f"findings: took longer than {most:g} s")
+        return inner(job, most)
+
+    with served(folder, "cam.toml", slow) as server:
+        opened = browser.new_page()
+        opened.set_default_timeout(1e3 * PATIENCE)
+        opened.goto(f"http://{server.host}/?token={server.keys.lend()}")
+        opened.wait_for_selector("a.verdict.unknown")
+        assert "took longer than 60 s" in opened.locator("a.verdict").inner_text()
+        assert opened.locator(".findings .sentence").inner_text().startswith("There is no verdict")
+        opened.close()
+
+
+def test_a_long_text_is_pasted_at_once(page: Page, server: Served) -> None:
+    """The browser's own way of pasting takes a minute for it."""
+    old = settled(page, -1)
+    text = SETZHUB.read_text("utf-8") + "# a line\n" * 3000
+    page.evaluate(PASTE, text)
+    settled(page, old)
+    assert server.desk.text == text

@@ -170,17 +170,58 @@ def test_a_job_that_is_too_slow_is_told_and_the_text_stays(folder: Path) -> None
         page.say("hello")
         page.say("text", id=1, text="slow = 1\n")
         curves = page.hear("curves", answers=1)
-        assert curves["faults"][0]["message"] == "curves: took longer than 10 s"
+        assert curves["refused"] == "the picture (curves: took longer than 10 s)"
         assert curves["text"] == "slow = 1\n"
         page.say("change", id=2, edits={"b": 2})  # needs the text alone
         curves = page.hear("curves", answers=2)
-        assert curves["faults"][0]["message"] == "change: took longer than 10 s"
+        assert curves["refused"] == "the picture (change: took longer than 10 s)"
         assert curves["text"] == "slow = 1\nb = 2\n"
         page.say("change", id=3, handle="roller", to=[1, 2])  # needs more
         assert "took longer" in page.hear("refused", id=3)["message"]
         for _ in range(2):
             page.say("undo")
         assert page.hear("curves", of="a = 1\n")["faults"] == []
+
+
+FAULT = {"key": "a", "message": "is too small", "value": "2", "hint": "", "line": 1}
+
+
+def judging(job: Job, seconds: float) -> Mapping[str, Any]:
+    """What jobs give: findings meet a fault at 2, the build at 3, and findings are slow at 4."""
+    if job.kind == "build" and "3" in job.text:
+        return {"faults": [FAULT], "files": []}
+    if job.kind != "findings" or "1" in job.text:
+        return computed(job, seconds)
+    if "2" in job.text:
+        return {"faults": [FAULT]}
+    if "4" in job.text:
+        raise Refused(f"findings: took longer than {seconds:g} s")
+    return {"faults": [], "verdict": "1 finding.", "findings": [{"severity": "warning"}]}
+
+
+def test_what_has_no_verdict_is_told_to_have_none(folder: Path) -> None:
+    """A fault that only the findings or the files meet counts, and so does what is too slow."""
+    with served(folder, "cam.toml", judging) as server, server.page() as page:
+        page.say("hello")
+        page.hear("verdict", revision=0, severity="waiting")
+        page.say("text", id=2, text="a = 2\n")
+        assert page.hear("curves", answers=2)["faults"] == []
+        assert page.hear("verdict", revision=1, severity="invalid")["faults"] == [FAULT]
+        page.say("text", id=3, text="a = 3\n")
+        page.hear("curves", answers=3)
+        verdict = page.hear("verdict", revision=2, severity="warning")
+        assert (verdict["sentence"], verdict["faults"]) == ("1 finding.", [])
+        page.say("build", id=4)
+        assert page.hear("verdict", severity="invalid")["faults"] == [FAULT]
+        assert page.hear("built", answers=4)["files"] == []
+        with server.page() as other:
+            other.say("hello")
+            assert other.hear("verdict")["severity"] == "invalid"
+        page.say("text", id=5, text="a = 4\n")
+        verdict = page.hear("verdict", revision=3, severity="unknown")
+        assert "took longer than 60 s" in verdict["sentence"]
+        page.say("text", id=6, text="")
+        page.hear("verdict", revision=4, severity="unknown")
 
 
 REFUSED: tuple[tuple[str, dict[str, Any], str], ...] = (

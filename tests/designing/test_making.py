@@ -84,6 +84,14 @@ def test_what_is_required_of_the_smallest_cam_can_be_stated() -> None:
     assert radii[0] < radii[1]
 
 
+def test_what_changes_with_the_smallest_size_is_said() -> None:
+    """A rocker's pivot or arm, which its table of sizes does not show."""
+    found = run(Job("size", template("oscillating-roller")))
+    others = found["edits"].keys() - {"follower.base_radius"}
+    assert others
+    assert all(f"{key} = " in found["sentence"] for key in others)
+
+
 @pytest.mark.parametrize(
     ("kind", "arguments"),
     [("size", {"arm": [1]}), ("size", {"arm": 3}), ("size", {"radius_ratio": "x"}),
@@ -109,6 +117,33 @@ def test_every_law_offered_makes_a_valid_scene() -> None:
         made = scene.with_values(each["edits"])
         assert made.values["motion"][1]["law"] == each["name"]
         assert each["facts"]
+
+
+def facts(text: str, segment: int) -> dict[str, dict[str, str]]:
+    found = run(Job("laws", text, arguments={"segment": segment}))["laws"]
+    return {law["name"]: {each["name"]: each["value"] for each in law["facts"]} for law in found}
+
+
+def test_laws_are_shown_for_the_task_that_they_have_in_the_plan() -> None:
+    """A straight line from rest to rest is a shock at both ends; within a rise it is none."""
+    text = (SCENES / "setzhub.toml").read_text("utf-8")
+    assert facts(text, 1)["straight-line"] == {"C_v": "1", "C_a": "∞", "C_j": "∞"}
+    moves = (("polynomial-5", 60, 4), ("straight-line", 60, 10), ("polynomial-5", 60, 14))
+    head, *_ = text.partition("[[motion]]")
+    text = head + "".join(
+        f'[[motion]]\nlaw = "{law}"\nspan = {span}\nto = {to}\n'
+        for law, span, to in (*moves, ("polynomial-5", 180, 0))
+    )
+    assert facts(text, 1)["straight-line"] == {"C_v": "1", "C_a": "0", "C_j": "0"}
+
+
+def test_one_motion_has_one_pair_of_extremes() -> None:
+    """With jerks 60 (1 - 6 z + 6 z^2), and 840 (z - 6 z^2 + 10 z^3 - 5 z^4)."""
+    shown = facts((SCENES / "setzhub.toml").read_text("utf-8"), 1)
+    assert shown["polynomial-345"] == shown["polynomial-5"]
+    assert shown["polynomial-345"]["C_j"] == "−30 to 60"
+    assert shown["polynomial-4567"] == shown["polynomial-7"]
+    assert shown["polynomial-4567"]["C_j"] == "−52.5 to 42"
 
 
 def test_parameters_of_other_laws_are_dropped_with_them() -> None:

@@ -7,11 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from camgeo.effects.shock_spectrum import result as module
 from camgeo.effects.shock_spectrum.result import ShockSpectrum, measured
 from camgeo.motion.laws import make_law
+from camgeo.numeric.extremes import Extreme
 from camgeo.numeric.oscillator import spectrum
 from camgeo.numeric.oscillator.mode import NODES, Pieces, most_cells, solve
-from camgeo.numeric.oscillator.spectrum import QUIET
+from camgeo.numeric.oscillator.spectrum import QUIET, Shock
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 from tests.laws import LAWS
@@ -41,6 +43,24 @@ def test_a_move_of_the_scene_has_the_spectrum_of_its_law(damping: float) -> None
     assert fall.residual(RATIOS) == pytest.approx(
         shock_spectrum(skewed, RATIOS, damping), rel=0.0, abs=1e-13
     )
+
+
+def test_moves_of_one_law_are_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever their strokes and spans, up or down; hundreds of them took a minute."""
+    shocks = []
+
+    def counted(shock: Shock, damping: float, end: float) -> tuple[Extreme, float | None]:
+        shocks.append(shock)
+        return measured(shock, damping, end)
+
+    monkeypatch.setattr(module, "measured", counted)
+    same = (("polynomial-345", "modified-sine"), ("inflection = 0.4", ""))
+    found = result("plate_translating", "", *same).spectra
+    assert len(found) == 2
+    assert len(shocks) == 1
+    for each in found:
+        worst, quiet = measured(each.move.shock, 0.0, 20.0)
+        assert (each.worst.value, each.quiet) == pytest.approx((worst.value, quiet), rel=1e-9)
 
 
 @pytest.mark.parametrize("span", [1e-2, 1e-4])

@@ -154,6 +154,7 @@ def there_and_back(stroke: float) -> plan.MotionPlan:
 class StubScene:
     drawing: DrawingSpec = field(default_factory=DrawingSpec)
     limits: Limits = field(default_factory=Limits)
+    part: PartSpec | None = None
 
 
 NO_SCENE: Any = StubScene()
@@ -207,8 +208,11 @@ class StubProduct(Product):
     def values(self) -> Values:
         keys = [
             "follower.kind = 'plate'",
-            f"tool = [{{ diameter = {self.tool.diameter} }}]",
-            "holding.kind = 'fixture'",
+            (
+                f"tool = [{{ diameter = {self.tool.diameter}, spindle_speed = 1, feed = 1,"
+                " plunge_feed = 1, stepdown = 1 }]"
+            ),
+            "holding = { kind = 'fixture', through = 0 }",
         ]
         keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
         text = "\n".join(keys)

@@ -205,3 +205,11 @@ def test_a_scene_may_ask_for_it_if_it_has_a_linkage() -> None:
     head, _, tail = asked.partition("[linkage]")
     with pytest.raises(SceneError, match=r'formats\[1\] = "asc": needs \[linkage\]'):
         parse_scene(head + tail[tail.index("[[motion]]") :])
+
+
+def test_only_points_of_a_rocker_behind_a_slider_crank_are_asked_for() -> None:
+    asked = 'formats = ["asc", '
+    text = (FIXTURES / "scenes" / "four_bar.toml").read_text(encoding="utf-8")
+    assert "formats = [" in text
+    with pytest.raises(SceneError, match=r'needs .linkage. kind = "slider-crank" and a rocker'):
+        parse_scene(text.replace("formats = [", asked))

@@ -9,13 +9,14 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import matplotlib.figure
 import numpy as np
 import pytest
 
 import camgeo
+from camgeo.answers.answer import MARKS
 from camgeo.answers.compare import compare
 from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
 from camgeo.answers.refusal import refusal
@@ -25,7 +26,7 @@ from camgeo.answers.size import size
 from camgeo.answers.sweep import Sweep, answer_of
 from camgeo.answers.table import ValueTable, table_of_scene
 from camgeo.answers.verify import Verification, verify
-from camgeo.check.finding import Finding, Findings
+from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.displayed import Displayed
@@ -190,10 +191,13 @@ def test_what_cannot_be_shown_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "there is <no> such thing" in texts(one)
 
 
-def test_a_severity_is_told_by_sign_and_word_in_colours_of_its_own() -> None:
-    for severity, (sign, style) in BADGES.items():
-        told = texts(Finding("a", severity, "b"))
-        assert sign in told
+def test_a_verdict_is_told_by_sign_and_word_in_colours_of_its_own() -> None:
+    unlimited = {"figure": 1.0, "note": None}
+    for verdict, (sign, style) in BADGES.items():
+        found = Finding("a", "ok", "b", unlimited.get(verdict))
+        if verdict not in unlimited:
+            found = replace(found, severity=cast("Severity", verdict), limit=2.0)
+        assert f"{sign} {MARKS[verdict]} " in texts(found)
         colours = dict(re.findall(r"(background|color):(#[0-9a-f]{3,6})", style))
         assert colours.keys() in ({"background", "color"}, set())
         if colours:

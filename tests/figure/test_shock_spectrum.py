@@ -10,9 +10,11 @@ import pytest
 import camgeo
 from camgeo.design import Design
 from camgeo.errors import SceneError
-from camgeo.figure.marks import Line, Rule
+from camgeo.figure.marks import Line, Rule, Text
 from camgeo.figure.plots import SPECTRUM, of_design
+from camgeo.figure.shock_spectrum import figure
 from camgeo.scene.load import load_scene, parse_scene
+from camgeo_export.plots.render import render
 from tests.answers.documents import FIXTURES
 
 PRESS = FIXTURES / "effects" / "press.toml"
@@ -73,3 +75,15 @@ def test_at_the_found_speed_each_move_has_its_own_duration() -> None:
 def test_a_scene_without_the_effect_has_no_such_picture() -> None:
     with pytest.raises(SceneError, match="shock-spectrum"):
         of_design(Design(load_scene(FIXTURES / "effects" / "lever.toml")), [SPECTRUM])
+
+
+def test_a_motion_without_a_move_from_rest_to_rest_says_so() -> None:
+    drawn = figure("swing", (), 10.0)
+    (panel,) = drawn.panels
+    (words,) = panel.marks
+    assert isinstance(words, Text)
+    assert words.text == "no move is from rest to rest"
+    assert (panel.bare, words.at, panel.x.limits, panel.y.limits) == (
+        True, (0.5, 0.5), (0.0, 1.0), (0.0, 1.0),
+    )  # fmt: skip
+    assert render(drawn, ".svg").startswith(b"<?xml")

@@ -10,6 +10,8 @@ from camgeo.inspection.exact_flank import ExactFlank
 from camgeo.inspection.pressed import LiftErrors, lift_errors, measured_contour
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Flank
+from camgeo.outline.replay import replay_contour, replay_outline
+from camgeo.units import TURN
 from tests.inspection.flanks import BUMP, KINDS, TRIMMED, bump, disc_of, every, flank_of
 
 
@@ -64,6 +66,23 @@ def test_a_roller_rides_on_peaks() -> None:
         reach.append(found.extremes.magnitude)
     assert reach[0] > 0.0099
     assert reach[1] < 0.001
+
+
+@pytest.mark.parametrize(("name", "side"), [("plate_translating", Flank.INNER), TRIMMED[0]])
+def test_no_error_of_the_lift_is_beyond_its_extremes(name: str, side: Flank) -> None:
+    flank, rng = flank_of(name, side), np.random.default_rng(39)
+    places = flank.at(np.sort(rng.uniform(0.0, flank.total, 500)))
+    found = Deviations(places, rng.uniform(-2e-3, 2e-3, 500), Gap(0.0, 0.0))
+    pitch, clearance = flank.curve.pitch, disc_of(name).cam.clearance
+    actual = replay_contour(pitch, measured_contour(flank, found), side).lift
+    exact = replay_outline(pitch, flank.path, clearance=clearance).lift
+    extremes = lift_errors(flank, found, clearance=clearance).extremes
+    dense = np.linspace(0.0, TURN, 180_001)[:-1]
+    errors = actual.at(dense) - exact.at(dense)
+    for end, sign in ((extremes.lowest, -1.0), (extremes.highest, 1.0)):
+        assert np.max(sign * errors) <= sign * end.value + 1e-9 * extremes.magnitude
+        at = np.array([end.place])
+        assert float((actual.at(at) - exact.at(at))[0]) == pytest.approx(end.value, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "side"), [*KINDS, *TRIMMED])

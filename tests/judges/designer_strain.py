@@ -47,7 +47,7 @@ def judged(page: DesignerPage, folder: Path, server: Server, browser: int, small
     page.open(small)
     before = memory(server.process.pid), memory(browser)
     page.choose(SLOW)
-    told(page.visit, "camgeo.session.faults.map((each) => each.message).join()")
+    told(page.visit, "camgeo.session.refused")
     refused = page.hold(JOINTS, (1, 1))  # of the last picture, which is still there
     page.let_go()
     if refused:

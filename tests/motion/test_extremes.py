@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.motion.extremes import lift_range, pieces
+from camgeo.motion.extremes import lift_range, pieces, turning_angles
 from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.motion import Jet
 from camgeo.motion.plan import Dwell, MotionPlan, Move
@@ -60,3 +60,11 @@ def test_pieces_fill_the_turn(plan: MotionPlan) -> None:
 
 def test_without_borders_the_turn_is_one_piece() -> None:
     assert pieces(Wave()) == [(0.0, TURN)]
+
+
+def test_a_rest_that_rounds_to_zero_is_no_turning_point() -> None:
+    """Near its ends this law's velocity is 1 - cos, which is 0 within 1e-8."""
+    half = Decimal(180)
+    law = LAWS["inclined-sine"]
+    plan = MotionPlan((Move(half, 6.0, law), Move(half, 0.0, law)))
+    assert not len(turning_angles(plan))

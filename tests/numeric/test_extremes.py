@@ -87,6 +87,22 @@ def test_chebyshev_polynomials_fill_the_strip(degree: int) -> None:
     assert abs(found.lowest.value + 1.0) <= rounding
 
 
+@pytest.mark.parametrize("waves", [40.0, 150.0])
+def test_ripples_finer_than_the_grid_are_found(waves: float) -> None:
+    """On a wave whose top has no ripple's top on the grid: six and a fifth of its points a wave."""
+    edges = np.array([0.0, 6.28])
+
+    def rippled(x: FloatArray, side: Side) -> FloatArray:
+        return np.cos(x) + 0.1 * np.sin(waves * x)
+
+    found = piecewise_extremes(rippled, edges)
+    dense = rippled(np.linspace(edges[0], edges[1], 1_000_001), "right")
+    # Between two of these the ripple rises by at most 0.1 (waves 3.14e-6)^2 / 2.
+    rise = 0.05 * (3.14e-6 * waves) ** 2
+    assert np.max(dense) <= found.highest.value <= np.max(dense) + rise + 8.0 * EPS
+    assert np.min(dense) >= found.lowest.value >= np.min(dense) - rise - 8.0 * EPS
+
+
 def saw(x: FloatArray, side: Side) -> FloatArray:
     """Rises from 0 to 1 between integers, and falls there at once."""
     out = x - np.floor(x)
@@ -173,7 +189,7 @@ def test_the_function_is_asked_for_arrays() -> None:
     piecewise_extremes(counted, np.linspace(0.0, 50.0, 101))
     few = len(calls)
     calls.clear()
-    piecewise_extremes(counted, np.linspace(0.0, 50.0, 3))
+    piecewise_extremes(counted, np.linspace(0.0, 50.0, 5))
     assert few == len(calls)
 
 
@@ -241,6 +257,12 @@ def test_all_of_the_turn() -> None:
 def test_nowhere_and_at_one_place_alone() -> None:
     assert stretch_below(lambda phi: np.cos(phi) + 2.0, EDGES, math.pi) is None
     assert stretch_below(lambda phi: 1.0 + np.cos(phi), EDGES, math.pi) is None
+
+
+def test_a_stretch_ends_where_the_function_is_zero_over_a_piece() -> None:
+    """-sin(phi) of the first half turn, 0 after it."""
+    found = stretch_below(lambda phi: np.minimum(-np.sin(phi), 0.0), EDGES, 0.5 * math.pi)
+    assert found == pytest.approx((0.0, math.pi), abs=NEAR)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,14 @@ from camgeo.motion.time_course import ConstantSpeed, in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.oscillator import steady
 from camgeo.numeric.oscillator.chain import one_mass
-from camgeo.numeric.oscillator.mode import Pieces, gain_over, interpolated, series_values, solve
+from camgeo.numeric.oscillator.mode import (
+    MOST_PIECES,
+    Pieces,
+    gain_over,
+    interpolated,
+    series_values,
+    solve,
+)
 from camgeo.numeric.oscillator.steady import Base, ResonanceError, Response, steady_state
 from camgeo.numeric.oscillator.train import Train
 from camgeo.numeric.quadrature import piecewise_integral
@@ -310,6 +317,13 @@ def test_a_kink_that_is_no_edge_is_closed_in_on() -> None:
     low, high = pieces.edges[place], pieces.edges[place + 1]
     values = series_values(pieces.series[:, place], (2.0 * t - low - high) / (high - low))
     assert np.max(np.abs(values - (np.abs(t - c) - mean))) <= 1e-11
+
+
+def test_what_is_only_rounding_is_not_halved_without_end() -> None:
+    """A force that is 0 but for its last digits is as rough on any piece; the error says so."""
+    pieces = interpolated(lambda t: np.sin(1e9 * t * t) * 1e-17, np.array([0.0, 1.0]), 1e-14)
+    assert len(pieces.edges) <= 2 * (MOST_PIECES + 1)
+    assert 1e-18 < pieces.error < 1e-15
 
 
 def test_a_base_at_rest_moves_nothing() -> None:

@@ -144,6 +144,16 @@ def test_the_error_estimate_of_a_power_holds(
     assert abs(found.value - expected) <= found.error + ROUNDING * magnitude
 
 
+@pytest.mark.parametrize("power", [-0.5, -0.8, -0.9])
+def test_what_is_halved_no_more_counts_as_error(power: float) -> None:
+    """The last cell at 0 has the width h = 2^-40 and the integral h^(1 + p)/(1 + p)."""
+    found = integral(lambda x: np.abs(x) ** power, [0.0, 1.0], 1e-12)
+    missing = 1.0 / (1.0 + power) - found.value
+    last = 2.0 ** (-MOST_HALVINGS * (1.0 + power)) / (1.0 + power)
+    assert 0.0 < missing < last
+    assert missing < found.error < 4.0 * last
+
+
 @given(
     rate=st.floats(-30.0, 30.0),
     wave=st.floats(0.0, 60.0),

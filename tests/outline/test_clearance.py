@@ -146,3 +146,17 @@ def test_a_guided_follower_stays_above_the_foot_of_its_guide(stroke: float, stay
     follower = TranslatingRoller(50.0, 5.0, offset=30.0, direction=-1)
     assert stays_on_one_side(PitchCurve(plan, follower, 1)) == stays
     assert stays_on_one_side(PitchCurve(plan, replace(follower, direction=1), 1))
+
+
+def test_a_point_beside_the_centre_of_a_rest_is_decided_in_few_cells(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The roller centre goes round it at a distance that hardly changes: |Z'| says nothing."""
+    plan = MotionPlan((Dwell(Decimal(360)),))
+    monkeypatch.setattr("camgeo.curve.pieces.MOST", 1000)
+    off = 1e-6
+    pitch = PitchCurve(plan, TranslatingRoller(10.0, 9.0), 1)
+    own = np.array([[0.0, 1e-3]])
+    # It is 10 mm -+ off from the roller centre.
+    for radius, clear in ((10.0 - 1.1 * off, True), (10.0 - 0.9 * off, False)):
+        assert are_clear(pitch, np.array([off + 0j]), radius, own)[0] == clear

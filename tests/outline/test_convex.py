@@ -122,6 +122,6 @@ def test_undercut_between_the_samples_is_found(monkeypatch: pytest.MonkeyPatch) 
     curve = PitchCurve(plan, TranslatingFlat(20.0), 1)
     known = convexity(curve).radius
     none = np.empty(0), np.empty(0, dtype=np.intp)
-    monkeypatch.setattr("camgeo.curve.extremes.roots_in_rows", lambda *_: none)
+    monkeypatch.setattr("camgeo.curve.extremes.isolated_roots", lambda *_: none)
     found = convexity(curve).radius
     assert known[0] <= found[0] <= 0.0

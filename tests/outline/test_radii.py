@@ -49,10 +49,12 @@ def test_no_point_is_nearer_or_farther(path: Path) -> None:
         assert 0.0 <= end.place < 2.0 * math.pi
 
 
-@pytest.mark.parametrize("centre", [0j, 30.0 - 12.0j, 3.0 + 1.0j])
+@pytest.mark.parametrize("centre", [0j, 30.0 - 12.0j, 3.0 + 1.0j, 9.999j, 10.001j])
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_a_ring_of_arcs(centre: complex, sense: float) -> None:
-    """Three arcs of a circle of 10 mm: round the axis if that is nearer to its centre."""
+    """Three arcs of a circle of 10 mm: round the axis if that is nearer to its centre, however near
+    it is to the circle.
+    """
     sweeps = sense * np.array([1.0, 2.5, 2.0 * math.pi - 3.5])
     starts = 0.4 + np.concatenate(([0.0], np.cumsum(sweeps)[:-1]))
     path = Path(

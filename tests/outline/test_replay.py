@@ -247,7 +247,7 @@ def test_ripple_of_a_polyline_does_not_fall() -> None:
 def test_corners_below_the_limit_do_not_count() -> None:
     curve = flank("setzhub", -1)
     fit = fit_arcs(whole(curve), 1e-3).contour
-    rounded = Contour(np.round(fit.vertices, 6), fit.sweeps, fit.centres)
+    rounded = Contour(np.round(fit.vertices, 8), fit.sweeps, fit.centres)
     exact = replay_contour(curve.pitch, fit).ripple
     assert exact is not None
     strict = replay_contour(curve.pitch, rounded, corner=0.0).ripple

@@ -135,32 +135,46 @@ def test_what_holds_the_roller_is_its_radius_away_and_nothing_is_nearer(made: Ma
     assert np.min(shape.distances(at)) >= follower.roller_radius - 1e-9
 
 
-def test_its_summary_is_that_of_its_samples(made: Made) -> None:
+def test_nothing_is_beyond_its_summary(made: Made) -> None:
     replay, _ = made
+    lift, sense = replay.lift, replay.press * replay.lift.outward
     error = replay.actual - replay.demanded
-    lost = replay.press * replay.lift.outward * error[0]
-    assert np.array_equal(replay.lost, lost)
-    for found, values in (
-        (replay.largest_error, error[0]),
-        (replay.velocity, replay.actual[1]),
-        (replay.acceleration, np.where(replay.smooth, replay.actual[2], 0.0)),
-    ):
-        assert abs(found.value) == np.max(np.abs(values))
-        there = np.flatnonzero(np.isclose(replay.phi % TURN, found.place, rtol=0.0, atol=1e-12))
-        assert found.value in values[there]
-    best = replay.largest_loss
+    assert np.array_equal(replay.lost, sense * error[0])
     dense = np.linspace(0.0, TURN, 20_001)[:-1]
-    inside = replay.lift.at(dense) - replay.lift.motion.jet(dense)[0]
-    most = max(0.0, float(np.max(lost)), float(np.max(replay.press * replay.lift.outward * inside)))
-    assert best.value == pytest.approx(most, rel=1e-3, abs=1e-12)
-    assert best.value >= np.max(lost)
+    inside = lift.at(dense) - lift.motion.jet(dense)[0]
+    at = (
+        lift.at(np.array([replay.largest_error.place]))
+        - lift.motion.jet(np.array([replay.largest_error.place]))[0]
+    )
+    assert replay.largest_error.value == pytest.approx(float(at[0]), rel=1e-9, abs=1e-13)
+    most = max(float(np.max(np.abs(each))) for each in (error[0], inside))
+    assert abs(replay.largest_error.value) >= most * (1.0 - 1e-9) - 1e-13
+    rates = [replay.actual[1], np.where(replay.smooth, replay.actual[2], 0.0)]
+    for found, values in zip((replay.velocity, replay.acceleration), rates, strict=True):
+        assert (found is None) == (len(replay.drops) > 0)
+        assert found is None or abs(found.value) >= np.max(np.abs(values)) * (1.0 - 1e-9)
+    best = replay.largest_loss
+    most = max(0.0, float(np.max(sense * error[0])), float(np.max(sense * inside)))
+    assert most - 1e-13 <= best.value * (1.0 + 1e-9)
     near = best.place + STEP * np.linspace(-1.1, 1.1, 2001)
-    beside = replay.lift.at(near % TURN) - replay.lift.motion.jet(near % TURN)[0]
-    top = float(np.max(replay.press * replay.lift.outward * beside))
-    assert best.value >= top - 1e-7 * abs(top) - 1e-13
-    fine = replay.lift.motion.jet(dense)
+    beside = lift.at(near % TURN) - lift.motion.jet(near % TURN)[0]
+    top = float(np.max(sense * beside))
+    assert best.value >= top - 1e-9 * abs(top) - 1e-13
+    assert best.value == pytest.approx(max(top, 0.0), rel=1e-3, abs=1e-12)
+    fine = lift.motion.jet(dense)
     for peak, order in ((replay.demanded_velocity, 1), (replay.demanded_acceleration, 2)):
         assert peak == pytest.approx(float(np.max(np.abs(fine[order]))), rel=1e-5, abs=1e-12)
+
+
+def test_its_summary_does_not_depend_on_the_samples() -> None:
+    curve = flank("plate_translating", -1)
+    contour = fit_arcs(whole(curve), 1e-2).contour
+    fine, coarse = (
+        replay_contour(curve.pitch, contour, step=np.radians(step)) for step in (0.1, 10.0)
+    )
+    assert len(coarse.phi) < len(fine.phi)
+    for name in ("largest_loss", "largest_error", "velocity", "acceleration", "ripple"):
+        assert getattr(coarse, name) == getattr(fine, name)
 
 
 def test_shocks_and_drops_are_where_the_lift_jumps(made: Made) -> None:

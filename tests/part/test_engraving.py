@@ -192,6 +192,10 @@ def test_where_there_is_room(contact: Contact) -> None:
             PartSpec(engraving=(replace(TEXT, angle=2.0), TEXT, replace(TEXT, angle=0.2))),
             r'\[3\]: the "8" at .* touches the "Ø" at X 19\.91',
         ),
+        (
+            PartSpec(engraving=(replace(TEXT, text="O"), replace(TEXT, text="I", angle=0.1))),
+            r'\[2\]: the "I" at .* touches the "O" at X 20',
+        ),
         (PartSpec(engraving=(replace(TEXT, text="façade"),)), '"ç" touch each other'),
         (PartSpec(engraving=(replace(TEXT, text=30 * "M"),)), "do not fit around"),
     ],

@@ -93,6 +93,14 @@ def test_disc() -> None:
     ]
 
 
+def test_a_bore_leaves_more_than_the_tolerance_of_the_outline() -> None:
+    """The flank comes as near to the axis as 32 mm; the tolerance is 0.01 mm."""
+    assert _part(Contact.INNER, PartSpec(bore=2.0 * (32.0 - 0.0101))).boundaries
+    with pytest.raises(GeometryError, match=r"the bore reaches .* as near as 32 mm") as caught:
+        _part(Contact.INNER, PartSpec(bore=2.0 * (32.0 - 0.0099)))
+    assert caught.value.key == "part.bore"
+
+
 def test_ring() -> None:
     part = _part(Contact.OUTER, PartSpec(thickness=10.0, rim=140.0, bore=20.0))
     assert [(b.name, b.hole) for b in part.boundaries] == [("rim", False), ("outline", True)]

@@ -10,6 +10,7 @@ import pytest
 
 from camgeo.design import Design
 from camgeo.errors import GeometryError, SceneError
+from camgeo.formats.registry import find_format
 from camgeo.mechanism.four_bar import FourBar
 from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.scene.load import parse_scene
@@ -71,6 +72,12 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
     assert plain.drive.unit == "mm"
 
 
+@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER_DRIVEN])
+def test_points_of_opticurv_need_a_rocker_behind_a_slider(text: str) -> None:
+    (fault,) = loaded(text, ('"csv", ', '"csv", "asc", ')).scene.lacking([find_format("asc")])
+    assert fault.message == 'needs [linkage] kind = "slider-crank" and a rocker'
+
+
 @pytest.mark.parametrize(
     ("text", "changes", "words"),
     [
@@ -84,8 +91,6 @@ def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded()
         (FOUR_BAR, [("to = 22", "to = 4000")], "must lie between -3600 and 3600"),
         (FOUR_BAR, [("coupler = 120", "coupler = 12")], "does not close at motion 0"),
         (FOUR_BAR, [("to = 22", "to = 150")], "does not close between cam angles"),
-        (FOUR_BAR, [('"csv", ', '"csv", "asc", ')], 'needs [linkage] kind = "slider-crank" and a'),
-        (SLIDER_DRIVEN, [('"csv", ', '"csv", "asc", ')], "and a rocker"),
         (
             SLIDER_DRIVEN,
             [("coupler = 110", "coupler = 3")],

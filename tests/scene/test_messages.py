@@ -11,6 +11,7 @@ import pytest
 
 from camgeo.errors import SceneError
 from camgeo.formats.gcode import FORMAT
+from camgeo.formats.registry import find_format
 from camgeo.scene.load import parse_scene
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
 
@@ -134,7 +135,6 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (PLATE, [("to = 20", "to = 20\nvelocity = 3")], r"motion\[2\].velocity = 3: must be 0 at the"),
     (PLATE, [("[limits]", "[[motion]]\n[limits]")], r"line 28: motion\[6\].law: is missing"),
     # part and output
-    (PLATE, [("thickness = 12\n", "")], r"formats\[2\] = \"gcode\": needs \[part\] thickness"),
     (PLATE, [("bore = 20\n", "")], r"part.keyway: needs \[part\] bore"),
     (PLATE, [("width = 6", "width = 20")], "line 34: part.keyway.width = 20: .*less than the bore"),
     (PLATE, [("{ width = 6, depth = 2.8 }", "6")], r"keyway = 6: must be a table, e\.g\."),
@@ -188,7 +188,6 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     ),
     (PLATE, [("offset = 12", 'contact = "outer"')], "part.bore = 20: has no place"),
     (GROOVE, [("rim = 200\n", "")], r'contact = "groove": needs \[part\] rim'),
-    (GROOVE, [("groove_depth = 10\n", "")], r'"stl": needs \[part\] groove_depth'),
     (GROOVE, [("groove_depth = 10", "groove_depth = 20")], "must be less than the thickness, 20"),
     (
         GROOVE,
@@ -197,7 +196,6 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     ),
     (PLATE, [("diameter = 10", "diameter = 20")], "must be less than the bore to be milled, 20"),
     (PLATE, [("\ndiameter = 10", "")], r"tool\[1\].diameter: is missing: Diameter of the cutting"),
-    (PLATE, [(TOOL, "")], r'formats\[2\] = "gcode": needs \[\[tool\]\]: a tool, and how it is run'),
     (PLATE, [('"svg"', '"swg"')], r'output.formats\[6\] = "swg": .*did you mean "svg"'),
     (PLATE, [('"svg"', '"dxf"')], "must be a list of formats, each named once"),
     (PLATE, [('"arcs"', '"splines"')], r'"splines": .*did you mean "spline"\?'),
@@ -248,6 +246,26 @@ def test_fault_is_reported(scene: str, changes: list[Change], message: str) -> N
         parse_scene(text, "scene.toml")
     assert str(caught.value).startswith("scene.toml: ")
     assert any(re.search(message, str(fault)) for fault in caught.value.faults), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("scene", "change", "name", "message"),
+    [
+        (PLATE, ("thickness = 12\n", ""), "gcode", "needs [part] thickness"),
+        (PLATE, ("thickness = 12\n", ""), "3mf", "needs [part] thickness"),
+        (GROOVE, ("groove_depth = 10\n", ""), "stl", "needs [part] groove_depth, for the cam"),
+        (PLATE, (TOOL, ""), "gcode", "needs [[tool]]: a tool, and how it is run"),
+    ],
+)
+def test_what_a_format_lacks_is_no_fault_of_the_scene(
+    scene: str, change: Change, name: str, message: str
+) -> None:
+    text = spoilt(scene, change)
+    (fault,) = parse_scene(text).lacking([find_format(name)])
+    assert fault.message.startswith(message)
+    assert fault.value == f'"{name}"'
+    assert fault.line is not None
+    assert text.splitlines()[fault.line - 1].startswith("formats = ")
 
 
 def test_every_reported_line_is_that_of_the_key() -> None:

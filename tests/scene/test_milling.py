@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
 
+from camgeo.answers.check import check
+from camgeo.answers.setup import setup_sheet
 from camgeo.design import Design
 from camgeo.errors import SceneError
+from camgeo.formats.registry import find_format
 from camgeo.scene.load import load_scene, parse_scene
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.holding import Clamp, Tabs
@@ -33,46 +37,17 @@ def tool(*changes: tuple[str, str]) -> str:
 @pytest.mark.parametrize(
     ("tables", "expected"),
     [
-        (
-            (tool(("spindle_speed = 3000\n", "")), HOLDING),
-            "tool[1].spindle_speed: is missing: give it or cutting_speed; camgeo invents none",
-        ),
-        (
-            (tool(("\nfeed = 300", "")), HOLDING),
-            "tool[1].feed: is missing: give it or chip_load; camgeo invents none",
-        ),
-        (
-            (tool(("\nfeed = 300", "\nchip_load = 0.03")), HOLDING),
-            "tool[1].flutes: is missing: chip_load needs it",
-        ),
-        ((tool(("stepdown = 3\n", "")), HOLDING), "tool[1].stepdown: is missing: the largest"),
-        ((tool(("plunge_feed = 100\n", "")), HOLDING), "tool[1].plunge_feed: is missing: the feed"),
         ((tool(("plunge_feed", "plunge_fed")), HOLDING), "did you mean plunge_feed"),
         (
             (tool(("stepdown = 3", "stepdown = 3\ncorner_radius = 6")), HOLDING),
             "tool[1].corner_radius = 6: must be at most half the diameter, 5 mm",
         ),
         ((TOOL, TOOL, HOLDING), "tool[2].number = 1: belongs to another tool"),
-        ((TOOL, '[stock]\nshape = "round"\n', HOLDING), "stock.diameter: is missing: a round"),
-        ((TOOL, "[stock]\nwidth = 3\n", HOLDING), "stock.length: is missing: a plate has"),
-        ((TOOL,), "needs [holding]: a cut goes through the blank, and what it cuts free is held"),
-        ((TOOL, spoilt(HOLDING, ("through = 0.5\n", ""))), "holding.through: is missing: how far"),
-        (
-            (TOOL, '[holding]\nkind = "tabs"\nthrough = 0.5\ncount = 4\nwidth = 5\n'),
-            "holding.height: is missing: tabs need it",
-        ),
-        (
-            (TOOL, '[holding]\nkind = "screws"\nthrough = 0.5\n'),
-            'holding.kind = "screws": needs [[holding.screw]] at least once',
-        ),
-        (
-            (TOOL, HOLDING, '[[operation]]\nkind = "finish"\ntool = 1\n'),
-            'operation[1].boundary: is missing: which wall is to be cut by "finish"',
-        ),
         (
             (TOOL, HOLDING, '[[operation]]\nkind = "bore"\ntool = 7\n'),
             "operation[1].tool = 7: there is no such tool; there are 1",
         ),
+        ((TOOL, spoilt(HOLDING, ("fixture", "clamp"))), 'holding.kind = "clamp": must be one of'),
     ],
 )
 def test_faults(tables: tuple[str, ...], expected: str) -> None:
@@ -81,23 +56,108 @@ def test_faults(tables: tuple[str, ...], expected: str) -> None:
     assert expected in found[0]
 
 
-def test_all_faults_are_reported_at_once() -> None:
+def lacking(*tables: str) -> list[str]:
+    """What a scene that can be checked lacks for its program."""
+    scene = parse_scene(HEAD + "".join(tables))
+    found = scene.lacking([find_format("gcode")])
+    assert {fault.key for fault in found} <= {"output.formats[2]"}
+    assert (scene.milling is None) >= any("[1]." in fault.message for fault in found)
+    told = check(Design(scene))
+    assert told.machining is None
+    assert [each.sentence for each in told.formats] == [str(fault) for fault in found]
+    assert [each.severity for each in told.formats] == ["broken"] * len(found)
+    assert told.exit_code == 1
+    return [fault.message for fault in found]
+
+
+@pytest.mark.parametrize(
+    ("tables", "expected"),
+    [
+        (
+            (tool(("spindle_speed = 3000\n", "")), HOLDING),
+            "needs tool[1].spindle_speed: give it or cutting_speed; camgeo invents none",
+        ),
+        (
+            (tool(("\nfeed = 300", "")), HOLDING),
+            "needs tool[1].feed: give it or chip_load; camgeo invents none",
+        ),
+        (
+            (tool(("\nfeed = 300", "\nchip_load = 0.03")), HOLDING),
+            "needs tool[1].flutes: chip_load needs it",
+        ),
+        ((tool(("stepdown = 3\n", "")), HOLDING), "needs tool[1].stepdown: the largest depth of"),
+        ((tool(("plunge_feed = 100\n", "")), HOLDING), "needs tool[1].plunge_feed: the feed of"),
+        ((TOOL, '[stock]\nshape = "round"\n', HOLDING), "needs stock.diameter: a round blank"),
+        ((TOOL, "[stock]\nwidth = 3\n", HOLDING), "needs stock.length: a plate has"),
+        ((TOOL,), "needs [holding]: a cut goes through the blank, and what it cuts free is held"),
+        ((HOLDING,), "needs [[tool]]: a tool, and how it is run"),
+        ((TOOL, spoilt(HOLDING, ("through = 0.5\n", ""))), "needs holding.through: how far"),
+        (
+            (TOOL, '[holding]\nkind = "tabs"\nthrough = 0.5\ncount = 4\nwidth = 5\n'),
+            "needs holding.height: tabs need it",
+        ),
+        (
+            (TOOL, '[holding]\nkind = "screws"\nthrough = 0.5\n'),
+            'needs holding.screw: kind "screws" needs it at least once',
+        ),
+        (
+            (TOOL, HOLDING, '[[operation]]\nkind = "finish"\ntool = 1\n'),
+            'needs operation[1].boundary: which wall is to be cut by "finish"',
+        ),
+    ],
+)
+def test_what_a_program_lacks_is_found_and_refused(
+    tables: tuple[str, ...], expected: str, tmp_path: Path
+) -> None:
+    """The scene is checked all the same, and its other files are made."""
+    (found,) = lacking(*tables)
+    assert found.startswith(expected)
+    design = Design(parse_scene(HEAD + "".join(tables)))
+    with pytest.raises(SceneError, match=re.escape(f'"gcode": {found}')):
+        design.write(tmp_path)
+    with pytest.raises(SceneError, match=re.escape(f'"gcode": {found}')):
+        setup_sheet(design)
+    assert not any(tmp_path.iterdir())
+    assert len(design.write(tmp_path, ["dxf"]).files) == 1
+
+
+def test_a_program_that_nobody_asks_for_lacks_something() -> None:
+    """It is told, and breaks nothing."""
+    scene = parse_scene(HEAD.replace(', "gcode"', "") + TOOL)
+    found = check(Design(scene))
+    (own,) = found.formats
+    assert (own.severity, found.exit_code, found.machining) == ("ok", 0, None)
+    assert own.sentence.startswith("format = gcode: needs [holding]")
+
+
+def test_a_tool_lacks_what_its_operation_needs() -> None:
+    """A stepover is needed by some operations only, so that the plan asks for it."""
+    face = "[stock]\nlength = 200\nwidth = 200\ntop = 1\n"
+    found = check(Design(parse_scene(HEAD + TOOL + face + HOLDING)))
+    assert found.machining is not None
+    (own,) = found.machining.findings
+    assert (own.severity, found.exit_code) == ("broken", 1)
+    assert "tool[1].stepover: tool 1 states no stepover" in own.sentence
+
+
+def test_all_that_is_lacking_is_reported_at_once() -> None:
     bare = "[[tool]]\nnumber = 1\ndiameter = 6\n"
-    found = faults(bare, '[holding]\nkind = "onion-skin"\n')
+    found = lacking(bare, '[holding]\nkind = "onion-skin"\n')
     assert len(found) == 5, found
     text = "\n".join(found)
     for key in ("spindle_speed", "feed", "plunge_feed", "stepdown"):
-        assert f"tool[1].{key}: is missing" in text
-    assert "holding.thickness: is missing: onion skin need it" in text
+        assert f"needs tool[1].{key}: " in text
+    assert "needs holding.thickness: onion skin need it" in text
 
 
 def test_earlier_keys_lack_what_nobody_may_invent() -> None:
     text = HEAD.replace('machine = "linuxcnc"', "tool_diameter = 8") + HOLDING
-    with pytest.raises(SceneError) as caught:
-        parse_scene(text)
+    found = [fault.message for fault in parse_scene(text).lacking([find_format("gcode")])]
     keys = ("spindle_speed", "feed", "plunge_feed", "pass_depth")
-    assert [fault.key for fault in caught.value.faults] == [f"output.gcode.{key}" for key in keys]
-    assert "invented; better state the tool in [[tool]]" in caught.value.faults[0].message
+    assert [each.partition(":")[0] for each in found] == [
+        f"needs output.gcode.{key}" for key in keys
+    ]
+    assert "invented; better state the tool in [[tool]]" in found[0]
     whole = text.replace(
         "tool_diameter = 8",
         "tool_diameter = 10\nspindle_speed = 3000\nfeed = 300\nplunge_feed = 100\npass_depth = 3",

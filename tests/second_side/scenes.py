@@ -94,6 +94,10 @@ through = 0.3
 place = [2, 1]
 head_diameter = 24
 height = 8
+[[second_side.holding.screw]]
+place = [36, 33]
+head_diameter = 6
+height = 3
 [[second_side.operation]]
 kind = "rough"
 boundary = "outline"
@@ -136,6 +140,10 @@ through = 0
 place = [0, 0]
 head_diameter = 24
 height = 8
+[[second_side.holding.screw]]
+place = [36, 33]
+head_diameter = 6
+height = 3
 [[second_side.operation]]
 kind = "rough"
 boundary = "outline"

@@ -124,7 +124,7 @@ def test_lint_is_told_the_side_of_a_program_that_does_not_say_it(tmp_path: Path)
     for told in (True, False):
         answer = linted(tmp_path, "silent", silent, second_side=told, tables=tables)
         rules = {each.found.rule for each in answer.programs[0].findings}
-        assert rules == (set() if told else {"gouged-part"})
+        assert rules == (set() if told else {"gouged-part", "rest"})
 
 
 def test_lint_finds_what_goes_wrong_on_the_second_side(tmp_path: Path) -> None:
@@ -153,15 +153,6 @@ def test_a_side_that_there_is_not_cannot_be_linted(tmp_path: Path) -> None:
         ('turned_about = "{about}"\n', "", "second_side.turned_about: is missing"),
         ('"{about}"', '"z"', 'second_side.turned_about = "z": must be one of "x", "y"'),
         (SIDE[SIDE.index("[second_side.holding]") :], "", "second_side.holding: is missing"),
-        ('kind = "screws"', 'kind = "tabs"', "second_side.holding.count: is missing: tabs need"),
-        (
-            'kind = "screws"', 'kind = "clamps"',
-            'second_side.holding.kind = "clamps": needs [[second_side.holding.clamp]] at least',
-        ),
-        (
-            'kind = "rough"\nboundary = "outline"', 'kind = "rough"',
-            "second_side.operation[1].boundary: is missing: which wall",
-        ),
         (
             'kind = "rough"\nboundary = "outline"\ntool = 4',
             'kind = "rough"\nboundary = "outline"\ntool = 9',
@@ -179,7 +170,6 @@ def test_a_side_that_there_is_not_cannot_be_linted(tmp_path: Path) -> None:
             'tool = 5\nsize = 0.4', 'tool = 5\nsize = 0.4\ndepth = 2',
             'operation[1].depth = 2: belongs to kinds "rough", "finish", "bore"',
         ),
-        ("length = 84\nwidth = 76\n", "", 'second_side.zero = "front-left": needs a plate'),
         ("head_diameter = 24", "head_diameter = -1", "second_side.holding.screw[1].head_diameter"),
     ],
 )  # fmt: skip
@@ -191,6 +181,27 @@ def test_a_wrong_second_side_is_refused_with_its_key(old: str, new: str, expecte
     assert expected in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ('kind = "screws"', 'kind = "tabs"', "needs second_side.holding.count: tabs need it"),
+        ('kind = "screws"', 'kind = "clamps"', 'needs second_side.holding.clamp: kind "clamps"'),
+        (
+            'kind = "rough"\nboundary = "outline"', 'kind = "rough"',
+            "needs second_side.operation[1].boundary: which wall",
+        ),
+        (
+            "length = 84\nwidth = 76\n", "",
+            'needs [stock] length and width of a plate, for second_side.zero = "front-left"',
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_second_side_lacks_is_found(old: str, new: str, expected: str) -> None:
+    lacking = design(scene(FROM_BELOW.replace(old, new, 1)))
+    found = [each.sentence for each in check(lacking).formats]
+    assert any(expected in each for each in found), found
+
+
 def test_lengths_are_in_the_unit_of_the_scene() -> None:
     inches = scene(FROM_BELOW).replace("camgeo = 1", 'camgeo = 1\nunits.length = "inch"')
     inches = inches.replace("[second_side]", "[second_side]\nretract_height = 2", 1)
@@ -198,6 +209,6 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
     assert milling is not None
     assert milling.second is not None
     assert milling.second.retract_height == 2 * 25.4
-    (screw,) = milling.second.holding.clamps
+    screw, _ = milling.second.holding.clamps
     assert screw.length == 24 * 25.4
     assert milling.second_operations[0].allowance == 0.4 * 25.4

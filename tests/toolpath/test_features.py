@@ -398,5 +398,10 @@ tool = 9
 size = 1
 """
     milled = _milled(text)
-    told = {each.name: each for each in milled.findings(milled.toolpath(0.01), 0.01)}["chamfers"]
-    assert told.sentence == "no operation makes the chamfers of bore beside its circle"
+    told = [
+        each for each in milled.findings(milled.toolpath(0.01), 0.01) if each.name == "chamfers"
+    ]
+    assert [(each.severity, each.sentence) for each in told] == [
+        ("warning", "no operation makes the chamfers of lower edge of the bore"),
+        ("warning", "upper edge of the bore: chamfer bore; it is made along the circle alone"),
+    ]

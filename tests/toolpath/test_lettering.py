@@ -197,7 +197,8 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
     """What corners of letters keep is part of the target, and no rest."""
     product = camgeo.loads(SCENE).disc
     milled = product.milled
-    assert milled.findings(milled.toolpath(TOLERANCE), TOLERANCE) == ()
+    (outline,) = milled.findings(milled.toolpath(TOLERANCE), TOLERANCE)
+    assert outline.sentence == "no operation makes outline"
     data = WRITER.write(product, TOLERANCE).data
     assert WRITER.measure(product, data) <= TOLERANCE
     assert faults(VERIFIER, product, data) == []

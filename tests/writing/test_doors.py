@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.answers.check import check
 from camgeo.cli.main import main
 from camgeo.design import Design
 from camgeo.errors import SceneError, UndercutError
@@ -99,16 +100,19 @@ def test_what_a_format_needs_is_needed_at_every_door(
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_scene_is_refused_a_format_exactly_if_it_cannot_be_written_in_it(name: str) -> None:
-    """The loader and the writing ask the same declaration."""
-    design = Design(parse_scene(BARE))
+    """Check and writing ask the same declaration; the scene is checked in any case."""
+    design = Design(parse_scene(f'{BARE}[output]\nformats = ["{name}"]\n'))
     lacking = find_format(name).lacking(design.disc.values)
+    told = check(design).formats
     if not lacking:
-        parse_scene(f'{BARE}[output]\nformats = ["{name}"]\n')
         assert make_files(design.discs, (name,), 0.01)
+        assert not told
         return
     with pytest.raises(SceneError) as caught:
-        parse_scene(f'{BARE}[output]\nformats = ["{name}"]\n')
+        make_files(design.discs, (name,), 0.01)
     assert [fault.message for fault in caught.value.faults] == lacking
+    assert [each.sentence for each in told] == [str(fault) for fault in caught.value.faults]
+    assert all(f'output.formats[1] = "{name}": {each}' in caught.value.args[0] for each in lacking)
 
 
 @pytest.mark.parametrize("name", ["stl", "3mf", "step", "gcode"])

@@ -150,7 +150,7 @@ WRONG: Final = (
     ),
     (scene(formats='"satt"'), '(did you mean "sat"?)'),
     (scene(formats='"iges"'), '"svg", "png", "asc", "drawing", "sat"'),
-    (scene().replace("thickness =", "rim ="), '= "sat": needs [part] thickness'),
+    (scene().replace("thickness =", "# thickness ="), '= "sat": needs [part] thickness'),
 )
 """Scenes, and what is said of them."""
 

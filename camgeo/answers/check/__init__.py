@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from camgeo.answers.answer import Answer, exit_code
-from camgeo.check.finding import Finding, forbidding
-from camgeo.check.judge import FINDINGS, RETURN
+from camgeo.check.finding import RETURN, Finding, forbidding
+from camgeo.check.judge import FINDINGS
 from camgeo.errors import GeometryError
+from camgeo.formats.registry import find_format
 from camgeo.motion.joints import Joint, joints
 
 if TYPE_CHECKING:
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
     from camgeo.product.judged_part import PartFound
     from camgeo.product.machining import Machining
     from camgeo.scene.scene import Scene
+
+FORMAT: Final = "format"
+"""Name of findings on what a scene lacks for a format."""
+
+PROGRAM: Final = "gcode"
+"""The format of milling programs."""
 
 OF_PART: Final = f"{FINDINGS}part"
 OF_MILLING: Final = f"{FINDINGS}milling"
@@ -64,11 +71,15 @@ class Check(Answer):
     scene : that was checked.
     findings : all of them, good and bad, worst first.
     curves : the discs by their names, the main one first. None without a follower.
-    cures : what would cure undercut, the cheapest first, then the changes that would not.
+    cures : what would cure undercut, transmission angle and radius ratio, fault by fault, the
+        cheapest first, then the changes that would not.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
     parts : the part of each disc by names, the main one first, and of a pair in one piece; empty
         if there is no disc.
-    machining : the milling programs; None if the scene states no milling, or if there is no disc.
+    machining : the milling programs; None if the scene states no milling, or lacks what that
+        needs, or if there is no disc.
+    formats : what the scene lacks for the formats that it names, "broken", and for a program if it
+        states how to mill, "ok" if it does not name that format.
     """
 
     command: ClassVar[str] = "check"
@@ -80,6 +91,7 @@ class Check(Answer):
     effects: Mapping[str, tuple[Finding, ...]]
     parts: Mapping[str, PartFound]
     machining: Machining | None = None
+    formats: tuple[Finding, ...] = ()
 
     @property
     def discs(self) -> dict[str, dict[str, Remains | None]]:
@@ -99,16 +111,18 @@ class Check(Answer):
     @property
     def exit_code(self) -> int:
         """2 if there is no such mechanism or part or no program of it can be planned, 1 if a limit
-        is broken, there is no such disc, or a program must not be run.
+        is broken, there is no such disc, a program must not be run, or a format lacks what it
+        needs.
         """
         return exit_code(self.everything)
 
     @property
     def everything(self) -> tuple[Finding, ...]:
-        """All findings: on the cam, on effects, parts and programs."""
+        """All findings: on the cam, on effects, parts, programs and formats."""
         milling = () if self.machining is None else self.machining.findings
         parts = (each.findings for each in self.parts.values())
-        return tuple(chain(self.findings, *self.effects.values(), *parts, milling))
+        own = (*self.effects.values(), *parts, milling, self.formats)
+        return tuple(chain(self.findings, *own))
 
 
 def check(design: Design, *, machining: bool = True) -> Check:
@@ -119,6 +133,7 @@ def check(design: Design, *, machining: bool = True) -> Check:
     named = () if wrong else design.scene.effects
     parts = _parts(design) if design.judgement.cams and not forbidding(found) else {}
     milled = machining and design.scene.milling is not None and not forbidding(found)
+    milled = milled and not design.scene.lacking([find_format(PROGRAM)])
     return Check(
         design.scene,
         found,
@@ -127,7 +142,19 @@ def check(design: Design, *, machining: bool = True) -> Check:
         {name: design.effects.findings(name) for name in named},
         parts,
         _machining(design) if milled else None,
+        tuple(_lacking(design.scene)),
     )
+
+
+def _lacking(scene: Scene) -> Iterator[Finding]:
+    """What the scene lacks for the formats that it names, and for a program if it states any of
+    what that needs.
+    """
+    named: list[str] = scene.stated.get("output", "formats") or []
+    names = dict.fromkeys((*named, PROGRAM) if scene.states_milling else named)
+    for name in names:
+        for fault in scene.lacking([find_format(name)]):
+            yield Finding(FORMAT, "broken" if name in named else "ok", str(fault))
 
 
 def _parts(design: Design) -> dict[str, PartFound]:

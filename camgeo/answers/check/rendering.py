@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 LOST: Final = 0.01
 """Share of the cutting time by which an operation may miss its feeds without a word."""
 
-CURES: Final = "Any one of these cures the undercut; it may break another limit, so check again:"
+CURES: Final = "Each of these cures the fault that it names; check again, for the effects as well:"
 
 
 def text(answer: Check) -> str:
-    """The findings, what would cure undercut, and the findings of the effects."""
+    """The findings, what would cure them, and the findings of the effects."""
     lines = finding_lines(answer.findings)
     if answer.cures:
         lines += ["", CURES]
-        lines += [f"  {'' if cure.works else 'no cure: '}{cure.sentence}" for cure in answer.cures]
+        lines += [f"  {cure.statement}" for cure in answer.cures]
     for name, found in answer.effects.items():
         lines += ["", f"{name}:", *finding_lines(found)]
     several = len(answer.parts) > 1
@@ -33,6 +33,8 @@ def text(answer: Check) -> str:
         lines += ["", f"part of {name}:" if several else "part:", *_part(part)]
     if answer.machining is not None:
         lines += _machining(answer.machining)
+    if answer.formats:
+        lines += ["", "formats:", *finding_lines(answer.formats)]
     return "\n".join(lines)
 
 

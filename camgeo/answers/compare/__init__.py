@@ -68,7 +68,7 @@ class Cell:
     Attributes
     ----------
     value : a number in `unit`, or a word; None if there is none.
-    severity : of the finding; empty if there is none.
+    severity, verdict : of the finding; empty if there is none.
     reason : why there is no value; or empty.
     """
 
@@ -76,6 +76,7 @@ class Cell:
     unit: str = ""
     severity: str = ""
     reason: str = ""
+    verdict: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +153,7 @@ def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
     found: dict[str, Cell] = {}
     for each in findings:
         value = None if each.value is None else float(each.value)
-        found.setdefault(each.name, Cell(value, each.unit, each.severity))
+        found.setdefault(each.name, Cell(value, each.unit, each.severity, "", each.verdict))
     return found
 
 

@@ -46,7 +46,7 @@ def text(answer: Compare) -> str:
 def _cell(cell: Cell, length: LengthUnit) -> str:
     mark = "" if cell.severity in ("", "ok") else MARKS[cell.severity]
     if cell.value is None:
-        return mark or (cell.severity or "-")
+        return mark or (cell.verdict or "-")
     return " ".join(filter(None, (*shown_in(length, cell.value, cell.unit), mark)))
 
 

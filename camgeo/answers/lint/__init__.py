@@ -146,7 +146,7 @@ def lint(
         If there is no such profile, or it is wrong; if the scene's own program cannot be planned.
     """
     profile, work, runs = load(machine, "machine"), bench or Bench(), linter()
-    if design is not None and design.scene.milling is None:
+    if design is not None and not design.scene.states_milling:
         fault = Fault("tool", "", "is not stated: nothing is known of the work")
         raise SceneError([fault], design.scene.source.file)
     if second_side and design is not None and len(sides_of(design.disc)) == 1:

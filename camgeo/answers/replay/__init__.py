@@ -21,6 +21,7 @@ from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.face_lift import FaceLift
+from camgeo.outline.moments import area
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
@@ -46,8 +47,6 @@ written with six decimals meet at angles of this size."""
 
 SLACK: Final = 1e-12
 """Rounding of a contact's place, as a fraction of the base radius."""
-
-OUTLINE_SAMPLES: Final = 3601
 
 
 class Reader(Protocol):
@@ -260,10 +259,9 @@ def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tu
         message = f"cannot be read: {unreadable(error)}"
         raise SceneError([Fault("CONTOUR", str(file), message)]) from error
     found = reader.read(data, file.name, layer=reading.layer, unit=reading.unit, gap=reading.gap)
-    points = disc.pictured.curve(flank, np.linspace(0.0, 2.0 * math.pi, OUTLINE_SAMPLES))
-    x, y = points.T
-    area = abs(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
-    chosen = min(found, key=lambda contour: abs(contour.area - area))
+    paths = dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))
+    own = abs(area(paths[flank]))
+    chosen = min(found, key=lambda contour: abs(contour.area - own))
     size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
     note = f"the one of {size} is used" if len(found) > 1 else ""
     place = crossing(chosen)
@@ -283,12 +281,12 @@ def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscRepla
     def scaled(extreme: Extreme) -> Extreme:
         return Extreme(extreme.value * factor + 0.0, extreme.place)
 
-    def peak(actual: Extreme, demanded: float) -> Peak:
-        return Peak(None if falls else scaled(actual), demanded * factor)
+    def peak(actual: Extreme | None, demanded: float) -> Peak:
+        return Peak(None if actual is None else scaled(actual), demanded * factor)
 
-    ripple = None
-    if not falls and replay.ripple is not None:
-        ripple = Extreme(replay.ripple, replay.largest_acceleration_error.place)
+    ripple, off, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
+    if off is not None and most > 0.0:
+        ripple = Extreme(abs(off.value) / most, off.place)
     return DiscReplay(
         disc=disc,
         contour=contour,

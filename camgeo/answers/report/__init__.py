@@ -226,6 +226,7 @@ def advised(found: Check) -> tuple[Advised, ...]:
         groups += [
             (f"program {name}", each.findings) for name, each in found.machining.programs.items()
         ]
+    groups.append(("formats", found.formats))
     return tuple(
         Advised(about, finding, next_step(finding, found.cures))
         for about, findings in groups

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from camgeo.check.cures.cure import Cure
-from camgeo.check.finding import Finding, Severity
-from camgeo.check.judge import RETURN
+from camgeo.check.finding import RETURN, Finding, Severity
 
 SIZE: Final = "camgeo size looks for the smallest cam that keeps this limit"
 LAWS: Final = "camgeo laws compares the laws that fit"
@@ -60,21 +59,28 @@ OTHERWISE: Final[Mapping[Severity, str]] = {
     "invalid": "Change the scene: it describes no mechanism that can be made.",
 }
 
-OF_UNDERCUT: Final = ("undercut", "cusp", "outline")
-"""Beginnings of names of what the cures remove."""
+FAULTS: Final[Mapping[str, str]] = {
+    "undercut": "undercut",
+    "cusp": "undercut",
+    "outline": "undercut",
+    "convexity": "convexity",
+    "radius-ratio": "radius ratio",
+    "transmission-angle": "transmission angle",
+}
+"""The fault that cures remove, by the beginning of the name of the finding."""
 
 
 def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
     """What to do about it; empty if nothing is to be done.
 
-    For undercut the cheapest of the `cures` that works, if there is one.
+    The cheapest of the `cures` that works, if there is one.
     """
     if finding.severity == "ok":
         return ""
-    if finding.name.startswith(OF_UNDERCUT):
-        works = [cure.sentence for cure in cures if cure.works]
-        if works:
-            return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
     about = finding.name.removeprefix(f"{RETURN}: ")
+    faults = [fault for name, fault in FAULTS.items() if about.startswith(name)]
+    works = [cure.sentence for cure in cures if cure.works and cure.fault in faults]
+    if works:
+        return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
     found = [name for name in BY_NAME if about.startswith(name)]
     return BY_NAME[max(found, key=len)] if found else OTHERWISE[finding.severity]

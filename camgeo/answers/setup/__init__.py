@@ -11,11 +11,13 @@ from typing import ClassVar, Final
 from camgeo.answers.answer import BROKEN, FINE, Answer
 from camgeo.design import Design
 from camgeo.errors import GeometryError
+from camgeo.product.milled import compared
 from camgeo.product.product import Product, programs_of, sides_of
 from camgeo.scene.scene import Scene
 from camgeo.toolpath.blank import described
 from camgeo.toolpath.compensation import limits_of
 from camgeo.toolpath.engaged import Engaged
+from camgeo.toolpath.features import Feature
 from camgeo.toolpath.holding import CLAMPS, FIXTURE, ONION_SKIN, SCREWS, TABS, Clamp, Holding
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import OperationTime, times_on
@@ -95,6 +97,7 @@ class SetupSheet(Answer):
     steps : the operations.
     told : of the sequence, a sentence each: what is not milled, and what is left to be done.
     flaws : of the simulated program, with what is to be watched.
+    features : of the part, with the operations of all its sides; empty of a second side.
     side : which side this is, and how the work lies, in words; None if there is but one.
     second : the sheet of the second side; None if there is none, or if this is it.
     """
@@ -112,6 +115,7 @@ class SetupSheet(Answer):
     steps: tuple[Step, ...]
     told: tuple[str, ...]
     flaws: tuple[Flaw, ...]
+    features: tuple[Feature, ...] = ()
     side: str | None = None
     second: SetupSheet | None = None
 
@@ -129,8 +133,9 @@ class SetupSheet(Answer):
     @property
     def exit_code(self) -> int:
         """1 if the program must not be run."""
-        flaws = (flaw for sheet in self.sheets for flaw in sheet.flaws)
-        return FINE if all(flaw.watched for flaw in flaws) else BROKEN
+        watched = (flaw.watched for sheet in self.sheets for flaw in sheet.flaws)
+        spoilt = any(each.severity == "broken" for each in self.features)
+        return FINE if all(watched) and not spoilt else BROKEN
 
 
 def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
@@ -142,7 +147,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     GeometryError
         With the key of the scene, if it has no program.
     """
-    if design.scene.milling is None:
+    if not design.scene.states_milling:
         raise GeometryError("is not stated: there is no program to set up", key="tool")
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
     first, *others = sides_of(design.disc)
@@ -163,9 +168,8 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
 def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     """That of one side."""
     milled = product.milled
-    spec = milled.spec
+    toolpath, spec = milled.toolpath(tolerance), milled.spec
     assert spec is not None  # for there is a program
-    toolpath = milled.toolpath(tolerance)
     machine, options = load(milled.gcode.machine), milled.gcode
     zero, unit = milled.zero, design.scene.unit
     told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
@@ -188,6 +192,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
         ),
         (*told, *_programs(product, machine)),
         milled.flaws(toolpath, tolerance),
+        compared(milled),
     )
 
 

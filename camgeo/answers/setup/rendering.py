@@ -49,6 +49,8 @@ def _side_text(answer: SetupSheet) -> str:
     lines += [f"   {each}" for each in _remarks(answer)]
     marks = {True: MARKS["warning"], False: "FLAW"}
     flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
+    lines += [""] * bool(answer.features)
+    lines += [f"{MARKS[each.severity]:8}{each.sentence}" for each in answer.features]
     lines += ["", *flaws]
     return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
 
@@ -80,6 +82,12 @@ def _side_html(answer: SetupSheet) -> str:
     )
     remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
     listed = f"<ul>{remarks}</ul>" if remarks else ""
+    features = "".join(
+        f"<li>{escape(each.sentence)}</li>" if each.severity == "ok"
+        else f'<li class="flaw">{escape(each.sentence)}</li>'
+        for each in answer.features
+    )  # fmt: skip
+    part = f"<h2>Part</h2>\n<ul>{features}</ul>\n" if features else ""
     flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
     verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
     unit = answer.scene.unit
@@ -92,7 +100,7 @@ def _side_html(answer: SetupSheet) -> str:
 {_table(STEPS, steps)}
 {listed}
 <p>{_units(unit)} Each operation can be started alone.</p>
-<h2>Simulation</h2>
+{part}<h2>Simulation</h2>
 {verdict}
 """
 
@@ -123,7 +131,9 @@ def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
 
 def _verdict(answer: SetupSheet) -> str:
     steps = counted(len(answer.steps), "operation")
-    return f"Simulated: {steps}, no gouge, no rest, nothing comes loose."
+    unlike = any(each.severity == "broken" for each in answer.features)
+    gouge = "more is taken off than the part states" if unlike else "no gouge"
+    return f"Simulated: {steps}, {gouge}, no rest, nothing comes loose."
 
 
 def _remarks(answer: SetupSheet) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""A cure: one knob of the design, turned just far enough to remove cusps and undercut."""
+"""A cure: one knob of the design, turned just far enough to remove a fault."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Cure:
-    """The smallest change of one knob that removes cusps and undercut; or that there is none.
+    """The nearest value of one knob at which a fault is gone; or that there is none.
 
     Attributes
     ----------
@@ -63,6 +63,9 @@ class Cure:
     sentence : all of this in words.
     also : the other keys that change with it, e.g. the dwells beside a longer move.
     limit : for a length, the exact value [mm] at which the finding disappears.
+    fault : that it removes: "undercut", "radius ratio", "transmission angle" or "convexity".
+    breaks : names of the findings that report limits which held, and which it breaks: empty unless
+        the knob has no value that breaks none.
     """
 
     knob: str
@@ -74,6 +77,13 @@ class Cure:
     sentence: str
     also: tuple[Change, ...] = ()
     limit: float | None = None
+    fault: str = ""
+    breaks: tuple[str, ...] = ()
+
+    @property
+    def statement(self) -> str:
+        """The sentence, after the fault, and whether there is a cure of it."""
+        return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
 
     @property
     def works(self) -> bool:

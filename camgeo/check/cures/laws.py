@@ -1,4 +1,4 @@
-"""Cure by another law for the moves that undercut, with sizes and spans unchanged."""
+"""Cure by another law for the moves at fault, with sizes and spans unchanged."""
 
 from __future__ import annotations
 
@@ -6,21 +6,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.discs import Discs, moved, plan_of
-from camgeo.check.cures.margin import Pairs, is_intact, margins_within
-from camgeo.check.cures.moves import (
-    angles_of_all,
-    dwells_beside,
-    key_of,
-    rests_beside,
-    undercut_segments,
+from camgeo.check.cures.conditions import (
+    Conditions,
+    Discs,
+    angles_of,
+    moved,
+    plan_of,
+    worst_place,
 )
+from camgeo.check.cures.cure import Change, Cure, no_cure, percent
+from camgeo.check.cures.moves import dwells_beside, faulty_segments, key_of, rests_beside
+from camgeo.check.cures.task import Task, edits_of
+from camgeo.errors import GeometryError
 from camgeo.motion.laws import FAMILIES, law_of
 from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
 from camgeo.motion.laws.law import Law
 from camgeo.motion.plan import MotionPlan, Move
-from camgeo.outline.cusps import CUSP
 
 KNOB = "other law"
 
@@ -41,33 +42,37 @@ class Offer:
     growth: float
 
 
-def other_law(discs: Discs, pairs: Pairs) -> Cure:
-    """Another family for the moves from rest to rest that have undercut, with default parameters.
+def other_law(task: Task) -> Cure:
+    """Another family for the moves from rest to rest that are at fault, with default parameters.
 
-    Of those that leave none, the one whose peak acceleration grows least; one whose acceleration
-    jumps only if the present one's does. Against local undercut each move gets its own; if the
-    flank still crosses itself, all get the same.
+    Of those that cure, the one whose peak acceleration grows least; one whose acceleration jumps
+    only if the present one's does. Each move gets its own; if the flank then crosses itself, all
+    get the same.
     """
-    plan, places = plan_of(discs), undercut_segments(discs, pairs)
+    discs = task.discs
+    plan, places = plan_of(discs), faulty_segments(task, discs)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
             key = key_of(number, move, "law")
-            reason = f"another law: {key} undercuts and is not a law from rest to rest"
+            reason = f"another law: {key} is at fault and is not a law from rest to rest"
             present = move.law.name if isinstance(move, Move) else ""
-            return no_cure(KNOB, key, present, "", reason)
-    fitting = _fitting(discs, places)
-    if all(fitting.values()):
+            return task.finished(no_cure(KNOB, key, present, "", reason))
+    number = places[0]
+    for conditions, good in task.stages:
+        fitting = _fitting(discs, places, conditions)
+        number = next((each for each, offers in fitting.items() if not offers), number)
+        if not all(fitting.values()):
+            continue
         first = {number: offers[0] for number, offers in fitting.items()}
-        if is_intact(_with(discs, first)):
-            return _cure(plan, first)
-        for same in _same_for_all(fitting):
-            if same != first and is_intact(_with(discs, same)):
-                return _cure(plan, same)
-    number = next((each for each, offers in fitting.items() if not offers), places[0])
+        for offers in (first, *_same_for_all(fitting)):
+            cure, made = _cure(plan, offers), _with(discs, offers)
+            if good(made, edits_of(cure)):
+                return task.finished(cure, made)
     move = _move(plan, number)
     key = key_of(number, move, "law")
-    return no_cure(KNOB, key, move.law.name, "", f"no other {key} cures it at these sizes")
+    reason = f"no other {key} cures it at these sizes"
+    return task.finished(no_cure(KNOB, key, move.law.name, "", reason))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,11 +108,11 @@ def offers_for(
     return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
 
 
-def _fitting(discs: Discs, places: Sequence[int]) -> dict[int, list[Offer]]:
-    """For each move the offers that leave no cusp and no local undercut in it, the cheapest first.
+def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dict[int, list[Offer]]:
+    """For each move the offers that keep the conditions in it, the cheapest first.
 
-    As the curvature over a move depends on its own law and on no other, a law is tried in all
-    places at once.
+    As these depend over a move on its own law and on no other, a law is tried in all places at
+    once.
     """
     plan, laws = plan_of(discs), choices()
     present = {number: _move(plan, number).law for number in places}
@@ -117,21 +122,23 @@ def _fitting(discs: Discs, places: Sequence[int]) -> dict[int, list[Offer]]:
     fit: set[tuple[int, str]] = set()
     for name in {offer.law.name for every in offers.values() for offer in every}:
         tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
-        fit |= {(number, name) for number in _fit(discs, tried)}
+        fit |= {(number, name) for number in _fit(discs, tried, conditions)}
     return {
         number: [offer for offer in every if (number, offer.law.name) in fit]
         for number, every in offers.items()
     }
 
 
-def _fit(discs: Discs, offers: Mapping[int, Offer]) -> list[int]:
-    """Those of the moves without cusp and local undercut by the `offers`."""
-    least = margins_within(_with(discs, offers), angles_of_all(plan_of(discs), offers))
-    if least is None:  # which may be for one of them alone
+def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> list[int]:
+    """Those of the moves that keep the conditions by the `offers`."""
+    made, plan = _with(discs, offers), plan_of(discs)
+    try:
+        return [n for n in offers if worst_place(made, conditions, angles_of(plan, n)) is None]
+    except GeometryError:  # which may be for one of them alone
         if len(offers) == 1:
             return []
-        return [each for number, offer in offers.items() for each in _fit(discs, {number: offer})]
-    return [number for number, value in zip(offers, least, strict=True) if value > CUSP]
+        each = ({number: offer} for number, offer in offers.items())
+        return [number for one in each for number in _fit(discs, one, conditions)]
 
 
 def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:

@@ -1,65 +1,59 @@
-"""The moves that undercut, and what may change in them without disturbing their joints."""
+"""The moves at fault, the span of one, and what may change in them so that they still join."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection
-from decimal import Decimal
+from dataclasses import dataclass, replace
+from decimal import Decimal, localcontext
 
 import numpy as np
 
-from camgeo.check.cures.discs import Discs, plan_of
-from camgeo.check.cures.margin import Pairs, margins_within
+from camgeo.check.cures.conditions import (
+    Conditions,
+    Discs,
+    Range,
+    angles_of,
+    margin_of_either_side,
+    moved,
+    places_in,
+    plan_of,
+    segment_at,
+    worst_place,
+)
+from camgeo.check.cures.neck import crossings
+from camgeo.check.cures.search import Along
+from camgeo.check.cures.task import Task
+from camgeo.curve.together import LinkedMotions
+from camgeo.mechanism.linkage import LinkedMotion
 from camgeo.motion.laws.law import Law
+from camgeo.motion.motion import FULL_ORDER, Jet, Motion
+from camgeo.motion.motion import Dwell as DwellSpan
 from camgeo.motion.plan import Dwell, MotionPlan, Move, Segment
-from camgeo.numeric.arrays import FloatArray
+from camgeo.motion.spans import EXACT
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.outline.cusps import CUSP
 
 
-def undercut_segments(discs: Discs, pairs: Pairs) -> tuple[int, ...]:
-    """Indices in the plan of the segments that undercut.
+def faulty_segments(task: Task, discs: Discs) -> tuple[int, ...]:
+    """Indices in the plan of the segments that are at fault.
 
-    Those with a cusp or local undercut; if there are none, those of the crossings `pairs`, without
-    the dwells if there is a move among them: the move next to a dwell is what can change.
+    Those in which the condition is broken; if there are none, those whose flanks cross each other,
+    without the dwells if there is a move among them: the move next to a dwell is what can change.
     """
     plan = plan_of(discs)
+    extremes = [task.condition.over_turn(cam) for cam in discs]
+
+    def broken(within: Range) -> bool:
+        parts = ((found.values, places_in(found, within)) for found in extremes)
+        return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
+
     numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
-    least = margins_within(discs, angles_of_all(plan, numbers))
-    if least is None:
-        return ()
-    local = [number for number, value in zip(numbers, least, strict=True) if value <= CUSP]
+    local = [number for number in numbers if broken(angles_of(plan, number))]
     if local:
         return tuple(local)
-    angles = [angle for _, *both in pairs for angle in both]
+    angles = [angle for _, *both in crossings(discs) for angle in both]
     places = sorted({segment_at(plan, angle) for angle in angles})
     moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
-    return tuple(moves or places)
-
-
-def angles_of(plan: MotionPlan, number: int) -> tuple[float, float]:
-    """Cam angles [rad] at which a segment starts and ends."""
-    first, last = plan.joints_deg[number : number + 2]
-    return math.radians(float(first)), math.radians(float(last))
-
-
-def angles_of_all(plan: MotionPlan, numbers: Collection[int]) -> FloatArray:
-    """(k, 2) `angles_of` the segments `numbers`."""
-    return np.array([angles_of(plan, number) for number in numbers]).reshape(-1, 2)
-
-
-def segment_at(plan: MotionPlan, angle: float) -> int:
-    """Index of the segment that contains the cam angle [rad]; the last with a length if none
-    does.
-    """
-    last = 0
-    for number, segment in enumerate(plan.segments):
-        if not segment.span:
-            continue
-        start, end = angles_of(plan, number)
-        if start <= angle < end:
-            return number
-        last = number
-    return last
+    return tuple(moves or places or numbers)
 
 
 def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
@@ -114,3 +108,103 @@ def key_of(number: int, segment: Segment, what: str) -> str:
 def degrees(value: Decimal) -> str:
     """An angle as a scene would write it, for a sentence."""
     return f"{value.normalize():f}" if value else "0"
+
+
+@dataclass(frozen=True, slots=True)
+class Stretched:
+    """A motion at one cam angle, if the move there has other spans.
+
+    Attributes
+    ----------
+    motion : with the present span.
+    growth : (n,) by how much each of the others is longer; a cam angle is asked for n times.
+    """
+
+    motion: Motion
+    growth: FloatArray
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self.motion.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.motion.borders
+
+    @property
+    def dwells(self) -> tuple[DwellSpan, ...]:
+        """See `Motion`."""
+        return self.motion.dwells
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
+        found = self.motion.jet(phi, side, order)
+        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion.jet_and_bounds`: there are no cells."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
+
+    The curvature and the transmission angle over a move depend on its own span only.
+
+    Attributes
+    ----------
+    discs : with the whole motion.
+    number : of the move in its plan.
+    """
+
+    discs: Discs
+    number: int
+
+    @property
+    def start(self) -> float:
+        """See `Knob`."""
+        return float(plan_of(self.discs).segments[self.number].span)
+
+    @property
+    def scale(self) -> float:
+        """See `Knob`."""
+        return self.start
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`: other moves lead from the first position to that of the move, and back."""
+        plan = plan_of(self.discs)
+        move = plan.segments[self.number]
+        assert isinstance(move, Move)
+        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
+        first = before[-1] if before else 0.0
+        with localcontext(EXACT):
+            span = Decimal(value)
+            rest = (360 - span) / 2
+            there = Move(rest, first, move.law) if first else Dwell(rest)
+            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
+        return moved(self.discs, MotionPlan((there, replace(move, span=span), back)))
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        discs = self.make(value)
+        found = worst_place(discs, conditions, angles_of(plan_of(discs), 1))
+        if found is None:
+            return None
+        condition, number, phi = found
+        cam = discs[number]
+        curve = cam.disc.pitch_curve
+
+        def along(values: FloatArray) -> FloatArray:
+            motion: Motion
+            if isinstance(curve.motion, LinkedMotion):
+                demanded = Stretched(curve.motion.demanded, values / value)
+                motion = LinkedMotions(demanded, curve.motion.linkage)
+            else:
+                motion = Stretched(curve.motion, values / value)
+            other = replace(curve, motion=motion)
+            return margin_of_either_side(condition, other, (cam,), phi, len(values))
+
+        return along

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.discs import Discs
-from camgeo.check.cures.margin import Pairs
-from camgeo.check.cures.moves import angles_of, segment_at
+from camgeo.check.cures.conditions import Discs, angles_of, segment_at
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
 
@@ -31,6 +29,12 @@ SQUARE = 1e-10
 TOGETHER = 1e-3
 """Ends closer than this [rad] are running into each other: between the ends of a neck the curve
 makes half a turn, and where they meet their two equations become one."""
+
+Pair = tuple[int, float, float]
+"""A crossing of a flank in use: the number of its disc, and its two cam angles [rad] in
+[0, 2 pi)."""
+
+Pairs = tuple[Pair, ...]
 
 Place = tuple[int, float]
 """A cam angle as the index of its segment in the plan and the fraction of the segment's span."""
@@ -51,6 +55,18 @@ class Neck:
     first: Place
     second: Place
     clearance: float
+
+
+def crossings(discs: Discs) -> Pairs:
+    """The crossings of each flank with itself, see `camgeo.outline.crossings`."""
+    from camgeo.outline.crossings import find_crossings  # only regular flanks need it
+
+    return tuple(
+        (number, each.first, each.second)
+        for number, cam in enumerate(discs)
+        for _, flank in cam.disc.flanks
+        for each in find_crossings(flank)
+    )
 
 
 def narrowest(discs: Discs, pairs: Pairs) -> Neck | None:

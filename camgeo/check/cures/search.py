@@ -1,131 +1,283 @@
-"""The nearest value of a knob at which a cam is free of cusps and undercut."""
+"""The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
+
+Where a condition is broken, the cam angle at which it is worst proves it broken for all values up
+to the one at which the margin of that place alone vanishes. There another place may be the worst,
+from which the search goes on: so it comes to the nearest value at which no place breaks anything,
+step by step and from the broken side, and no window is jumped over. Along the way it solves
+equations in one unknown.
+
+What no place decides is left to the verdict on the value found. If it is a flank that crosses
+itself, the search goes on where the neck is as wide as the roller; else in growing steps, from
+which the limit is halved in.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Protocol
 
 import numpy as np
 
-from camgeo.check.cures.discs import Discs
-from camgeo.check.cures.margin import Pairs, crossings_of, is_intact, margin
-from camgeo.check.cures.neck import Neck, followed, narrowest
+from camgeo.check.cures.conditions import Conditions, Discs
+from camgeo.check.cures.neck import Neck, crossings, followed, narrowest
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.roots import bracketed_roots
-from camgeo.outline.cusps import CUSP
 
-FIRST = 0.005
-"""First step away from the present value, as a fraction of the scale. A range of cures narrower
-than a step may be missed; half a per cent is less than what a designer rounds to."""
+FIRST: Final = 0.005
+"""First step, as a fraction of the scale, where no place of the cam says how far to go."""
 
-GROWTH = 2.0
-"""Each step ends this many times farther from the present value than the one before it."""
+GROWTH: Final = 1.5
+"""Each such step is so many times the one before it."""
 
-BEYOND = 1e-7
-"""Crossings are sought this fraction beyond the limit: at the limit itself the flank has a cusp or
-touches itself, and closer to it the rounding of the curve decides."""
+SPREAD: Final = 1.3
+"""Each cell ends so many times as far from the present value as the one before it."""
 
-NARROW = 1e-9
+LOST: Final = 1e-6
+"""The first one where there is no mechanism, as beside the value at which a roller stands still."""
+
+BEYOND: Final = 1e-7
+"""A window narrower than this fraction of the scale is none: in the middle of it the cam has a cusp
+up to rounding. Crossings are sought this far beyond the limit, where the flank touches itself."""
+
+NARROW: Final = 5e-7
 """Width, as a fraction of the scale, to which a limit that is not a root is enclosed."""
 
-Make = Callable[[float], Discs]
-"""The discs for a value of the knob; GeometryError where there are none."""
+ROUNDING: Final = 1e-13
+"""A step that is no longer than this fraction of the scale ends at the limit."""
+
+HOPS: Final = 200
+"""Most places of the cam on the way to a window; five are usual."""
+
+TRIALS: Final = 60
+"""Most values that are judged."""
+
+EDGE: Final = 1e-3
+"""First cell of a place's margin, as a fraction of the scale; its neighbours grow with the
+distance, as the margin becomes smoother."""
+
+CURVED: Final = 3.0
+"""A cell is halved unless the parabola through its ends and its middle, so many times as curved,
+stays below 0."""
+
+Along = Callable[[FloatArray], FloatArray]
+"""(n,) values of a size -> (n,) margins at one place of the cam."""
 
 
-def nearest_cure(make: Make, start: float, end: float, scale: float) -> float | None:
-    """The limit nearest to `start` on the way to `end` beyond which the discs are intact.
+class Knob(Protocol):
+    """A size that may change.
 
-    For local undercut it is the root of the margin; for global undercut that of the neck's
-    clearance, or, if there is no such neck, an intact value within `NARROW` of the limit. None if
-    there is none on the way. A value without a mechanism is not intact.
+    Attributes
+    ----------
+    start : its present value.
+    scale : what a change of it is compared with.
     """
-    away = 1.0 if end > start else -1.0
-    before, regular, neck = start, False, None
-    pairs = _pairs(make, start)
-    if pairs:
-        regular, neck = True, narrowest(make(start), pairs)
-    for value in steps(start, end, scale):
-        value = float(value)
-        if _margin(make, value) <= CUSP:
-            before, regular, neck = value, False, None
-            continue
-        if not regular:
-            limit = root(lambda x: _margin(make, x), before, value)
-            before = limit + away * min(BEYOND * scale, abs(value - limit))
-            pairs = _pairs(make, before)
-            if pairs == ():
-                return limit
-            regular, neck = True, narrowest(make(before), pairs) if pairs else None
-        following = None if neck is None else followed(make(value), neck)
-        if following is not None and following.clearance <= 0.0:
-            before, neck = value, following  # it crosses for certain
-            continue
-        pairs = _pairs(make, value)
-        if pairs == ():
-            return _last_crossing(make, before, value, scale, neck)
-        before, neck = value, narrowest(make(value), pairs) if pairs else None
-    return None
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def scale(self) -> float: ...
+
+    def make(self, value: float) -> Discs:
+        """The discs with another value; GeometryError where there are none."""
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """The margins where one of the `conditions` is worst at `value`; None if all are kept.
+
+        GeometryError where there is no mechanism.
+        """
 
 
-def _last_crossing(make: Make, bad: float, good: float, scale: float, neck: Neck | None) -> float:
-    """The limit of global undercut between a value that has it and one that is intact."""
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A range of a size, and what must hold there.
 
-    def clearance(value: float) -> float:
-        here = None if neck is None else followed(make(value), neck)
-        return -1.0 if here is None else here.clearance
+    Attributes
+    ----------
+    knob : the size, which goes from its present value to `end`.
+    conditions : at each place of the cam.
+    accepted : the verdict on a value that keeps the conditions.
+    rounded : the value beside another that a designer would take, on which the verdict is asked
+        for if it keeps the conditions.
+    """
 
-    def intact(value: float) -> bool:
+    knob: Knob
+    end: float
+    conditions: Conditions
+    accepted: Callable[[float], bool]
+    rounded: Callable[[float], float] | None = None
+
+    @property
+    def _away(self) -> float:
+        return math.copysign(self.knob.scale, self.end - self.knob.start)
+
+    def nearest(self) -> float | None:
+        """The limit nearest to the present value beyond which everything holds; None if there is
+        none.
+        """
+        knob, away = self.knob, self._away
+        if self.end == knob.start:
+            return None
+        bad: float | None = None
+        x, step, crossed = knob.start, FIRST, False
+        for _ in range(TRIALS):
+            limit = self.border(x)
+            if limit is None:
+                return None
+            inside = limit + away * min(BEYOND, abs((self.end - limit) / away))
+            wide = self._past_neck(inside) if crossed else None
+            if not self.keeps(inside):
+                x = inside
+            elif wide is None and self.accepted(self._rounded(inside)):
+                return limit if bad is None or limit != x else self._halved(bad, limit)
+            elif wide is not None or (wide := self._past_neck(inside)) is not None:
+                x, bad, crossed = wide, None, True
+            else:
+                x, bad, step = inside + away * step, inside, step * GROWTH
+            if (x - self.end) * away >= 0.0:
+                return None
+        return None
+
+    def _rounded(self, value: float) -> float:
+        if self.rounded is None:
+            return value
+        rounded = self.rounded(value)
+        return rounded if self.keeps(rounded) else value
+
+    def border(self, x: float) -> float | None:
+        """The first value from `x` on at which the conditions hold, up to rounding."""
+        knob, lost = self.knob, LOST
+        for _ in range(HOPS):
+            if (x - self.end) * self._away > 0.0:
+                return None
+            try:
+                along = knob.worst(x, self.conditions)
+            except GeometryError:
+                x, lost = x + self._away * lost, lost * GROWTH
+                continue
+            if along is None:
+                return x
+            root = first_root(along, x, self.end, knob.scale)
+            if root is None or abs(root - x) <= ROUNDING * knob.scale:
+                return root
+            x = root
+        return None
+
+    def keeps(self, value: float) -> bool:
+        """Whether the conditions hold."""
         try:
-            return is_intact(make(value))
+            return self.knob.worst(value, self.conditions) is None
         except GeometryError:
             return False
 
-    if neck is not None and clearance(bad) < 0.0 < clearance(good):
-        limit = root(clearance, bad, good)
-        if intact(limit + np.sign(good - bad) * min(BEYOND * scale, abs(good - limit))):
-            return limit
-    while abs(bad - good) > NARROW * scale:
-        middle = 0.5 * (good + bad)
-        if intact(middle):
-            good = middle
-        else:
-            bad = middle
-    return good
+    def _halved(self, bad: float, good: float) -> float:
+        """The limit between a value that is not accepted and one that is."""
+        while abs(good - bad) > NARROW * self.knob.scale:
+            middle = 0.5 * (bad + good)
+            if self.keeps(middle) and self.accepted(middle):
+                good = middle
+            else:
+                bad = middle
+        return good
+
+    def _past_neck(self, value: float) -> float | None:
+        """Where the narrowest neck of discs that cross themselves is as wide as the roller, or up
+        to where it is known to be narrower; None if they do not, or if nothing is known.
+        """
+        try:
+            discs = self.knob.make(value)
+            neck = narrowest(discs, crossings(discs))
+        except GeometryError:
+            return None
+        if neck is None or neck.clearance >= 0.0:
+            return None
+        begun: Neck = neck
+
+        def clearance(x: float) -> float:
+            try:
+                here = followed(self.knob.make(x), begun)
+            except GeometryError:
+                here = None
+            return math.nan if here is None else here.clearance
+
+        before, step = value, FIRST
+        while (self.end - before) * self._away > 0.0:
+            x = before + self._away * step
+            if (x - self.end) * self._away > 0.0:
+                x = self.end
+            found = clearance(x)
+            if found > 0.0:
+                return _root(clearance, before, x)
+            if math.isnan(found):
+                return None if before == value else before
+            before, step = x, step * GROWTH
+        return before
 
 
-def steps(start: float, end: float, scale: float) -> FloatArray:
-    """Values from `start`, excluded, to `end`, at geometrically growing distances."""
+def first_root(along: Along, start: float, end: float, scale: float) -> float | None:
+    """The first value from `start` to `end` at which a margin, negative at first, vanishes.
+
+    Cells in which it might reach 0 are halved: those where the parabola through three values, made
+    more curved, does.
+    """
+    edges = _edges(start, end, scale)
+    values = along(edges)
+    if values[0] >= 0.0:
+        return start
+    a, b, fa, fb = edges[:-1], edges[1:], values[:-1], values[1:]
+    while True:
+        across = np.flatnonzero(fb >= 0.0)
+        if len(across):
+            k = int(across[0])
+            a, b, fa, fb = a[: k + 1], b[: k + 1], fa[: k + 1], fb[: k + 1]
+        open_, middle = fb < 0.0, 0.5 * (a + b)
+        open_ &= np.abs(b - a) > BEYOND * scale
+        fm = np.full_like(fa, -np.inf)
+        fm[open_] = along(middle[open_]) if np.any(open_) else 0.0
+        split = open_ & (_highest(fa, fm, fb) >= 0.0)
+        if not np.any(split):
+            return _bracketed(along, a[-1], b[-1]) if len(across) else None
+        keep = split | (fb >= 0.0)
+        a, b, middle, fa, fb, fm = (each[keep] for each in (a, b, middle, fa, fb, fm))
+        halved = split[keep]
+        order = np.repeat(np.arange(len(a)), np.where(halved, 2, 1))
+        second = np.append(False, order[1:] == order[:-1])
+        first = np.append(order[1:] == order[:-1], False)
+        a, fa = np.where(second, middle[order], a[order]), np.where(second, fm[order], fa[order])
+        b, fb = np.where(first, middle[order], b[order]), np.where(first, fm[order], fb[order])
+
+
+def _bracketed(along: Along, low: float, high: float) -> float:
+    return float(bracketed_roots(along, np.array([low]), np.array([high]))[0])
+
+
+def _edges(start: float, end: float, scale: float) -> FloatArray:
+    """Ends of cells from `start` to `end`, which grow with their distance."""
     reach = abs(end - start)
-    if reach == 0.0:
-        return np.empty(0)
-    first = min(FIRST * scale, reach)
-    count = int(np.ceil(np.log(reach / first) / np.log(GROWTH))) + 1
-    values: FloatArray = start + np.geomspace(first, reach, count) * np.sign(end - start)
-    values[-1] = end
-    return values
+    first = min(EDGE * scale, reach)
+    if first == 0.0:
+        return np.array([start])
+    count = 1 + math.ceil(math.log(reach / first) / math.log(SPREAD))
+    away = math.copysign(1.0, end - start) * np.geomspace(first, reach, count)
+    edges: FloatArray = np.append(start, start + away)
+    edges[-1] = end
+    return edges
 
 
-def root(function: Callable[[float], float], low: float, high: float) -> float:
+def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArray:
+    """(n,) the largest value of the parabolas through three values, `CURVED` times as curved."""
+    bend, slope = 0.5 * (low + high) - middle, 0.5 * (high - low)
+    most = CURVED * np.abs(bend)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        top, fall = middle + most, most - bend
+        inside = top + 0.25 * slope * slope / fall
+        inside = np.where(np.abs(slope) < 2.0 * fall, inside, -np.inf)
+    return np.maximum(np.maximum(low, high), np.maximum(middle, inside))
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """The root of `function` between `low` and `high`, where it has opposite signs."""
-
-    def values(x: FloatArray) -> FloatArray:
-        return np.array([function(float(each)) for each in x])
-
-    return float(bracketed_roots(values, np.array([low]), np.array([high]))[0])
-
-
-def _margin(make: Make, value: float) -> float:
-    """The margin; -1 where there is no mechanism."""
-    try:
-        least = margin(make(value))
-    except GeometryError:
-        return -1.0
-    return -1.0 if least is None else least
-
-
-def _pairs(make: Make, value: float) -> Pairs | None:
-    """See `crossings_of`; None also where there is no mechanism."""
-    try:
-        return crossings_of(make(value))
-    except GeometryError:
-        return None
+    return _bracketed(lambda x: np.array([function(float(each)) for each in x]), low, high)

@@ -1,72 +1,159 @@
-"""Cure by longer segments: moves that undercut take cam angle from the dwells next to them."""
+"""Cure by longer segments: moves at fault take cam angle from the dwells next to them."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
+from typing import Final
 
-import numpy as np
-
+from camgeo.check.cures.conditions import (
+    Conditions,
+    Discs,
+    moved,
+    plan_of,
+    worst_place,
+)
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
-from camgeo.check.cures.discs import Discs, moved, plan_of
-from camgeo.check.cures.margin import Pairs, is_intact, margins_within
 from camgeo.check.cures.moves import (
-    angles_of_all,
+    Span,
     degrees,
     dwells_around,
+    faulty_segments,
     from_rest_to_rest,
     key_of,
-    undercut_segments,
 )
-from camgeo.check.cures.search import nearest_cure, steps
+from camgeo.check.cures.search import Along, Way
+from camgeo.check.cures.task import Edits, Task, edits_of
 from camgeo.errors import GeometryError
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.spans import EXACT
-from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.roots import indexed_roots
-from camgeo.outline.cusps import CUSP
 
-KNOB = "longer segment"
+KNOB: Final = "longer segment"
 
-STEP = Decimal("0.000001")
+STEP: Final = Decimal("0.000001")
 """Spans are rounded to millionths of a degree, to the next one beyond the limit."""
 
-MOST = 1e-6
+MOST: Final = 1e-6
 """Accuracy, as a fraction of a span, of the largest growth for which the dwells have room."""
 
 
-def longer_segment(discs: Discs, pairs: Pairs) -> Cure:
-    """Longer spans for the moves that undercut, at the expense of the dwells next to them.
+@dataclass(frozen=True, slots=True, eq=False)
+class Growth:
+    """The growth of several moves by one factor, less 1, a `Knob` of the search.
 
-    The curvature over a move depends on its own span only, so against local undercut each move has
-    its own limit. Against global undercut all of them grow by one factor. Each takes from the
-    dwells before and after it in proportion to their length.
+    Attributes
+    ----------
+    discs : as they are.
+    spans : of the moves, by their numbers in the plan, at growth 0.
     """
-    plan, places = plan_of(discs), undercut_segments(discs, pairs)
+
+    discs: Discs
+    spans: Mapping[int, Decimal]
+    start: float = 0.0
+    scale: float = 1.0
+
+    def plan(self, growth: float, *, rounded: bool = True) -> MotionPlan | None:
+        """The plan, with spans that are rounded up; None if the dwells are too short."""
+        with localcontext(EXACT):
+            factor = 1 + Decimal(growth)
+            spans = {number: span * factor for number, span in self.spans.items()}
+        if rounded:
+            spans = {number: _rounded_up(span) for number, span in spans.items()}
+        return longer_plan(plan_of(self.discs), spans)
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`."""
+        longer = self.plan(value, rounded=False)
+        if longer is None:
+            raise GeometryError("the dwells are too short", key="motion")
+        return moved(self.discs, longer)
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`; longer than they must be, moves hardly break anything."""
+        if worst_place(self.make(value), conditions) is not None:
+            raise GeometryError("these moves are too short", key="motion")
+        return None
+
+    @property
+    def most(self) -> float:
+        """The largest one for which the dwells have room, up to `MOST` of it."""
+        most, too_much = 0.0, float(360 / min(self.spans.values()))
+        while too_much - most > MOST * max(1.0, most):
+            middle = 0.5 * (most + too_much)
+            most, too_much = (most, middle) if self.plan(middle) is None else (middle, too_much)
+        return most
+
+
+def longer_segment(task: Task) -> Cure:
+    """Longer spans for the moves at fault, at the expense of the dwells next to them.
+
+    Each move has its own limit. Against global undercut all of them grow by one factor. Each takes
+    from the dwells before and after it in proportion to their length.
+    """
+    discs = task.discs
+    plan, places = plan_of(discs), faulty_segments(task, discs)
     for number in places:
         segment = plan.segments[number]
         if not from_rest_to_rest(plan, number):
             key = key_of(number, segment, "span")
-            reason = f"the span of a segment: {key} undercuts and is not a move from rest to rest"
-            return no_cure(KNOB, key, segment.span, "deg", reason)
+            reason = f"the span of a segment: {key} is at fault and is not a move from rest to rest"
+            return task.finished(no_cure(KNOB, key, segment.span, "deg", reason))
+    for conditions, good in task.stages:
+        longer = _longer(task, places, conditions, good)
+        if longer is not None:
+            return task.finished(_cure(plan, longer, places), moved(discs, longer))
+    return task.finished(_too_short(plan, places[0]))
+
+
+def _longer(
+    task: Task,
+    places: Sequence[int],
+    conditions: Conditions,
+    good: Callable[[Discs, Edits], bool],
+) -> MotionPlan | None:
+    """The plan with moves that are long enough; None if there is no room for them."""
+    discs, plan = task.discs, plan_of(task.discs)
+
+    def accepted(longer: MotionPlan | None) -> bool:
+        if longer is None or longer == plan:
+            return False
+        return good(moved(discs, longer), edits_of(_cure(plan, longer, places)))
+
+    spans = _limits(discs, places, conditions)
+    longer = None if spans is None else longer_plan(plan, spans)
+    if spans is None or longer is None:
+        return None
+    if accepted(longer):
+        return longer
+    growth = Growth(discs, spans)
+    way = Way(growth, growth.most, conditions, lambda value: accepted(growth.plan(value)))
+    limit = way.nearest()
+    longer = None if limit is None else growth.plan(limit)
+    return longer if accepted(longer) else None
+
+
+def _limits(
+    discs: Discs, places: Sequence[int], conditions: Conditions
+) -> dict[int, Decimal] | None:
+    """For each move its least span that keeps the conditions; None if the dwells beside one are
+    too short.
+    """
+    plan = plan_of(discs)
     spans: dict[int, Decimal] = {}
-    for number, span in zip(places, _local_limits(discs, places), strict=True):
-        if span is None:
-            return _too_short(plan, number)
-        spans[number] = span
-    longer = longer_plan(plan, spans)
-    if longer is None:
-        return _too_short(plan, places[0])
-    if not is_intact(moved(discs, longer)):
-        grown = _grown(discs, spans)
-        if grown is None:
-            return _too_short(plan, places[0])
-        spans = grown
-        longer = longer_plan(plan, spans)
-        assert longer is not None  # it has been made once before
-    return _cure(plan, longer, places)
+    for number in places:
+        present = plan.segments[number].span
+        beside = (plan.segments[each].span for each in dwells_around(plan, number))
+        most = sum(beside, present)
+        knob = Span(discs, number)
+        limit = Way(knob, float(most), conditions, lambda _: True).nearest()
+        if limit is None:
+            return None
+        spans[number] = present if limit == float(present) else _rounded_up(Decimal(limit))
+        if spans[number] > most:
+            return None
+    return spans
 
 
 def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | None:
@@ -111,118 +198,13 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
     return wanted - part
 
 
-def _local_limits(discs: Discs, places: Sequence[int]) -> list[Decimal | None]:
-    """For each move its least span without cusp or local undercut in it; None if the dwells beside
-    it are short. All moves are tried at once.
-    """
-    plan = plan_of(discs)
-    spans = [plan.segments[number].span for number in places]
-    most = [
-        span + sum((plan.segments[each].span for each in dwells_around(plan, number)), Decimal(0))
-        for number, span in zip(places, spans, strict=True)
-    ]
-    groups = _apart(plan, places)
-
-    def least(degrees: FloatArray, which: IntArray) -> FloatArray:
-        """(k,) margins within the moves `which` (k,) if their spans are `degrees` (k,)."""
-        tried = {
-            int(k): min(max(Decimal(value), spans[k]), most[k])
-            for k, value in zip(which, degrees.tolist(), strict=True)
-        }
-        found: dict[int, float] = {}
-        for group in groups:
-            found |= _margins(discs, {places[k]: tried[k] for k in group if k in tried})
-        return np.array([found[places[k]] for k in tried])
-
-    start = np.array([float(span) for span in spans])
-    tries = [steps(low, float(end), low) for low, end in zip(start.tolist(), most, strict=True)]
-    intact = least(start, np.arange(len(places))) > CUSP
-    limits: list[Decimal | None] = [
-        span if whole else None for span, whole in zip(spans, intact, strict=True)
-    ]
-    before, after = start.copy(), start.copy()
-    left, number = np.flatnonzero(~intact), 0
-    while len(left := left[[number < len(tries[k]) for k in left]]):
-        after[left] = [tries[k][number] for k in left]
-        good = least(after[left], left) > CUSP
-        intact[left[good]] = True
-        left, number = left[~good], number + 1
-        before[left] = after[left]
-    found = np.flatnonzero(intact & (after > before))
-    roots = indexed_roots(lambda x, which: least(x, found[which]), before[found], after[found])
-    for k, root in zip(found, roots.tolist(), strict=True):
-        beyond = _rounded_up(root)
-        limits[k] = beyond if beyond <= most[k] else None
-    return limits
-
-
-def _margins(discs: Discs, spans: Mapping[int, Decimal]) -> dict[int, float]:
-    """The least 1 + d kappa within each of some moves, of which no two have a dwell in common, if
-    these are their spans; -1 where there is no mechanism.
-    """
-    if not spans:
-        return {}
-    longer = longer_plan(plan_of(discs), spans)
-    assert longer is not None  # there is room
-    least = margins_within(moved(discs, longer), angles_of_all(longer, spans))
-    if least is not None:
-        return dict(zip(spans, least.tolist(), strict=True))
-    if len(spans) == 1:
-        return dict.fromkeys(spans, -1.0)
-    return {each: _margins(discs, {each: span})[each] for each, span in spans.items()}
-
-
-def _apart(plan: MotionPlan, places: Sequence[int]) -> list[list[int]]:
-    """The numbers of the `places` in groups of which no two have a dwell beside them in common."""
-    groups: list[list[int]] = []
-    taken: list[set[int]] = []
-    for number, place in enumerate(places):
-        beside = set(dwells_around(plan, place))
-        for group, dwells in zip(groups, taken, strict=True):
-            if not dwells & beside:
-                group.append(number)
-                dwells |= beside
-                break
-        else:
-            groups.append([number])
-            taken.append(beside)
-    return groups
-
-
-def _grown(discs: Discs, spans: dict[int, Decimal]) -> dict[int, Decimal] | None:
-    """The spans times the smallest factor that leaves no crossing; None if dwells are short."""
-
-    def plan(growth: float) -> MotionPlan | None:
-        with localcontext(EXACT):
-            factor = 1 + Decimal(growth)
-            every = {number: span * factor for number, span in spans.items()}
-        return longer_plan(plan_of(discs), every)
-
-    def make(growth: float) -> Discs:
-        longer = plan(growth)
-        if longer is None:
-            raise GeometryError("the dwells are too short", key="motion")
-        return moved(discs, longer)
-
-    most, too_much = 0.0, float(360 / min(spans.values()))
-    while too_much - most > MOST * max(1.0, most):
-        middle = 0.5 * (most + too_much)
-        most, too_much = (most, middle) if plan(middle) is None else (middle, too_much)
-    limit = nearest_cure(make, 0.0, most, 1.0)
-    if limit is None:
-        return None
-    grown = {number: _rounded_up(float(span) * (1.0 + limit)) for number, span in spans.items()}
-    longer = longer_plan(plan_of(discs), grown)
-    return grown if longer is not None and is_intact(moved(discs, longer)) else None
-
-
-def _rounded_up(span: float) -> Decimal:
+def _rounded_up(span: Decimal) -> Decimal:
     """The next larger multiple of the step."""
     with localcontext(EXACT):
-        return Decimal(span).quantize(STEP, rounding=ROUND_FLOOR) + STEP
+        return span.quantize(STEP, rounding=ROUND_FLOOR) + STEP
 
 
-def _cure(old: MotionPlan, new: MotionPlan, places: tuple[int, ...]) -> Cure:
+def _cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
     changes = {
         number: Change(key_of(number, before, "span"), before.span, after.span)
         for number, (before, after) in enumerate(zip(old.segments, new.segments, strict=True))
@@ -252,5 +234,5 @@ def _told(change: Change) -> str:
 def _too_short(plan: MotionPlan, number: int) -> Cure:
     segment = plan.segments[number]
     key = key_of(number, segment, "span")
-    reason = f"no longer {key} cures it: the dwells next to the undercut leave too little room"
+    reason = f"no longer {key} cures it: the dwells next to it leave too little room"
     return no_cure(KNOB, key, segment.span, "deg", reason)

@@ -224,7 +224,7 @@ class _Group:
         )
         curved = iter(found)
         rests = iter(self.rests)
-        return [next(rests) if piece.dwell else next(curved).chain() for piece in self.pieces]
+        return [next(rests) if piece.is_arc else next(curved).chain() for piece in self.pieces]
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Biarcs, float]]:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
@@ -243,7 +243,7 @@ class _Group:
 def _group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
     densities, stops = [], []
     for piece, bends in zip(pieces, bends_of(curve, pieces), strict=True):
-        if not piece.dwell:
+        if not piece.is_arc:
             densities.append(ArcDensity(piece, bends))
             stops.append(piece.end)
     ends = Ends(*curve.traced(np.array(stops, dtype=np.float64), "left"))
@@ -251,15 +251,15 @@ def _group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
 
 
 def rest_arcs(curve: WorkingCurve, pieces: Sequence[Piece]) -> tuple[Chain, ...]:
-    """The one arc about the cam axis that each rest among `pieces` is."""
-    rests = [piece for piece in pieces if piece.dwell]
-    if not rests:
+    """The one arc that each of `pieces` is that is one."""
+    arcs = [(piece, piece.centre) for piece in pieces if piece.centre is not None]
+    if not arcs:
         return ()
-    points = curve.point(np.array([piece.start for piece in rests]))
+    points = curve.point(np.array([piece.start for piece, _ in arcs]))
     turn = -curve.pitch.rotation
     return tuple(
-        Chain.arc(piece.start, point, turn * (piece.end - piece.start), 0j)
-        for piece, point in zip(rests, points, strict=True)
+        Chain.arc(piece.start, point, turn * (piece.end - piece.start), centre)
+        for (piece, centre), point in zip(arcs, points, strict=True)
     )
 
 

@@ -88,7 +88,7 @@ class _Group:
         self.missed = False
         self._pieces, self._rests = pieces, rest_arcs(curve, pieces)
         bends = bends_of(curve, pieces)
-        self._curved = [k for k, piece in enumerate(pieces) if not piece.dwell]
+        self._curved = [k for k, piece in enumerate(pieces) if not piece.is_arc]
         if self._curved:
             chosen = [pieces[k] for k in self._curved], [bends[k] for k in self._curved]
             self._strands = Strands.of(curve, *chosen)
@@ -97,7 +97,7 @@ class _Group:
     def fit(self, aim: float, _tolerance: float) -> list[Chain]:
         """A chain for each of the pieces, the same ones at each call."""
         curved, rests = iter(self._least(aim) if self._curved else ()), iter(self._rests)
-        return [next(rests) if piece.dwell else next(curved).chain() for piece in self._pieces]
+        return [next(rests) if piece.is_arc else next(curved).chain() for piece in self._pieces]
 
     def _least(self, aim: float) -> list[ArcSpline]:
         """For each curved piece the spline of the fewest arcs that deviate by at most `aim` [mm].

@@ -13,7 +13,7 @@ from camgeo.contour.cubics.arc_length import ArcLength
 from camgeo.contour.cubics.lines_and_arcs import ApproximatingArcs, approximating_arcs
 from camgeo.contour.cubics.parts import Part
 from camgeo.contour.legs import Leg
-from camgeo.contour.proof.deviation import deviation, proved_bound
+from camgeo.contour.proof.deviation import ENOUGH, deviation, proved_bound
 from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
@@ -83,6 +83,7 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
             share *= COARSER
             continue
         found = min(found, reached + fine.apart)
+        reached = max(reached, ENOUGH)
         if fine.apart <= SHARPNESS * reached or share <= finest:
             break
         if failed is not None:
@@ -94,7 +95,7 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
 
 
 def fitted_deviation(
-    legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float
+    legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float, enough: float
 ) -> float:
     """As `spline_deviation`, for a contour whose place along the path is known.
 
@@ -103,13 +104,14 @@ def fitted_deviation(
     legs : of the path, in order.
     parts : (strands,) the part of the path of each strand; the contour runs in its direction.
     scale : largest distance found [mm].
+    enough : a bound [mm] that need not be made sharper.
 
     Raises
     ------
     GeometryError
         If the contour does not follow the path once round.
     """
-    fine = approximating_arcs(contour, max(SHARE * scale, FINEST * contour.reach))
+    fine = approximating_arcs(contour, max(SHARE * max(scale, enough), FINEST * contour.reach))
     angles = _angles(parts, contour, fine)
     arcs = fine.contour
     ends = np.cumsum(fine.counts)
@@ -124,7 +126,7 @@ def fitted_deviation(
     )
     if any(np.any(np.diff(run.angles) <= 0.0) for run in runs):
         raise GeometryError("the contour does not follow the exact curve once round")
-    return proved_bound(runs, ARC_CELLS) + fine.apart
+    return proved_bound(runs, ARC_CELLS, enough) + fine.apart
 
 
 def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingArcs) -> FloatArray:

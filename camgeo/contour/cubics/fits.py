@@ -12,6 +12,7 @@ from camgeo.contour.cubics.least_squares import Ends
 from camgeo.contour.cubics.parts import ROUNDING, Part, parts_of
 from camgeo.contour.cubics.search import Found, fast, fewest
 from camgeo.contour.legs import legs_of
+from camgeo.contour.proof.deviation import SHARPNESS
 from camgeo.contour.proved import proved
 from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.errors import ToleranceError
@@ -76,7 +77,7 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
         return SplineContour(tuple(strand for strand in whole if strand is not None)), error
 
     def prove(made: tuple[SplineContour, float]) -> float:
-        return fitted_deviation(legs, parts, *made)
+        return fitted_deviation(legs, parts, *made, SHARPNESS * tolerance)
 
     (contour, _), reached = proved(fit, prove, AIM * tolerance, tolerance)
     return SplineFit(contour.counter_clockwise(), reached, tolerance)

@@ -115,8 +115,8 @@ def _of_curve(
     Two evaluations serve all: one from the right, one from the left, as calls cost more than
     numbers.
     """
-    moving = [k for k, piece in enumerate(pieces) if not piece.dwell]
-    rests = [k for k, piece in enumerate(pieces) if piece.dwell]
+    moving = [k for k, piece in enumerate(pieces) if not piece.is_arc]
+    rests = [k for k, piece in enumerate(pieces) if piece.is_arc]
     phi, nodes = cells_of([pieces[k] for k in moving])
     count = len(moving)
     resting_from = np.array([pieces[k].start for k in rests])
@@ -156,6 +156,7 @@ def _of_curve(
         parts[k] = Part(legs[k], begin, start, course, row, first=first, last=arriving)
     for k in rests:
         if long[k]:
+            centre = pieces[k].centre or 0j
             turn = -curve.pitch.rotation * (pieces[k].end - pieces[k].start)
-            parts[k] = Part(legs[k], pieces[k].start, complex(starts[k]), sweep=turn)
+            parts[k] = Part(legs[k], pieces[k].start, complex(starts[k]), sweep=turn, centre=centre)
     return starts, ends, parts

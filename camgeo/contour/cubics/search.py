@@ -148,22 +148,27 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fo
     Raises
     ------
     ToleranceError
-        If more than `MAX_CUBICS` would be needed.
+        If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
     needed = limits(course, aim)
     counts = [
         sorted({math.ceil(factor * limit) + more for factor, more in SPARE}) for limit in needed
     ]
     found: dict[int, Found] = {}
+    marks = [UNTRIED] * len(counts)
     while len(found) < len(counts):
         tried = [(k, count) for k in range(len(counts)) if k not in found for count in counts[k]]
         if max(count for _, count in tried) > MAX_CUBICS:
             raise too_many(MAX_CUBICS, "cubics", tolerance)
         trial = _equalised(course, ends, tried, DAMPING[:FAST_ROUNDS])
         for number, (k, count) in enumerate(tried):
-            excess = float(trial.worst[number]) / aim
+            worst = float(trial.worst[number])
+            excess = worst / aim
             if k not in found and excess <= 1.0:
                 found[k] = trial.found(number)
+            marks[k] = marked(marks[k], count, worst)
+            if k not in found and is_stuck(marks[k], count):
+                raise stuck_at(worst, tolerance)
             more = math.ceil(count * min(2.0, 1.02 * excess**0.25))
             counts[k] = [max(count + 1, more)]
     return [found[k] for k in range(len(counts))]

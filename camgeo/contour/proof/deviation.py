@@ -51,7 +51,12 @@ from camgeo.outline.path import Path
 from camgeo.units import TURN
 
 SHARPNESS = 0.01
-"""The bound exceeds the largest distance found by at most this fraction, plus rounding."""
+"""The bound exceeds the largest distance found by at most this fraction, plus rounding; that of a
+fit, or by this fraction of its tolerance."""
+
+ENOUGH = 1e-9
+"""A bound [mm] that is never made sharper: a hundredth of the finest tolerance of a file. What lies
+on the curve, but for rounding, would take millions of cells."""
 
 STEEPEST = 0.5
 """Largest sin(alpha) for which a piece counts as following the curve: 30 degrees."""
@@ -65,10 +70,14 @@ FEWEST, MOST = 4, 256
 """Fewest and most initial cells of one arc."""
 
 HALVINGS = 40
-"""Rounds of halving at most."""
+"""Rounds of halving at most; then, or after `MAX_CELLS`, the bound is not sharp, but still one."""
 
-MAX_CELLS = 4_000_000
-"""Cells at most; a contour within its tolerance needs a few for each piece."""
+MAX_CELLS = 400_000
+"""Cells at most [some 80 MB], unless there are as many pieces; a contour within its tolerance needs
+a few for each."""
+
+BLOCK = 16_384
+"""Cells enclosed at a time [some 15 MB]."""
 
 ROUNDING = 2.0**-52 * 32.0
 """Rounding of a distance, as a fraction of the largest length that enters it."""
@@ -91,7 +100,7 @@ class _Cells:
     low: FloatArray
     high: FloatArray
     piece: IntArray
-    rigid: BoolArray
+    poles: ComplexArray
 
     @property
     def have_middles(self) -> BoolArray:
@@ -122,12 +131,15 @@ def deviation(path: Path, contour: Contour) -> float:
     return proved_bound(locate(path, contour))
 
 
-def proved_bound(runs: tuple[Run, ...], arc_cells: int = ARC_CELLS) -> float:
+def proved_bound(
+    runs: tuple[Run, ...], arc_cells: int = ARC_CELLS, enough: float = ENOUGH
+) -> float:
     """Upper bound [mm] of the distance between the contour of `runs` and their legs.
 
     Each run is compared with its own leg, and its ends with those of the leg, so that a corner of
     the path is one of the contour. `arc_cells` are the initial cells per arc: fewer suffice where
-    the arcs are much finer than the distance requires; they only affect the time.
+    the arcs are much finer than the distance requires; they only affect the time. A bound of up to
+    `enough` [mm] is not made sharper.
 
     Raises
     ------
@@ -139,7 +151,7 @@ def proved_bound(runs: tuple[Run, ...], arc_cells: int = ARC_CELLS) -> float:
         if not len(run.sweeps):
             largest = max(largest, _reach_from(run))
             continue
-        found, bound = _run_bound(run, found, arc_cells)
+        found, bound = _run_bound(run, found, arc_cells, enough)
         largest = max(largest, bound)
     return largest
 
@@ -151,7 +163,7 @@ def _reach_from(run: Run) -> float:
     return float(abs(run.vertices[0] - run.leg.last)) + run.leg.length
 
 
-def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
+def _run_bound(run: Run, found: float, arc_cells: int, enough: float) -> tuple[float, float]:
     """Largest distance found so far, including `found` of other runs, and bound for this run.
 
     Rounding is charged to each piece with the lengths that enter its own distances: the circle of a
@@ -159,17 +171,20 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
     """
     run, rounding = _without_flat_arcs(run)
     cells = _first_cells(run, arc_cells)
+    most = max(MAX_CELLS, len(cells.low)) // 2
     enclosure, places = _first_enclosure(run, cells)
     largest = 0.0
     turned = np.zeros((2, len(run.sweeps)))
-    for _ in range(HALVINGS):
+    for halving in range(HALVINGS):
         if np.max(enclosure.steep) > STEEPEST:  # halving would not help
             break
         found = max(found, float(np.max(enclosure.found)))
         own = rounding[cells.piece]
         bound = enclosure.bound + own
-        loose = bound > (1.0 + SHARPNESS) * found + 2.0 * own
-        loose |= enclosure.steepness > STEEPEST
+        steep = enclosure.steepness > STEEPEST
+        loose = steep | (bound > np.maximum((1.0 + SHARPNESS) * found + 2.0 * own, enough))
+        if np.count_nonzero(loose) > most or halving + 1 == HALVINGS:
+            loose = steep
         settled = ~loose
         largest = max(largest, float(np.max(bound[settled], initial=0.0)))
         for total, part in zip(turned, (enclosure.least_turn, enclosure.most_turn), strict=True):
@@ -177,11 +192,11 @@ def _run_bound(run: Run, found: float, arc_cells: int) -> tuple[float, float]:
         if not np.any(loose):
             _check_turns(run, turned[0], turned[1])
             return found, _with_ends(run, places, largest)
-        if np.count_nonzero(loose) > MAX_CELLS // 2 or not np.any(loose & cells.have_middles):
+        if np.count_nonzero(loose) > most or not np.any(loose & cells.have_middles):
             break
         cells = cells.halved(loose)
-        jet, speeds = run.leg.jet_and_bounds(cells.low, cells.high)
-        enclosure = _enclosed(run, cells, jet, speeds)
+        blocks = range(0, len(cells.low), BLOCK)
+        enclosure = joined([_enclosed(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
     raise _uncompared(run, float(cells.low[np.argmax(enclosure.steepness)]))
 
 
@@ -193,7 +208,10 @@ def _uncompared(run: Run, place: float) -> GeometryError:
     ends = np.concatenate(([run.leg.start], run.leg.borders, [run.leg.end]))
     start, end = np.max(ends[ends <= place]), np.min(ends[ends > place], initial=run.leg.end)
     if isinstance(run.leg, TurnLeg) or end - start > SHORT:
-        return GeometryError(message)
+        here = complex(run.leg.point(np.array([place]))[0])
+        return GeometryError(
+            f"{message} near X {here.real:.6g}, Y {here.imag:.6g} mm, where it may run across it"
+        )
     first, span = math.degrees(start % TURN), math.degrees(end - start)
     return GeometryError(
         f"{message} from {first:.12g} to {first + span:.12g} deg of the cam angle: what moves there"
@@ -221,13 +239,13 @@ def _without_flat_arcs(run: Run) -> tuple[Run, FloatArray]:
 def _first_cells(run: Run, arc_cells: int) -> _Cells:
     """The range of each piece in equal parts, cut at the borders of the leg's formulas.
 
-    One part for a line, from which the curve departs like a parabola, and for a rest.
+    One part for a line, from which the curve departs like a parabola, and for an arc.
     """
     angles, ends = run.angles[:-1], run.angles[1:]
     borders = run.leg.borders
     borders = borders[(borders > angles[0]) & (borders < ends[-1])]
-    rigid = run.leg.turns_rigidly(0.5 * (angles + ends))
-    spans = np.where((run.sweeps != 0.0) & ~rigid, ends - angles, 0.0)
+    poles = run.leg.poles(0.5 * (angles + ends))
+    spans = np.where((run.sweeps != 0.0) & np.isnan(poles), ends - angles, 0.0)
     width = float(np.sum(spans)) / max(1, arc_cells * int(np.count_nonzero(spans)))
     parts = np.where(
         spans > 0.0, np.clip(np.ceil(spans / (width or 1.0)), min(FEWEST, arc_cells), MOST), 1
@@ -241,10 +259,10 @@ def _first_cells(run: Run, arc_cells: int) -> _Cells:
         place = np.searchsorted(low, new)
         low = np.insert(low, place, new)
         piece = np.insert(piece, place, piece[place - 1])
-        rigid = run.leg.turns_rigidly(0.5 * (low + np.append(low[1:], ends[-1])))
+        poles = run.leg.poles(0.5 * (low + np.append(low[1:], ends[-1])))
     else:
-        rigid = rigid[piece]
-    return _Cells(low, np.append(low[1:], ends[-1]), piece, rigid)
+        poles = poles[piece]
+    return _Cells(low, np.append(low[1:], ends[-1]), piece, poles)
 
 
 def _first_enclosure(run: Run, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
@@ -265,7 +283,7 @@ def _first_enclosure(run: Run, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
     reached = places[1 : pieces + 1].copy()
     reached[at_border] = places[pieces + 1 :]
     both = np.stack((places[:pieces], reached))
-    return _enclosed(run, cells, jet[:, :count], speeds[:, :count]), both
+    return _enclosed(run, cells, (jet[:, :count], speeds[:, :count])), both
 
 
 def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
@@ -277,9 +295,12 @@ def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
     return np.minimum(after, np.abs(borders[place - 1] - angles)) <= SNAP
 
 
-def _enclosed(run: Run, cells: _Cells, jet: ComplexArray, speeds: FloatArray) -> Enclosure:
-    v1, v2, v3 = speeds
-    taylor = Taylor(jet, v1, v2, v3, 0.5 * (cells.high - cells.low), cells.rigid)
+def _enclosed(
+    run: Run, cells: _Cells, known: tuple[ComplexArray, FloatArray] | None = None
+) -> Enclosure:
+    """The cells compared with their pieces; `known` are their jets and speeds, if there are any."""
+    jet, (v1, v2, v3) = known or run.leg.jet_and_bounds(cells.low, cells.high)
+    taylor = Taylor(jet, v1, v2, v3, 0.5 * (cells.high - cells.low), cells.poles)
     return enclose(taylor, run, cells.piece)
 
 

@@ -12,7 +12,7 @@ that it osculates in the middle, give or take a bound of its third derivative, w
 than bounds of |Z'|, |Z''|, |Z'''|. For a line the same with its normal.
 
 The third derivative of q = |Z - p|^2/2 - Re(conj(c - p) (Z - p)) + ... where Z turns rigidly about
-a point p is at most |c - p| |Z'''|: zero for a rest, an arc about the cam axis, so that one cell
+a point p is at most |c - p| |Z'''|: zero for an arc about p, such as a rest, so that one cell
 encloses all of it.
 """
 
@@ -40,7 +40,7 @@ class Taylor:
     jet : (3 or more, n) complex [mm/rad^k] Z, Z', Z''.
     v1, v2, v3 : (n,) bounds of |Z'|, |Z''|, |Z'''|.
     half : (n,) half the cell [rad].
-    rigid : (n,) whether Z turns rigidly about the leg's pole.
+    poles : (n,) complex [mm] the point about which Z turns rigidly; NaN where it is not known to.
     """
 
     jet: ComplexArray
@@ -48,12 +48,12 @@ class Taylor:
     v2: FloatArray
     v3: FloatArray
     half: FloatArray
-    rigid: BoolArray
+    poles: ComplexArray
 
     def take(self, which: BoolArray) -> Taylor:
         """The cells of `which` (n,)."""
         v1, v2, v3, half = (part[which] for part in (self.v1, self.v2, self.v3, self.half))
-        return Taylor(self.jet[:, which], v1, v2, v3, half, self.rigid[which])
+        return Taylor(self.jet[:, which], v1, v2, v3, half, self.poles[which])
 
     def value_range(
         self, slope: FloatArray, bend: FloatArray, third: FloatArray
@@ -83,7 +83,7 @@ class Taylor:
         """Smallest and largest |Z'| over the cells."""
         pace = np.abs(self.jet[1])
         change = self.half * (np.abs(self.jet[2]) + 0.5 * self.half * self.v3)
-        change[self.rigid] = 0.0
+        change[~np.isnan(self.poles)] = 0.0
         return np.maximum(pace - change, 0.0), pace + change
 
 
@@ -155,8 +155,8 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     slope = arm.real * z1.real + arm.imag * z1.imag
     bend = pace * pace + arm.real * z2.real + arm.imag * z2.imag
     third = 3.0 * taylor.v1 * taylor.v2 + (r + taylor.half * taylor.v1) * taylor.v3
-    rigid = taylor.rigid
-    third[rigid] = np.abs(centre[rigid] - run.leg.pole) * taylor.v3[rigid]
+    rigid = ~np.isnan(taylor.poles)
+    third[rigid] = np.abs(centre[rigid] - taylor.poles[rigid]) * taylor.v3[rigid]
     least, most, rest = taylor.value_range(slope, bend, third)
     square_z = pitch_radius * pitch_radius + 2.0 * square
 

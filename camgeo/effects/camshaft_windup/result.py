@@ -32,7 +32,7 @@ from camgeo.effects.shaft.course import course_of
 from camgeo.effects.shaft.obstacles import refuse_shocks
 from camgeo.effects.sought import Feedback, Sought
 from camgeo.effects.touching import lost_contact
-from camgeo.effects.wording import N_M, Label, extreme_findings, over, placed
+from camgeo.effects.wording import N_M, Label, extreme_findings, left_over, over, placed
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -223,7 +223,7 @@ def _swinging(turn: WoundTurn) -> Iterator[Finding]:
         natural / TURN,
         unit="Hz",
     )
-    sentence = f"{left:.4g} % of a disturbance is left after a turn"
+    sentence = f"{left_over(turn.multiplier)} of a disturbance is left after a turn"
     severity: Severity = "ok"
     if abs(turn.multiplier - 1.0) <= LASTING:
         severity = "warning"

@@ -38,7 +38,7 @@ from camgeo.effects.touching import (
     require_convex,
     sides_of,
 )
-from camgeo.effects.wording import angles, at, by_place, placed
+from camgeo.effects.wording import angles, at, by_place, placed, resolved_ends
 from camgeo.motion.kept import MOST_KEPT, recalling
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
@@ -192,6 +192,7 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
     The sides are the flanks of a groove, the discs of a conjugate pair or those of a yoke.
     """
     names, noun = sides_of(subject)
+    extremes = resolved_ends(extremes)
     low, high = extremes.lowest, extremes.highest
     mirrored = Extreme(-low.value, low.place)
     if not holds_both_ways(subject):

@@ -23,6 +23,10 @@ from camgeo.units import RPM
 
 HOUR: Final = 3600.0
 
+LONGEST: Final = 1e6
+"""A life [h] of more than a century is not told in figures: no bearing ends by fatigue alone then,
+which is all that the formula knows."""
+
 HEAVY: Final = 0.5
 """Share of the dynamic load rating up to which the life formula applies (ISO 281:2007)."""
 
@@ -189,7 +193,8 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
         )
         return (Finding("roller-life", "ok", unlimited, limit=asked, unit="h"), turning)
     hours = life.seconds / HOUR
-    text = f"basic rating life of the roller bearing {hours:.6g} h"
+    known = f"over {LONGEST:,.0f}" if hours > max(LONGEST, asked or 0.0) else f"{hours:.6g}"
+    text = f"basic rating life of the roller bearing {known} h"
     heavy = life.load > HEAVY * data.rating
     most = HEAVY * data.rating
     return (

@@ -16,7 +16,7 @@ from camgeo.effects.effect import Bound, Column, Quantity, Request
 from camgeo.effects.force import all_borders
 from camgeo.effects.immovable import torque_shocks
 from camgeo.effects.results import CONTACT_FORCE, DriveTorque
-from camgeo.effects.wording import KG_M2, N_M, at, degrees, placed
+from camgeo.effects.wording import KG_M2, N_M, at, degrees, placed, resolved_ends
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import RPM, TURN
@@ -96,7 +96,8 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
 def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
     """All findings."""
     turning = law.subject.state.course is not None
-    peaks, static = found.peaks, found.static_peaks
+    peaks = resolved_ends(found.peaks)
+    static = resolved_ends(found.static_peaks, peaks.magnitude)
     out = [
         _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),
         _peak("smallest-torque", "smallest drive torque", peaks.lowest, data.limit, -1.0),
@@ -146,15 +147,16 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
     if stored is None or fluctuation is None:
         return []
     low, high = stored.extremes.lowest, stored.extremes.highest
-    moment = KG_M2 * moment_of_inertia(stored.span, fluctuation, found.speed)
+    span = stored.span if stored.span > stored.error else 0.0
+    moment = KG_M2 * moment_of_inertia(span, fluctuation, found.speed)
     return [
         Finding(
             "energy-fluctuation",
             "ok",
-            f"a drive of constant torque stores {N_M * stored.span:.5g} J in everything that turns"
+            f"a drive of constant torque stores {N_M * span:.5g} J in everything that turns"
             f" with the cam, between cam angles {degrees(low.place)} (slowest) and"
             f" {degrees(high.place)} (fastest)",
-            N_M * stored.span,
+            N_M * span,
             unit="J",
         ),
         Finding(

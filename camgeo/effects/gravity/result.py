@@ -17,6 +17,7 @@ from camgeo.effects.results import INERTIA, Gravity
 from camgeo.effects.wording import FORCES, extreme_findings
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
+from camgeo.numeric.rounding import SHARE
 
 
 def compute(request: Request[GravityDirection]) -> Gravity:
@@ -69,6 +70,6 @@ def compute(request: Request[GravityDirection]) -> Gravity:
 
 
 def _along(vectors: ComplexArray, pull: complex) -> FloatArray:
-    """(n,) scalar products."""
+    """(n,) scalar products, 0 where the vectors are perpendicular except for rounding."""
     product: FloatArray = vectors.real * pull.real + vectors.imag * pull.imag
-    return product
+    return np.where(np.abs(product) <= SHARE * abs(pull) * np.abs(vectors), 0.0, product)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
 from camgeo.effects.ranges import runs
 from camgeo.effects.results import ContactForce
-
-LISTED: Final = 12
-"""Largest number of changes, or of flights in a clearance, that are listed one by one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,9 +40,9 @@ from camgeo.effects.lift_off.flown import (
     Off,
     apart,
     in_turns,
+    unsettled,
 )
 from camgeo.effects.touching import TOUCH
-from camgeo.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.motion.time_course import period
 from camgeo.numeric.arrays import ComplexArray, FloatArray, merged
@@ -142,7 +142,7 @@ class ElasticFollower:
                 return replace(fine, flights=told)
         if why:
             raise EffectError(why)
-        raise missed("the impact speed of a flight", error, "itself", tolerance)
+        raise unsettled(error, tolerance)
 
     def repeated(
         self, begin: State, restitution: float, tolerance: float, nodes: Nodes, halvings: int

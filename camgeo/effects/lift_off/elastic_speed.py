@@ -157,8 +157,10 @@ def _crossing(search: LeastReserve, kept: Point, lost: Point) -> Point:
     """Where g is 0 between `kept` and `lost`: by secants in a bracket (the Illinois method)."""
     ends = [(kept.s, kept.g), (lost.s, lost.g)]
     found = lost
-    while abs(ends[0][0] - ends[1][0]) > ROOT * lost.s:
+    for _ in range(MOST_STEPS):
         (a, at_a), (b, at_b) = ends
+        if abs(a - b) <= ROOT * lost.s:
+            break
         s = a - at_a * (a - b) / (at_a - at_b)
         before, found = found, search.at(s)
         if abs(found.s - before.s) <= ROOT * lost.s or found.g == 0.0:

@@ -64,17 +64,18 @@ from camgeo.effects.lift_off.flown import (
     apart,
     in_turns,
     next_leaving,
+    unsettled,
 )
 from camgeo.effects.lift_off.walls import Wall
 from camgeo.effects.ranges import ranges_below
 from camgeo.effects.results import Inertia
-from camgeo.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.motion.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.roots import bracketed_roots, sign_changes
 from camgeo.units import TURN
+from camgeo.wording import cam_angle
 
 if TYPE_CHECKING:
     from camgeo.effects.lift_off.carried import Carried
@@ -91,6 +92,9 @@ MOST_REBOUNDS: Final = 5
 
 MOST_TURNS: Final = 8
 """Turns after which all flights must repeat, and one flight must have ended."""
+
+SLOW: Final = 1e-6
+"""Share of a rate at which viscous friction has gone; what is left of a jump is not."""
 
 PULLING: Final = 1e-9
 """A played wall would have to pull where its force is below minus this share of the largest: the
@@ -191,7 +195,7 @@ class FreeFollower:
                 return replace(fine, flights=tuple(told))
         if whys[-1]:
             raise EffectError(whys[-1])
-        raise missed("the impact speed of a flight", error, "itself", tolerance)
+        raise unsettled(error, tolerance)
 
     def _chain(
         self, leavings: tuple[Leaving, ...], restitution: float, nodes: Nodes, halvings: int
@@ -385,4 +389,19 @@ class FreeFollower:
                 gap = nodes.integral(v / cell.omega, off.gap, cell.ends)
                 kept = (lambda _: off.memory) if moved is None else moved.memory(nodes, v)
                 return gap, speed, kept
-        raise StiffError
+        raise StiffError(self._turned_round(cell, cell.lift + d, cell.pace + v))
+
+    def _turned_round(self, cell: Cell, q: FloatArray, rate: FloatArray) -> str:
+        """That the rate (n,) of q (n,) changes its sign in a cell, and a force jumps with it; empty
+        if not.
+        """
+        least, most = float(np.min(rate)), float(np.max(rate))
+        if not least < 0.0 < most:
+            return ""
+        back, ahead = (self._free(cell.phi, q, np.full_like(q, SLOW * e))[1] for e in (least, most))
+        if np.allclose(back, ahead, rtol=SLOW, atol=0.0):
+            return ""
+        return (
+            f"off the cam it turns round near cam angle {cam_angle(cell.ends[0], '.0f')} deg, and"
+            " friction that jumps there to the other side is not followed"
+        )

@@ -8,6 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.effects.wording import missed
+from camgeo.errors import EffectError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 
@@ -16,6 +18,12 @@ MOST_FLIGHTS: Final = 256
 
 SAME: Final = 1e-11
 """Landings this close [rad], modulo a turn, are one place."""
+
+
+UNSETTLED: Final = (
+    "finer and finer steps come to no flights that stay the same: off the cam it moves too fast for"
+    " them, or the smallest difference decides where it lands"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +57,10 @@ class Flight:
     def crossed(self) -> bool:
         """Whether it meets the other side."""
         return self.left != self.met
+
+    def behind(self, other: Flight) -> bool:
+        """Whether it is neither faster nor wider than the `other`."""
+        return self.speed <= other.speed and self.gap <= other.gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +183,28 @@ def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
         shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
         found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
     return tuple(sorted(found, key=lambda each: each.leaving))
+
+
+def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
+    """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
+    side where they begin.
+    """
+    first = next((k for k, each in enumerate(flights) if not each.rebound), 0)
+    found: list[list[Flight]] = []
+    for each in (*flights[first:], *flights[:first]):
+        over = found[-1][0] if found else None
+        if over is None or each.crossed or not each.rebound or not each.behind(over):
+            found.append([each])
+        else:
+            found[-1].append(each)
+    return found
+
+
+def unsettled(error: float, tolerance: float) -> EffectError:
+    """The exception for flights whose `error` exceeds the tolerance; 1 if nothing is known."""
+    if error < 1.0:
+        return missed("the impact speed of a flight", error, "itself", tolerance)
+    return EffectError(UNSETTLED)
 
 
 def apart(rough: Flight, fine: Flight) -> float:

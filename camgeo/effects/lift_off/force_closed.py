@@ -54,6 +54,8 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
     """
     edges, course = flank.contact.edges, flank.subject.state.course
     lowest, least = flank.lowest, TOUCH * flank.contact.extremes.magnitude
+    if abs(lowest.value) <= least:
+        lowest = Extreme(0.0, lowest.place)
     contact = flank.contact
     off = lost_contact(
         flank.subject, contact.normal, contact.extremes, edges, contact.struck, flank.margin
@@ -207,11 +209,13 @@ def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Find
     """The lift-off speed compared with the speed of the scene, both as means over a turn."""
     mean = _mean(course)
     if math.isinf(found.value):
+        massless = flank.contact.struck is None
+        why = ", as the scene states no mass that its speed could throw off" if massless else ""
         return Finding(
             name="lift-off-speed",
             severity="ok",
-            sentence=f"there is no speed at which the {flank.toucher} {_short(flank)}",
-            limit=mean,
+            sentence=f"there is no speed at which the {flank.toucher} {_short(flank)}{why}",
+            limit=None if massless else mean,
             unit="rev/min",
         )
     value = found.value * mean

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 from camgeo.check.finding import Finding
 from camgeo.effects.effect import Subject
-from camgeo.effects.lift_off.crossing import LISTED, Change, flank_changes
+from camgeo.effects.lift_off.crossing import Change, flank_changes
 from camgeo.effects.results import ContactForce, Inertia, Leaving
 from camgeo.effects.touching import sides_of
 from camgeo.effects.wording import degrees
-from camgeo.wording import counted
 
 if TYPE_CHECKING:
     from camgeo.effects.lift_off.flown import Flight
@@ -44,9 +43,7 @@ def of_groove(
     """The findings for a groove, pair or yoke; impact speeds to the relative `tolerance`."""
     sides = _Sides("roller" if subject.returning is None else "follower", *sides_of(subject))
     first, changes = flank_changes(contact)
-    found = [sides.change(change) for change in changes[:LISTED]]
-    if len(changes) > LISTED:
-        found.append(sides.more(len(changes)))
+    found = [sides.change(change) for change in changes]
     if not changes:
         found.append(sides.steady(first))
     if not changes or backlash == 0.0:
@@ -92,11 +89,6 @@ class _Sides:
             cam_angle=change.leaving,
             cam_range=(change.leaving, change.carrying) if free else None,
         )
-
-    def more(self, count: int) -> Finding:
-        often = f"{counted(count, 'time')} per turn"
-        sentence = f"the {self.who} moves from one {self.noun} to the other {often}"
-        return Finding("flank-change", "ok", sentence, float(count))
 
     def steady(self, first: int) -> Finding:
         sentence = f"there is no force on either {self.noun}"

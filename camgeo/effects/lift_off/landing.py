@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -12,10 +12,9 @@ import numpy as np
 
 from camgeo.check.finding import STATED, Finding
 from camgeo.effects.effect import Bound, Subject
-from camgeo.effects.lift_off.crossing import LISTED
 from camgeo.effects.lift_off.flank import Flank
 from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS, FreeFollower
-from camgeo.effects.lift_off.flown import Flight, Leaving
+from camgeo.effects.lift_off.flown import Flight, Leaving, with_bounces
 from camgeo.effects.lift_off.free_follower import free_of
 from camgeo.effects.lift_off.walls import of_state, with_clearance
 from camgeo.effects.results import ContactForce, Inertia
@@ -88,15 +87,23 @@ class Told:
         """The side `sense` in words."""
         return f"the {self.names[sense]} {self.noun}"
 
-    def flight(self, flight: Flight, subject: Subject) -> tuple[Finding, ...]:
-        """Where and how far it flies, and how it lands."""
+    def flight(
+        self, flight: Flight, bounces: Sequence[Flight], subject: Subject
+    ) -> tuple[Finding, ...]:
+        """Where and how far it flies, how it lands, and how it then bounces."""
         start, end = flight.leaving % TURN, flight.landing % TURN
+        then = ""
+        if bounces:
+            fastest = max(each.speed for each in bounces)
+            then = f", and bounces {counted(len(bounces), 'time')}, at up to {fastest:.6g} mm/s,"
+            then += f" until {degrees(bounces[-1].landing)}"
         if self.clearance is not None:
             begins = "rebounds from" if flight.rebound else "leaves"
             again = "" if flight.crossed else " again, because it has not crossed the clearance"
             sentence = (
                 f"after it {begins} {self.side(flight.left)} at {degrees(start)} the {self.who}"
                 f" hits {self.side(flight.met)}{again} at {degrees(end)} at {flight.speed:.6g} mm/s"
+                f"{then}"
             )
             return (self._impact(flight, sentence),)
         factor, unit = STATED[subject.cam.lift_unit]
@@ -118,7 +125,7 @@ class Told:
                 cam_angle=start,
                 cam_range=(start, end),
             ),
-            self._impact(flight, f"it lands {at(end)}, at {flight.speed:.6g} mm/s"),
+            self._impact(flight, f"it lands {at(end)}, at {flight.speed:.6g} mm/s{then}"),
         )
 
     @staticmethod
@@ -287,8 +294,8 @@ def _told(
     if not flights:
         return Flown()
     found: list[Finding] = []
-    for each in flights if single else flights[:LISTED]:
-        found += told.flight(each, subject)
+    for first, *bounces in with_bounces(flights):
+        found += told.flight(first, bounces, subject)
     tail = ""
     if restitution > 0.0 and _longest_run(flights) > MOST_REBOUNDS:
         tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"

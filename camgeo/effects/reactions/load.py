@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgeo.effects.wording import extreme_finding
-from camgeo.numeric.extremes import piecewise_highest
+from camgeo.numeric.extremes import Extreme, piecewise_highest
+from camgeo.numeric.rounding import resolved
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Finding
@@ -32,8 +33,12 @@ class Load:
     values: Quantity
     unit: str = "N"
 
-    def largest(self, edges: FloatArray) -> Finding:
-        """The finding of its largest magnitude between `edges` (k,) [rad]."""
+    def largest(self, edges: FloatArray, force: float) -> Finding:
+        """The finding of its largest magnitude between `edges` (k,) [rad]; a force that is rounding
+        of `force` [N] is 0.
+        """
         end = piecewise_highest(lambda phi, side: np.abs(self.values(phi, side)), edges)
+        if self.unit == "N":
+            end = Extreme(resolved(end.value, force), end.place)
         name = f"largest-{self.name.replace(' ', '-')}"
         return extreme_finding(name, f"largest {self.words}", end, self.unit)

@@ -60,7 +60,7 @@ def compute(request: Request[Bearings]) -> Reactions:
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
     work, errors = _friction_work(request, bodies, edges)
-    found = tuple(each.largest(edges) for each in reported)
+    found = tuple(each.largest(edges, contact.extremes.magnitude) for each in reported)
     errors |= shaft.errors(found, edges, request.tolerance)
     return Reactions(
         findings=(*found, *work),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from camgeo.effects.effect import Subject
+from camgeo.motion.laws.law import Law
+from camgeo.motion.plan import MotionPlan, Move
 from camgeo.motion.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import grid_of, piecewise_extremes
@@ -38,6 +40,8 @@ class RestToRest:
     stroke : largest distance from its start [mm or rad].
     duration : [s] at the speed of the course.
     shock : the move, scaled by its duration and stroke.
+    law : of the one segment that it is, if the cam turns at constant speed: moves of the same law
+        then have the same shock, but for rounding. None for other moves.
     """
 
     start: float
@@ -45,6 +49,7 @@ class RestToRest:
     stroke: float
     duration: float
     shock: Shock
+    law: Law | None = None
 
 
 def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
@@ -56,6 +61,7 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
     rests = _rests(subject, course)
     edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
     two_turns = np.concatenate((edges[:-1], edges + TURN))
+    joints = np.radians([float(degrees) for degrees in subject.drive.plan.joints_deg])
     next_turn = [(start + TURN, end + TURN) for start, end in rests[:1]]
     for (_, start), (end, _) in zip(rests, [*rests[1:], *next_turn], strict=True):
         if not end - start > SLACK:
@@ -63,9 +69,22 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
         inner = two_turns[(two_turns > start) & (two_turns < end)]
         moving = merged(np.concatenate(([start], inner, [end])))
         turns = math.floor(start / TURN)
-        found = _move(subject, course, moving - TURN * turns)
+        moving = moving - TURN * turns
+        found = _move(subject, course, moving)
         if found is not None:
-            yield found
+            even = isinstance(course, ConstantSpeed)
+            yield replace(found, law=_law(subject.drive.plan, joints, moving) if even else None)
+
+
+def _law(plan: MotionPlan, joints: FloatArray, edges: FloatArray) -> Law | None:
+    """The law of the segment, between `joints` of the plan, that is the move over `edges` [rad];
+    None if there is no such one.
+    """
+    middle = 0.5 * (edges[0] + edges[-1]) % TURN
+    number = int(np.searchsorted(joints, middle)) - 1
+    segment = plan.segments[number]
+    whole = np.allclose(joints[number : number + 2], edges[[0, -1]], rtol=0.0, atol=SLACK)
+    return segment.law if whole and isinstance(segment, Move) else None
 
 
 def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:

@@ -95,12 +95,24 @@ def compute(request: Request[SpectrumRange]) -> ShockSpectrum:
         )
         none = Finding("shock-spectrum", "warning", sentence)
         return ShockSpectrum((), data.highest_ratio, findings=(none,))
-    spectra = tuple(
-        Spectrum(move, data.damping, *measured(move.shock, data.damping, data.highest_ratio))
-        for move in moves
-    )
+    spectra = tuple(_spectra(moves, data))
     findings = [each for found in spectra for each in _findings(found, data.highest_ratio)]
     return ShockSpectrum(spectra, data.highest_ratio, findings=tuple(findings))
+
+
+def _spectra(moves: list[RestToRest], data: SpectrumRange) -> Iterator[Spectrum]:
+    """The spectrum of each move; moves of one law have that of the longest, the best resolved."""
+
+    def kind(move: RestToRest) -> int:
+        return id(move if move.law is None else move.law)
+
+    longest = {kind(move): move for move in sorted(moves, key=lambda each: each.span)}
+    known = {
+        each: measured(move.shock, data.damping, data.highest_ratio)
+        for each, move in longest.items()
+    }
+    for move in moves:
+        yield Spectrum(move, data.damping, *known[kind(move)])
 
 
 def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:

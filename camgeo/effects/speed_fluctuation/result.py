@@ -27,9 +27,10 @@ from camgeo.effects.speed_fluctuation.errors import Steady, accurate
 from camgeo.effects.speed_fluctuation.steady import SteadyTurn
 from camgeo.effects.speed_fluctuation.table import MotorDrive
 from camgeo.effects.touching import lost_contact
-from camgeo.effects.wording import N_M, Label, at, placed
+from camgeo.effects.wording import N_M, Label, at, left_over, placed, resolved_ends
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
+from camgeo.numeric.rounding import resolved
 from camgeo.units import RPM
 
 
@@ -119,7 +120,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         return contact.normal_at(phi, side, rates)
 
     speeds, torques = piecewise_extremes(omega, edges), piecewise_extremes(motor, edges)
-    fluctuation = (speeds.highest.value - speeds.lowest.value) / mean
+    fluctuation = resolved(speeds.highest.value - speeds.lowest.value, mean) / mean
     text = f"speed fluctuation {fluctuation:.5g}, largest minus smallest speed divided by the mean"
     found = (
         held("speed-fluctuation", text, fluctuation, data.limit),
@@ -127,7 +128,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
             "mean-speed",
             "ok",
             f"mean speed {mean / RPM:.6g} rev/min over time; a disturbance of the speed decays to"
-            f" {100.0 * turn.slope:.4g} % of its size per turn",
+            f" {left_over(turn.slope)} of its size per turn",
             mean / RPM,
             unit="rev/min",
         ),
@@ -168,6 +169,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
 
 
 def _extremes(name: str, words: str, ends: Extremes, factor: float, unit: str) -> Iterator[Finding]:
+    ends = resolved_ends(ends)
     for which, end in (("largest", ends.highest), ("smallest", ends.lowest)):
         found = Extreme(factor * end.value, end.place)
         sentence = f"{which} {words} {found.value:.6g} {unit} {at(found.place)}"

@@ -79,7 +79,7 @@ def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
 
     def verdict(stress: float, beyond: Severity) -> tuple[str, Severity]:
         if strength is None:
-            return "", "ok"
+            return "; no strength of the wire is stated", "ok"
         if stress > strength:
             return f", above {strength:g} MPa", beyond
         return f", at most {strength:g} MPa", "ok"

@@ -29,6 +29,7 @@ from camgeo.motion.time_course import period
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.quadrature import piecewise_integral
+from camgeo.numeric.rounding import SHARE
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
@@ -164,6 +165,8 @@ def _of_harmonic(
     if nearest is None:
         return
     order, amplitude = nearest.order, nearest.amplitude
+    if amplitude <= max(nearest.error, SHARE * nearest.travel):
+        amplitude = 0.0
     yield Finding(
         "surge-harmonic",
         "ok",

@@ -11,13 +11,14 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.effects.vibration.output import Clock, Links, Output
-from camgeo.effects.wording import Label, at
+from camgeo.effects.wording import Label, at, left_over
 from camgeo.motion.motion import Dwell
 from camgeo.motion.plan import in_turn
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes, extremes_of_each, piecewise_extremes
 from camgeo.numeric.oscillator.steady import Response
 from camgeo.numeric.oscillator.train import Train
+from camgeo.numeric.rounding import resolved
 from camgeo.units import RPM, TURN
 from camgeo.wording import cam_angle
 
@@ -202,7 +203,7 @@ def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Fi
         name="settling",
         severity="ok",
         sentence=(
-            f"{100.0 * left:.3g} % of a vibration is left after the shortest dwell,"
+            f"{left_over(left, 3)} of a vibration is left after the shortest dwell,"
             f" {1e3 * _duration(clock, shortest):.4g} ms{_from(shortest.start)}, which is"
             f" {lasts} than the transient, settled at {100.0 * SETTLED:g} %"
         ),
@@ -219,7 +220,7 @@ def of_resonance(response: Response, most: float, shown: MotionUnit) -> Iterator
             continue
         number = max(1, round(abs(rate) / turn))
         factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
-        part = 2.0 * abs(response.harmonic(number))
+        part = resolved(2.0 * abs(response.harmonic(number)), most)
         near = factor > AMPLIFICATION and part > SHARE * most
         amplified = f"amplified {factor:.4g} times, it"
         if not factor < EXACT:

@@ -21,7 +21,7 @@ from camgeo.motion.laws.pulse import DIGITS
 from camgeo.motion.laws.two_pulses import Parts
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.numeric.roots import bracketed_roots
 
 Given = Mapping[str, float]
 
@@ -30,9 +30,6 @@ NEAREST: Final = 1e-6
 
 TINY: Final = 1e-300
 """Stands in for a part without acceleration when a logarithm is taken."""
-
-GRID: Final = 65
-"""Places at which the two parts are compared before the root is bracketed."""
 
 
 def equal_accelerations(name: str, task: str, given: Given) -> float:
@@ -72,16 +69,16 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
         laws = (law_of(name, task, {**given, "inflection": float(lam)}) for lam in places)
         return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
 
-    # Denser towards both ends, where one part is short.
-    share = np.linspace(0.0, 1.0, GRID)
-    grid = NEAREST + (1.0 - 2.0 * NEAREST) * share * share * (3.0 - 2.0 * share)
-    roots = roots_on_grid(difference, grid)
-    if not len(roots):
+    # Of either part what is compared grows beyond all bounds where it is short: the range is a
+    # bracket, and any place where they are equal is an answer.
+    ends = np.array([NEAREST, 1.0 - NEAREST])
+    low, high = difference(ends)
+    if low * high >= 0.0:  # without jerk both parts are alike everywhere
         raise GeometryError(
             f"no inflection point makes the {quantity} equal in both parts of {name} for {task}",
             key="inflection",
         )
-    return float(roots[0])
+    return float(bracketed_roots(difference, ends[:1], ends[1:])[0])
 
 
 def _parts(name: str, task: str, given: Given) -> Parts:

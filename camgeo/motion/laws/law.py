@@ -40,6 +40,7 @@ class Region:
     far : z, w -> the other one of f and g.
     jerk_bound : at least |f'''| everywhere in the region.
     from_end : which of the two the near value is.
+    harmonic : rate k where f''' = -k^2 f': f swings about a fixed middle; 0 elsewhere.
     turns : gives all z inside the region at which one of f, f', f'', f''' and f' f'' may have an
         extremum; other values may be among them, inside or outside the region.
     """
@@ -51,6 +52,7 @@ class Region:
     jerk_bound: float
     from_end: bool
     numbers: tuple[float, ...] = ()
+    harmonic: float = 0.0
     turns: Turns = tuple
 
     def values(self, z: FloatArray) -> Values:

@@ -51,6 +51,7 @@ class Stretch:
     turns : b, s -> all x inside at which b + s v or one of its integral, a, a' and (b + s v) a may
         have an extremum; other values may be among them.
     continues : whether the function of the preceding stretch continues in it.
+    harmonic : rate k where a' = -k^2 v: the position swings about a fixed middle; 0 elsewhere.
     """
 
     start: Decimal
@@ -61,6 +62,7 @@ class Stretch:
     jerk: float
     turns: Callable[[float, float], tuple[float, ...]]
     continues: bool = False
+    harmonic: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,9 +281,10 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         return tuple(float(start) + math.asin(sine) / rate for sine in sines if 0.0 < sine < 1.0)
 
     one_sine = not shares.constant and shares.sine == shares.cosine
+    harmonic = 0.0 if velocity else rate  # the whole velocity is the sine
     return (
-        Stretch(start, middle, from_start, False, back, rate, turns, continues=one_sine),
-        Stretch(middle, end, from_end, True, back, rate, turns, continues=True),
+        Stretch(start, middle, from_start, False, back, rate, turns, one_sine, harmonic),
+        Stretch(middle, end, from_end, True, back, rate, turns, True, harmonic),
     )
 
 

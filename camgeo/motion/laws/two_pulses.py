@@ -303,6 +303,7 @@ class _Part:
             jerk_bound=abs(to_jerk) * stretch.jerk,
             from_end=from_end,
             numbers=tuple((numbers if base else numbers[:STILL]).tolist()),
+            harmonic=0.0 if base else stretch.harmonic / length,
             turns=turns,
         )
 

@@ -44,6 +44,10 @@ MOST_HALVINGS: Final = 40
 """A piece is halved at most this often. Repeated halving closes in on a kink that is not an edge;
 its piece is then 1e-12 of the original."""
 
+MOST_PIECES: Final = 4000
+"""Pieces, or four times as many as there were, beyond which none is halved any further: what is
+rounding and nothing else is as rough on any piece."""
+
 _ANGLES: Final = np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
 
 NODES: Final = frozen(-np.cos(_ANGLES), np.float64)
@@ -126,6 +130,7 @@ def interpolated(
     low, high = edges[:-1], edges[1:]
     starts, rows = [], []
     size, largest, error = 0.0, 0.0, 0.0
+    most = max(MOST_PIECES, 4 * len(low))
     for halving in range(MOST_HALVINGS + 1):
         half = 0.5 * (high - low)
         x = (0.5 * (high + low))[:, np.newaxis] + half[:, np.newaxis] * NODES
@@ -138,7 +143,7 @@ def interpolated(
         lost = 2.0 * half * np.sum(np.abs(series[:, -TAIL:]), axis=1)
         steepest = np.abs(series) @ ORDERS**2 / half  # see `Pieces.steepest`
         good = (lost <= tolerance * size) | (lost <= 2.0 * half * rounding * steepest)
-        if halving == MOST_HALVINGS:
+        if halving == MOST_HALVINGS or np.count_nonzero(~good) > most:
             good[:] = True
         starts.append(low[good])
         rows.append(series[good])

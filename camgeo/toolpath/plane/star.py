@@ -8,7 +8,9 @@ from typing import Self
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, ascending
+from camgeo.numeric.extremes import Extremes, piecewise_extremes
+from camgeo.units import TURN
 
 STEEPEST = 0.05
 """Least cosine of the angle between a ray's normal and the contour: a steeper one is refused."""
@@ -69,6 +71,19 @@ class Star:
         along = np.where(sweep == 0.0, chord, 1j * np.sign(sweep) * (r * ray - centre))
         turned = np.conj(ray) * along
         return r, r * turned.real / turned.imag
+
+    def distances(self, beyond: Star | None = None) -> Extremes:
+        """Smallest and largest distance [mm] from the pole, or `beyond` another contour about the
+        same pole, each with its direction [rad].
+        """
+        stars = [self] if beyond is None else [self, beyond]
+        turns = np.concatenate([np.mod(star.angles, TURN) for star in stars])
+
+        def distance(directions: FloatArray, _: Side) -> FloatArray:
+            own = self.at(directions)[0]
+            return own if beyond is None else own - beyond.at(directions)[0]
+
+        return piecewise_extremes(distance, ascending(np.append(turns, [0.0, TURN])))
 
     def along(self, direction: float) -> float:
         """Distance [mm] along the contour, counter-clockwise from its first vertex, to where the

@@ -47,8 +47,7 @@ def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
         raise GeometryError("the blank is too long and narrow to be faced by a spiral", "stock")
     # Nothing is left within the cutter's radius: there is no engagement to measure.
     paced = spiral(cut, begin, ends[0], 0.0, fine, outward=False)
-    rays = np.linspace(0.0, 2.0 * np.pi, 720)
-    wide = float(np.max(begin.at(rays)[0]))
+    wide = begin.distances().highest.value
     longer = (wide - INNERMOST * flat) / (wide - radius)
     morph = replace(paced, b=ends[1], turns=paced.turns * longer)
     turned = fitted(morph, fine)

@@ -51,7 +51,7 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
     path = along(wall, cut, fine)
     flat = max(cut.tool.radius - cut.tool.corner_radius, 0.25 * cut.tool.radius)
     star = star_of(path, wall.name)
-    least = float(np.min(star.at(np.linspace(0.0, 2.0 * np.pi, 720))[0]))
+    least = star.distances().lowest.value
     walk = Walk(cut, heights)
     turned = 2.0 * math.pi if cut.climb else -2.0 * math.pi
     if _is_circle(path) and least <= WHOLE * flat:
@@ -117,8 +117,7 @@ def _hole(cut: AreaCut, fine: float) -> float | None:
     for each in cut.cleared:
         star = Star.of(each.arcs(fine, "fast").contour)
         if star is not None:
-            rays = np.linspace(0.0, 2.0 * np.pi, 720)
-            room = float(np.min(star.at(rays)[0])) - cut.tool.radius - 2.0 * fine
+            room = star.distances().lowest.value - cut.tool.radius - 2.0 * fine
             if room > 0.1 * cut.tool.radius:
                 found = max(room, found or 0.0)
     return found

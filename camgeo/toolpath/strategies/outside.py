@@ -29,9 +29,6 @@ from camgeo.toolpath.strategies.area import (
 )
 from camgeo.toolpath.strategies.walk import Walk
 
-RAYS = 720
-"""Directions in which blank and part are compared."""
-
 MOST_TRIALS, MORE = 20, 0.02
 """Of a depth's spiral, and by which share its turns grow each time."""
 
@@ -144,8 +141,7 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
     radius = cut.tool.radius
     edge = grown(blank, radius)
     outer, inner = star_of(edge, "blank"), star_of(path, "wall")
-    rays = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False)
-    lacking = float(np.max(inner.at(rays)[0] - outer.at(rays)[0]))
+    lacking = inner.distances(beyond=outer).highest.value
     if lacking > 0.5 * radius:
         raise GeometryError(
             f"the blank is too small: {lacking:.3g} mm are missing at one side of the part",

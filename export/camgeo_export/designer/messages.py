@@ -137,6 +137,31 @@ NEEDED: Final[Mapping[str, tuple[str, ...]]] = {
     "laws": ("segment",),
 }
 
+ANSWERS: Final[Mapping[str, str]] = {
+    "build": "built",
+    "size": "sized",
+    "solid": "solid",
+    "laws": "laws",
+    "templates": "templates",
+    "effects": "effects",
+}
+"""Jobs that a page asks for, and the kind of their answer."""
+
+LONG: Final = ("build", "size", "solid")
+"""Jobs that a page is told of when they begin."""
+
+WHOLE: Final = ("undo", "redo", "reload", "open", "new")
+"""Requests after which pages are sent the text with the state."""
+
+TEXTUAL: Final = ("edits", "effect", "segment", "table")
+"""Changes that need nothing but the text."""
+
+MOST_ASKED: Final = 100
+"""Requests that wait to be done."""
+
+MOST_JOBS: Final = 8
+"""Jobs of ANSWERS that wait or are being done."""
+
 
 def understood(text: str) -> Said:
     """The message in a text.

@@ -11,9 +11,11 @@ from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from camgeo_export.designer.messages import Said
+
 LATEST: Final = (
-    "state", "curves", "moved", "findings", "pinned", "built", "sized", "solid", "templates",
-    "effects",
+    "state", "verdict", "curves", "moved", "findings", "pinned", "built", "sized", "solid",
+    "templates", "effects",
 )  # fmt: skip
 """Kinds of messages of which a page needs the latest only: a page that takes them slowly, or not at
 all, has no more than one of each waiting."""
@@ -28,6 +30,18 @@ BURST: Final = 200.0
 """Messages that it may send at once."""
 
 NOTHING: Final = b"{}"
+
+EMPTY: Final[Mapping[str, Any]] = {
+    "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
+    "plan": [], "form": [],
+}  # fmt: skip
+"""Curves of no scene."""
+
+BECOME: Final[Mapping[str, str]] = {
+    "changed": "changed on disk; it is not overwritten unless you ask for it",
+    "gone": "removed from disk",
+}
+"""What has become of the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +85,11 @@ class Message:
 def body(found: Mapping[str, Any]) -> bytes:
     """A JSON object as the body of a message."""
     return json.dumps(found, ensure_ascii=False, allow_nan=False).encode()
+
+
+def unpainted(error: Exception, **more: Any) -> bytes:
+    """Curves of a text whose picture cannot be had, and why: that is no fault of the scene."""
+    return body({"faults": [], "refused": f"the picture ({error})", **more})
 
 
 def refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
@@ -122,3 +141,11 @@ class Page:
         if message["type"] != "websocket.receive" or text is None:
             raise WebSocketDisconnect(message.get("code", 1003))
         return str(text)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A request, and the page that it is from."""
+
+    page: Page
+    said: Said

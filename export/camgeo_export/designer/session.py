@@ -9,21 +9,41 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable, Coroutine, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.designing import edits, faults, opened
+from camgeo.designing import edits, opened
 from camgeo.designing.children import Refused
 from camgeo.designing.desk import Desk
-from camgeo.designing.opened import OverwriteError
+from camgeo.designing.verdict import verdict_of
 from camgeo.errors import CamgeoError
 from camgeo.scene.new import KINDS, template
 from camgeo.writing.writer import writer_names
 from camgeo_export.designer.files import Files
 from camgeo_export.designer.jobs import Jobs, head_of
-from camgeo_export.designer.messages import MessageError, Said, understood
+from camgeo_export.designer.messages import (
+    ANSWERS,
+    LONG,
+    MOST_ASKED,
+    MOST_JOBS,
+    TEXTUAL,
+    WHOLE,
+    MessageError,
+    Said,
+    understood,
+)
 from camgeo_export.designer.named_files import NamedFiles
-from camgeo_export.designer.pages import NOTHING, Message, Page, body, refused, told
+from camgeo_export.designer.pages import (
+    BECOME,
+    EMPTY,
+    NOTHING,
+    Asked,
+    Message,
+    Page,
+    body,
+    refused,
+    told,
+    unpainted,
+)
 
 PAUSE: Final = 0.12
 """Seconds after the last picture before findings are computed."""
@@ -38,53 +58,8 @@ process, of which a new one takes a second to be ready."""
 EVERY: Final = 1.0
 """Seconds between two looks at the file on disk, and two times that edits are put on disk."""
 
-ANSWERS: Final[Mapping[str, str]] = {
-    "build": "built",
-    "size": "sized",
-    "solid": "solid",
-    "laws": "laws",
-    "templates": "templates",
-    "effects": "effects",
-}
-"""Jobs that a page asks for, and the kind of their answer."""
-
-LONG: Final = ("build", "size", "solid")
-"""Jobs that a page is told of when they begin."""
-
-MOST_ASKED: Final = 100
-"""Requests that wait to be done."""
-
-MOST_JOBS: Final = 8
-"""Jobs of ANSWERS that wait or are being done."""
-
-WHOLE: Final = ("undo", "redo", "reload", "open", "new")
-"""Requests after which pages are sent the text with the state."""
-
-TEXTUAL: Final = ("edits", "effect", "segment", "table")
-"""Changes that need nothing but the text."""
-
 QUICK: Final = 100_000
 """Characters of a text that is changed at once here, if its picture takes too long."""
-
-EMPTY: Final[Mapping[str, Any]] = {
-    "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
-    "plan": [], "form": [],
-}  # fmt: skip
-"""Curves of no scene."""
-
-BECOME: Final[Mapping[str, str]] = {
-    "changed": "changed on disk; it is not overwritten unless you ask for it",
-    "gone": "removed from disk",
-}
-"""What has become of the file."""
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """A request, and the page that it is from."""
-
-    page: Page
-    said: Said
 
 
 class Session:
@@ -109,6 +84,8 @@ class Session:
         self._painted = -1
         self._curves = Message("curves")
         self._findings: Message | None = None
+        self._results: dict[str, Mapping[str, Any]] = {}  # what the verdict is made of
+        self._verdict = Message("verdict", {"revision": 0, **verdict_of({})})
         self._pinned: bytes | None = None
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
@@ -159,6 +136,7 @@ class Session:
 
     def _greet(self, page: Page) -> None:
         page.put(self._state(whole=True))
+        page.put(self._verdict)
         if self._painted == self._revision:
             page.put(self._curves)
         if self._findings is not None:
@@ -198,7 +176,7 @@ class Session:
                 await self._change(asked)
             else:
                 await self._step(asked)
-        except OverwriteError as error:
+        except opened.OverwriteError as error:
             asked.page.put(refused(asked.said.id, str(error), force=True))
         except CamgeoError as error:
             asked.page.put(refused(asked.said.id, str(error)))
@@ -216,7 +194,7 @@ class Session:
             data, painting = head_of(found.text, ("label", "refused")), found.text
         except Refused as error:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
-            painting = body({"faults": faults.told(error), "label": data["label"]})
+            painting = unpainted(error, label=data["label"])
         if "refused" in data or not isinstance(data.get("text"), str):
             sentence = str(data.get("refused") or "this cannot be changed so")
             asked.page.put(refused(asked.said.id, sentence, faults=data.get("faults", [])))
@@ -289,7 +267,7 @@ class Session:
             except CamgeoError as error:
                 if self._asked:
                     return  # given up for something newer
-                painting = body({"faults": faults.told(error)})
+                painting = unpainted(error)
         self._painted = self._revision
         self._show(painting, asked)
         if self._findings is None:
@@ -298,7 +276,10 @@ class Session:
     def _show(self, painting: bytes, asked: Asked | None, *, moving: bool = False) -> None:
         """Show curves of the present text to all pages, or only what moves of them."""
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
-        if not moving:
+        if moving:
+            self._results["curves"] = {}  # what can be dragged has no faults
+        else:
+            self._tell_verdict("curves", head_of(painting, ("faults",)), self._revision)
             self._curves = Message("curves", head, painting)
         kind = "moved" if moving else "curves"
         for page in self._pages:
@@ -308,6 +289,7 @@ class Session:
     def _judge(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
+        self._results = {kind: self._results[kind] for kind in self._results if kind == "curves"}
         self._jobs.give_up("findings", PATIENCE, unless="solid")
         if self._judging is None or self._judging.done():
             self._judging = asyncio.create_task(self._find())
@@ -321,15 +303,16 @@ class Session:
             revision = self._revision
             # What has not been painted of it follows: a page shows findings sooner before it.
             rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
-            found = body({"faults": [], "findings": [], "cures": [], "places": []})
+            found = body({"faults": [], "refused": "there is no scene yet"})
             if self.desk.text.strip():
                 try:
                     found = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
-                    found = body({"faults": faults.told(error)})
+                    found = body({"faults": [], "refused": str(error)})
             rest.cancel()
             self._wake.set()
         self._findings = Message("findings", {"revision": revision}, found)
+        self._tell_verdict("findings", head_of(found, ("findings",)), revision)
         self._broadcast(self._findings)
 
     async def _answer(self, page: Page, said: Said) -> None:
@@ -337,14 +320,17 @@ class Session:
         arguments = dict(said.arguments)
         if said.kind in LONG:
             page.put(Message("busy", {"what": said.kind}))
-        head = {**arguments, "revision": self._revision, "answers": said.id}
+        head = {**arguments, "revision": (revision := self._revision), "answers": said.id}
         try:
             found = await self._jobs.do(said.kind, arguments)
         except CamgeoError as error:
+            if said.kind == "build" and isinstance(error, Refused):
+                self._tell_verdict("build", {"refused": str(error)}, revision)
             page.put(refused(said.id, str(error)))
             return
         painting = found.text
         if said.kind == "build":
+            self._tell_verdict("build", {"faults": found.data["faults"]}, revision)
             files = self.files.take(found.data.get("files", ()))
             painting = body({**found.data, "files": files})
         page.put(Message(ANSWERS[said.kind], head, painting))
@@ -368,6 +354,15 @@ class Session:
             "formats": self._formats,
         }
         return Message("state", {**found, "text": desk.text} if whole else found)
+
+    def _tell_verdict(self, kind: str, result: Mapping[str, Any], revision: int) -> None:
+        """Tell all pages the verdict, now that a job has a `result`, if that is of this text."""
+        if revision != self._revision:
+            return
+        self._results[kind] = result
+        found = verdict_of(self._results)
+        self._verdict = Message("verdict", {"revision": self._revision, **found})
+        self._broadcast(self._verdict)
 
     def _pinned_message(self) -> Message:
         return Message("pinned", {}, self._pinned or b"null", "curves")

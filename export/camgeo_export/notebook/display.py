@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
@@ -9,7 +10,7 @@ from html import escape
 from typing import Any, cast
 
 from camgeo.answers import render
-from camgeo.answers.answer import Answer, verdict_on
+from camgeo.answers.answer import MANY, MARKS, Answer, verdict_on
 from camgeo.answers.check import Check
 from camgeo.answers.compare import Cell, Compare
 from camgeo.answers.laws import UNITS, LawRow, Laws
@@ -21,7 +22,7 @@ from camgeo.answers.sweep.rendering import FEW, headed
 from camgeo.answers.sweep.rendering import shown as cell
 from camgeo.answers.table import ValueTable
 from camgeo.answers.verify import Verification
-from camgeo.check.finding import Finding, Findings, Severity
+from camgeo.check.finding import Finding, Findings, LazyFindings, Severity
 from camgeo.check.judge import Judgement
 from camgeo.design import Design
 from camgeo.displayed import Displayed
@@ -32,6 +33,7 @@ from camgeo.figure.model import Figure
 from camgeo.motion.laws.comparison import QUANTITIES, entry_of
 from camgeo.motion.laws.law import Law
 from camgeo.product.value_table import Table
+from camgeo.wording import counted
 from camgeo.writing.write import Report as Written
 from camgeo_export.notebook import markup
 
@@ -116,13 +118,19 @@ def _findings(found: Findings) -> str:
     wrong = [("", each, next_step(each, ())) for each in found if each.severity != "ok"]
     right = [("", each, "") for each in found if each.severity == "ok"]
     table = markup.findings(wrong) if wrong else ""
-    folded = markup.folded(f"{len(right)} ok", markup.findings(right)) if right else ""
-    return table + folded
+    several = Counter[str](each.verdict for _, each, _ in right)
+    told = ", ".join(counted(several[each], MARKS[each], MANY[each]) for each in several)
+    return table + (markup.folded(told, markup.findings(right)) if right else "")
 
 
 @shown.register
 def _(value: Finding) -> Shown:
     return Shown(markup.findings([("", value, next_step(value, ()))]))
+
+
+@shown.register
+def _(value: LazyFindings) -> Shown:
+    return shown(Findings(value))
 
 
 @shown.register
@@ -168,9 +176,8 @@ def _(value: Answer) -> Shown:
 @shown.register
 def _(value: Check) -> Shown:
     found = [(each.about, each.finding, each.step) for each in advised(value)]
-    cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in value.cures]
-    items = "".join(f"<li>{escape(each)}</li>" for each in cures)
-    listed = f"<p>Any one of these cures the undercut:</p><ul>{items}</ul>" if cures else ""
+    items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
+    listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
     table = markup.heading(value.scene.name) + markup.findings(found) + listed
     return Shown(table + _as_text(value))
 
@@ -308,6 +315,6 @@ def _(value: Compare) -> Shown:
 def _compared(found: Cell) -> str:
     text = "-" if found.value is None else f"{cell(found.value)} {found.unit}".rstrip()
     if found.severity in ("", "ok"):
-        return escape(found.severity if found.value is None and found.severity else text)
+        return escape(found.verdict if found.value is None and found.verdict else text)
     mark = markup.badge(cast("Severity", found.severity))
     return mark if found.value is None else f"{escape(text)} {mark}"

@@ -12,7 +12,7 @@ from html import escape
 from typing import Final
 
 from camgeo.answers.answer import MARKS
-from camgeo.check.finding import Finding, Severity
+from camgeo.check.finding import Finding, Verdict
 from camgeo.product.value_table import Table
 from camgeo.wording import counted
 
@@ -35,14 +35,16 @@ ALIGNED: Final = (
 
 BADGE: Final = "padding:0 .4em;border-radius:.2em;white-space:nowrap;font-weight:bold"
 
-BADGES: Final[dict[Severity, tuple[str, str]]] = {
+BADGES: Final[dict[Verdict, tuple[str, str]]] = {
     "invalid": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
     "no-disc": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
     "broken": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
     "warning": ("!", f"{BADGE};background:#ffd257;color:#241a00"),
     "ok": ("✓", "white-space:nowrap"),
+    "figure": ("=", "white-space:nowrap"),
+    "note": ("–", "white-space:nowrap"),
 }
-"""Sign and style of a severity; its word says the same as its colours."""
+"""Sign and style of a verdict; its word says the same as its colours."""
 
 
 def paragraph(text: str) -> str:
@@ -87,10 +89,10 @@ def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: boo
     )
 
 
-def badge(severity: Severity, word: str = "") -> str:
-    """A verdict as sign and word, by default the word of the severity."""
-    sign, style = BADGES[severity]
-    return f'<span style="{style}">{sign} {escape(word or MARKS[severity])}</span>'
+def badge(verdict: Verdict, word: str = "") -> str:
+    """A verdict as sign and word, by default its own word."""
+    sign, style = BADGES[verdict]
+    return f'<span style="{style}">{sign} {escape(word or MARKS[verdict])}</span>'
 
 
 def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
@@ -99,7 +101,7 @@ def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
     Empty columns are left out.
     """
     told = [
-        (badge(each.severity), *map(escape, (about, each.name, each.sentence, step)))
+        (badge(each.verdict), *map(escape, (about, each.name, each.sentence, step)))
         for about, each, step in found
     ]
     heads = ("verdict", "of", "finding", "in words", "next step")

@@ -184,7 +184,7 @@ def _controls() -> str:
 
 def _findings(report: Report) -> str:
     rows = [
-        f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.severity]}</td>'
+        f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.verdict]}</td>'
         + "".join(
             f"<td>{escape(text)}</td>"
             for text in (each.about, each.finding.name, each.finding.sentence, each.step or "none")
@@ -193,8 +193,8 @@ def _findings(report: Report) -> str:
         for each in report.advised
     ]
     heads = ("verdict", "of", "finding", "in words", "next step")
-    cures = [f"{'' if cure.works else 'no cure: '}{cure.sentence}" for cure in report.check.cures]
-    listed = f"<p>Any one of these cures the undercut:</p>{_items(cures)}" if cures else ""
+    cures = [cure.statement for cure in report.check.cures]
+    listed = f"<p>Each of these cures the fault that it names:</p>{_items(cures)}" if cures else ""
     return _table("Table of findings", heads, rows) + listed
 
 

@@ -165,7 +165,7 @@ def test_a_circle_that_is_no_dwell_is_one_arc() -> None:
     """A rest taken for a move: constant curvature."""
     curve = translating(dwell(100), dwell(260))
     (piece,) = smooth_pieces(curve)
-    short = type(piece)(0.0, 2.0, dwell=False)
+    short = type(piece)(0.0, 2.0)
     strands = Strands.of(curve, [short], bends_of(curve, [short]))
     (spline,) = arc_splines(strands, np.array([0]), np.array([1]))
     assert spline.deviation <= 1e-13

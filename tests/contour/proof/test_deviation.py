@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from decimal import Decimal
 from functools import cache
 from typing import Any
@@ -180,6 +181,17 @@ def test_there_and_back_is_refused() -> None:
     vertices = np.concatenate((vertices, contour.vertices[11:]))
     with pytest.raises(GeometryError, match="once round"):
         deviation(whole(flank(*FLANKS[0])), polyline(vertices))
+
+
+def test_what_runs_across_the_curve_is_refused_with_the_place() -> None:
+    vertices = flank(*FLANKS[0]).point(np.linspace(0.0, TURN, 200, endpoint=False))
+    astray = vertices.copy()
+    astray[50] += 3.0 + 3.0j
+    with pytest.raises(GeometryError, match="cannot be compared") as caught:
+        deviation(whole(flank(*FLANKS[0])), polyline(astray))
+    near = re.search(r"near X (\S+), Y (\S+) mm", str(caught.value))
+    assert near is not None
+    assert abs(complex(float(near[1]), float(near[2])) - vertices[50]) <= 5.0
 
 
 @settings(some, max_examples=10)

@@ -3,6 +3,7 @@
 import { button, el, say, shown, table } from "../dom";
 import type { Session } from "./session";
 import { number, t } from "./strings";
+import { worded } from "./text";
 
 const FORMATS = "output.formats"; // the key of the scene with what it asks for
 
@@ -50,7 +51,8 @@ export class Build {
     if (!built) return;
     const old = built.revision < revision;
     this.files.classList.toggle("old", old);
-    say(this.said, old ? t("build.old") : built.message || t(built.files.length ? "build.done" : "build.none", { n: built.files.length }));
+    say(this.said, old ? t("build.old") : built.message || built.faults.map(worded).join("; ") || t(built.files.length ? "build.done" : "build.none", { n: built.files.length }));
+    this.said.classList.toggle("bad", !old && built.faults.length > 0);
     if (this.listed === built) return;
     this.listed = built;
     const stated = (value: number | null | undefined): string => (value === null || value === undefined ? "" : number(value, 3));

@@ -25,7 +25,7 @@ export class Charts {
   private update(): void {
     const charts = [...(this.session.curves?.charts ?? []), ...(this.session.findings?.charts ?? [])].filter((chart) => chart.name !== CHART);
     shown(this.none, charts.length === 0);
-    this.element.classList.toggle("old", this.session.faults.length > 0);
+    this.element.classList.toggle("old", this.session.stale);
     this.show(charts);
   }
 

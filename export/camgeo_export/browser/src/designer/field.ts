@@ -224,7 +224,7 @@ export class FieldView implements Kept<Field> {
   update(field: Field): void {
     this.field = field;
     const { input } = this;
-    const faults = this.session.faults.filter((each) => each.key === field.key).map((each) => each.message);
+    const faults = this.session.faultsAt(field.key).map((each) => each.message);
     const whole = JSON.stringify([field, faults]);
     if (whole === this.whole && !this.dirty && !this.reverts) return;
     this.whole = whole;

@@ -5,7 +5,7 @@ import type { Finding } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
 
-const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗" };
+const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗", unknown: "✗", waiting: "…" };
 
 // Where the verdict leads to.
 const FINDINGS = "#findings";
@@ -30,24 +30,27 @@ export class Findings {
   }
 
   update(): void {
-    const { findings: found, faults } = this.session;
-    const old = !found || found.revision < this.session.revision;
-    this.element.classList.toggle("old", old);
-    if (faults.length > 0) return this.faulty(faults.length);
-    if (this.verdict.hash === FAULTS) this.tell("waiting", FINDINGS, t("findings.waiting"), t("findings.waiting"));
+    const { findings: found, known, revision, held } = this.session;
+    const old = !found || found.revision < revision;
+    const faulty = known !== null && known.faults.length > 0;
+    const sentence = known?.sentence ?? t("findings.waiting");
+    const severity = known?.severity ?? "waiting";
+    this.element.classList.toggle("old", old && !faulty);
+    say(this.verdict, `${SIGNS[severity] ?? "✗"} ${sentence}`);
+    attribute(this.verdict, "class", `verdict ${severity}`);
+    attribute(this.verdict, "href", faulty ? FAULTS : FINDINGS);
     // Not while something is dragged: what grows above a picture would move it.
-    if (!found || old || this.session.held) return;
-    const all = found.findings ?? [];
+    if (held) return;
+    say(this.sentence, faulty && (old || !found.findings) ? t("findings.faulty") : sentence);
+    if (old && !faulty) return;
+    const all = (!old && found.findings) || [];
     const bad = all.filter((each) => each.severity !== "ok");
-    const verdict = found.verdict || t(all.length ? "findings.kept" : "findings.none");
-    const worst = bad.length ? this.worst(bad) : "ok";
-    this.tell(worst, FINDINGS, `${SIGNS[worst] ?? "!"} ${verdict}`, verdict);
     this.list(this.bad, bad);
     const kept = all.filter((each) => each.severity === "ok");
     shown(this.more, kept.length > 0);
     say(this.summary, t("findings.all", { n: kept.length }));
     this.list(this.kept, kept);
-    const cures = found.cures ?? [];
+    const cures = (!old && found.cures) || [];
     shown(this.cures, cures.length > 0);
     this.cures.replaceChildren(
       el("p", {}, t("findings.cures")),
@@ -61,25 +64,6 @@ export class Findings {
         ),
       ),
     );
-  }
-
-  private worst(bad: Finding[]): string {
-    return ["invalid", "no-disc", "broken", "warning"].find((each) => bad.some((one) => one.severity === each)) ?? "warning";
-  }
-
-  // A scene with faults has no findings; the faults are listed beside its text.
-  private faulty(count: number): void {
-    this.tell("invalid", FAULTS, `${SIGNS["invalid"]} ${t("findings.faults", { n: count })}`, t("findings.faulty"));
-    this.list(this.bad, []);
-    shown(this.more, false);
-    shown(this.cures, false);
-  }
-
-  private tell(severity: string, place: string, verdict: string, sentence: string): void {
-    say(this.sentence, sentence);
-    say(this.verdict, verdict);
-    attribute(this.verdict, "class", `verdict ${severity}`);
-    attribute(this.verdict, "href", place);
   }
 
   // Drawn anew only if it says something else, so that no button goes from under a pointer.

@@ -59,15 +59,19 @@ export class Form {
     kinds.addEventListener("focus", () => this.tell(kinds.selectedOptions[0]?.textContent ?? "", about.textContent));
     const kind = el("div", { class: "field choice" }, el("label", { for: id }, t("form.kind")), el("div", { class: "entry" }, kinds), about);
     const title = el("summary", {}, section.title);
+    const note = el("p", { class: "note", hidden: true });
     const meant = el("p", { id: fresh(), hidden: true });
     title.setAttribute("aria-describedby", meant.id);
     title.addEventListener("focus", () => this.tell(title.textContent, meant.textContent));
-    const element = el("details", { open: this.open.has(section.key) && section.stated !== false, "data-section": section.key }, title, meant, kind, fields);
+    const element = el("details", { open: this.open.has(section.key) && section.stated !== false, "data-section": section.key }, title, meant, note, kind, fields);
     return {
       element,
       update: (next) => {
         say(title, next.title);
         say(meant, next.description ?? "");
+        const own = this.session.faults.filter((each) => each.key === next.key && each.key !== "").map((each) => each.message);
+        say(note, own.join(" "));
+        shown(note, own.length > 0);
         const all = next.kinds ?? [];
         shown(kind, all.length > 0);
         const text = JSON.stringify(all);

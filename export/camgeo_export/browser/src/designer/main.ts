@@ -123,6 +123,7 @@ function start(root: HTMLElement): void {
   session.on(["findings", "moved"], () => findings.update());
   session.on("state", () => {
     files.update();
+    findings.update(); // a verdict on an earlier text is none on this one
     text.update();
   });
   session.on("connection", () => {

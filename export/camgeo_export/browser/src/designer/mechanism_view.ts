@@ -72,12 +72,12 @@ export class MechanismView {
   }
 
   private update(): void {
-    const { curves, pinned, faults, held } = this.session;
+    const { curves, pinned, stale, held } = this.session;
     const found = curves?.animation ?? null;
     shown(this.none, !found);
     shown(this.picture, Boolean(found));
-    shown(this.old, faults.length > 0 && Boolean(found));
-    this.picture.classList.toggle("old", faults.length > 0);
+    shown(this.old, stale && Boolean(found));
+    this.picture.classList.toggle("old", stale);
     say(this.none, !curves ? t("mechanism.waiting") : this.session.text.trim() ? t("mechanism.none") : t("mechanism.empty"));
     if (!found) return this.handles.update([], () => null);
     const other = pinned?.animation;
@@ -126,7 +126,7 @@ export class MechanismView {
   // Where something is wrong: signs on the disc, which turn with it, and the same in words.
   private mark(): void {
     const found = this.session.findings;
-    const places = found && found.revision >= this.session.revision && !this.session.faults.length ? (found.places ?? []) : [];
+    const places = found && found.revision >= this.session.revision ? (found.places ?? []) : [];
     this.places.replaceChildren(...places.slice(0, MOST).flatMap((place) => [...this.range(place), this.sign(place)]));
     shown(this.details, places.length > 0);
     const words = places.slice(0, MOST).map((place) => place.label);

@@ -142,9 +142,15 @@ export interface Place {
   points?: Point[]; // along which it is, if it is more than a point
 }
 
-export interface Found {
+// The one verdict on a text: how bad it is, a sentence, and what is wrong in the scene.
+export interface Verdict {
+  revision: number;
+  severity: string;
+  sentence: string;
   faults: Fault[];
-  verdict?: string;
+}
+
+export interface Found {
   findings?: Finding[];
   cures?: Cure[];
   places?: Place[];
@@ -193,6 +199,7 @@ export interface BuiltFile {
 
 export type FromServer =
   | ({ kind: "state" } & State)
+  | ({ kind: "verdict" } & Verdict)
   | ({ kind: "curves"; revision: number; answers?: number | null } & Curves)
   | ({ kind: "moved"; revision: number; answers?: number | null } & Curves) // what moves in a drag; the rest follows as curves
   | ({ kind: "findings"; revision: number } & Found)

@@ -61,7 +61,7 @@ export class MotionView {
     this.shown = found;
     shown(this.none, !found);
     shown(this.picture, Boolean(found));
-    this.picture.classList.toggle("old", this.session.faults.length > 0);
+    this.picture.classList.toggle("old", this.session.stale);
     if (!found) return;
     const handles = (curves?.handles ?? []).filter((each) => each.space === SPACE);
     const figure = this.steady(beside(found.figure, chartOf(pinned, CHART, "")?.figure), handles, held === SPACE);

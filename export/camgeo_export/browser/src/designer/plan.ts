@@ -95,7 +95,7 @@ export class Plan {
         others?.(second);
         shown(more, second.length > 0);
         shown(laws, next.fields.some((field) => /(^|\.)law$/.test(field.key)));
-        attribute(element, "class", this.session.faults.some((fault) => fault.key.startsWith(`motion[${next.index + 1}]`)) ? "faulty" : null);
+        attribute(element, "class", this.session.faultsAt(`motion[${next.index + 1}]`).length > 0 ? "faulty" : null);
       },
     };
   }

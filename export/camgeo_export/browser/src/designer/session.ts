@@ -4,7 +4,7 @@ import { CamAngle } from "../angle";
 import { withLists } from "../packing";
 import { announce } from "./announce";
 import { type Ask, Connection } from "./connection";
-import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer } from "./model";
+import type { BuiltFile, Change, Curves, Effect, Fault, Found, FromServer, Law, Sized, State, ToServer, Verdict } from "./model";
 import { moved } from "./moved";
 import { t } from "./strings";
 import { painted, timings, took } from "./timings";
@@ -18,12 +18,14 @@ export class Session {
   state: State | null = null;
   text = "";
   curves: Curves | null = null; // the last without faults
+  stale = false; // they are not of the present text
+  verdict: Verdict | null = null; // the last, see `known`
   faults: Fault[] = NEVER;
   refused = "";
   overwrites = false; // whether what was refused can be forced
   findings: (Found & { revision: number }) | null = null;
   pinned: Curves | null = null;
-  built: { files: BuiltFile[]; findings: string[]; revision: number; message: string } | null = null;
+  built: { files: BuiltFile[]; findings: string[]; faults: Fault[]; revision: number; message: string } | null = null;
   solid: { solids: { name: string; places: string }[]; revision: number } | null = null;
   sized: (Sized & { revision: number }) | null = null;
   laws: { segment: number; laws: Law[] } | null = null;
@@ -61,6 +63,16 @@ export class Session {
   // Whether a change is on its way.
   get waits(): boolean {
     return this.connection.busy;
+  }
+
+  // The verdict on the present text; null as long as there is none.
+  get known(): Verdict | null {
+    return this.verdict && this.verdict.revision >= this.revision ? this.verdict : null;
+  }
+
+  // What is wrong at a key, or within its value.
+  faultsAt(key: string): Fault[] {
+    return this.faults.filter((each) => each.key === key || [".", "["].some((mark) => each.key.startsWith(`${key}${mark}`)));
   }
 
   open(): void {
@@ -124,6 +136,15 @@ export class Session {
         this.tell("state", "told");
         break;
       }
+      case "verdict": {
+        const { kind: _, ...rest } = found;
+        if (rest.revision < this.revision) return;
+        const late = rest.revision === this.revision; // what comes before its curves is said with them
+        [this.verdict, this.faults] = [rest, rest.faults];
+        this.tell("faults");
+        if (late && rest.faults.length) announce(`${rest.sentence} ${rest.faults[0]?.message ?? ""}`);
+        break;
+      }
       case "curves": {
         const { kind: _, revision, answers: __, ...rest } = found;
         if (revision < this.revision) return;
@@ -132,7 +153,7 @@ export class Session {
         if (typeof rest.text === "string") this.text = rest.text;
         this.refused = rest.refused ?? "";
         if (typeof found.answers === "number") this.message = ""; // it was said before this
-        this.faults = rest.faults;
+        this.stale = !rest.charts;
         // With faults the last pictures stay; what can be entered is that of the text all the same.
         if (rest.charts) this.curves = rest;
         else if (rest.form?.length) this.curves = { ...this.curves, faults: rest.faults, form: rest.form, plan: rest.plan ?? [], effects: rest.effects ?? [] };
@@ -147,8 +168,8 @@ export class Session {
         if (revision < this.revision) return;
         this.revision = revision;
         if (typeof rest.text === "string") this.text = rest.text;
-        if (this.refused || this.faults.length || this.message) this.tell("faults", "told");
-        [this.refused, this.message, this.faults] = ["", "", NEVER];
+        if (this.refused || this.faults.length || this.message || this.stale) this.tell("faults", "told");
+        [this.refused, this.message, this.faults, this.stale] = ["", "", NEVER, false];
         this.curves = moved(this.curves, withLists(rest));
         this.tell("moved");
         if (rest.label) announce(t("announce.changed", { label: rest.label }));
@@ -169,7 +190,7 @@ export class Session {
         announce(t("text.refused", { message: found.message }));
         break;
       case "built":
-        this.built = { files: found.files, findings: found.findings ?? [], revision: found.revision ?? this.revision, message: found.message ?? "" };
+        this.built = { files: found.files, findings: found.findings ?? [], faults: found.faults ?? [], revision: found.revision ?? this.revision, message: found.message ?? "" };
         this.tell("built");
         announce(t(found.files.length ? "build.done" : "build.none", { n: found.files.length }));
         break;

@@ -1,8 +1,15 @@
 // The text of the scene: edited beside the picture, with its faults at their lines.
 
 import { attribute, button, el, say, shown } from "../dom";
+import type { Fault } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
+
+// A fault in words: its key with the value that is wrong, what is wrong, and what may help.
+export function worded({ key, value, message, hint }: Fault): string {
+  const place = key && !message.includes(key) ? `${key}${value ? ` = ${String(value)}` : ""}: ` : "";
+  return `${place}${message}${hint ? ` ${hint}` : ""}`;
+}
 
 const REST = 250; // milliseconds without a key before what was typed is sent
 const APART = 150; // least milliseconds between two pictures of the text
@@ -30,6 +37,14 @@ export class TextEditor {
       this.number();
       clearTimeout(this.timer);
       this.timer = window.setTimeout(() => this.flush(), REST);
+    });
+    // The browser itself takes a second for each few hundred lines that it pastes.
+    this.area.addEventListener("paste", (event) => {
+      const pasted = event.clipboardData?.getData("text/plain");
+      if (!pasted) return;
+      event.preventDefault();
+      this.area.setRangeText(pasted, this.area.selectionStart, this.area.selectionEnd, "end");
+      this.area.dispatchEvent(new Event("input"));
     });
     this.area.addEventListener("blur", () => {
       this.flush();
@@ -84,9 +99,10 @@ export class TextEditor {
   }
 
   private faults(): void {
-    const { faults, refused } = this.session;
+    const { faults, refused, known } = this.session;
     const sentence = [refused && t("text.refused", { message: refused }), faults.length ? t("text.faults", { n: faults.length }) : ""].filter(Boolean).join(" ");
-    say(this.said, sentence || t("text.fault-none"));
+    const judged = known && known.severity !== "waiting" && known.severity !== "unknown";
+    say(this.said, sentence || (judged ? t("text.fault-none") : (known?.sentence ?? t("findings.waiting"))));
     this.said.classList.toggle("bad", sentence !== "");
     attribute(this.area, "aria-invalid", faults.length ? "true" : null);
     const told = JSON.stringify(faults);
@@ -96,8 +112,7 @@ export class TextEditor {
     const items = faults.map((fault) => {
       const line = fault.line;
       const where = line ? button(t("text.fault-at", { line }), () => this.go(line)) : null;
-      const words = [fault.key && !fault.message.includes(fault.key) ? `${fault.key}: ${fault.message}` : fault.message, fault.hint ?? ""].filter(Boolean).join(" ");
-      return el("li", {}, where, el("span", {}, ` ${words}`));
+      return el("li", {}, where, el("span", {}, ` ${worded(fault)}`));
     });
     this.list.replaceChildren(el("ul", { class: "list" }, ...items));
     this.lines = -1;

@@ -1,0 +1,209 @@
+"""Scenes as the designer judges them: its header says what `camgeo check --json` says.
+
+    python -m tests.draws.designer_header [--count N] [--seed HEX] [--rows FILE]
+
+The cases are each effect switched on in each template, each scene of `fixtures` and of the folders
+that are named, and N random edits of those of `fixtures`: values of fields, segments, effects and
+kinds of followers. The answer to compare with is that of the command, its exit code and the
+severities in its document. A fault with a key must be at a line that names it, or what is around
+it. An effect that is switched on must be computed, or the change be refused with a sentence.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import random
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+from camgeo.cli.main import main as command
+from camgeo.designing.job import Job
+from camgeo.designing.verdict import verdict_of
+from camgeo.designing.work import run
+from tests.judges.designer_scenes import workshop
+from tests.seeds import add_commit_seed
+
+CODES: Final = {"ok": 0, "warning": 0, "broken": 1, "no-disc": 1, "invalid": 2}
+"""Exit codes of `camgeo check` by the severity of the header; any other is no verdict."""
+
+WORST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
+
+ACTIONS: Final = ("insert", "remove", "split", "up", "down", "to-dwell", "to-move")
+
+FACTORS: Final = (-1.0, 0.0, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0)
+"""By which a number of a field is multiplied."""
+
+NAMES: Final = re.compile(r"[\w-]+")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, and what is wrong with its header; empty if nothing is."""
+
+    name: str
+    severity: str
+    miss: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.severity}" + (f", MISS: {self.miss}" if self.miss else "")
+
+
+def done(kind: str, text: str = "", file: Path = Path("cam.toml"), **arguments: Any) -> Any:
+    """The result of a job of the designer, as a page is sent it."""
+    found = run(Job(kind, text, str(file), str(file.parent), arguments))
+    return json.loads(json.dumps(found, allow_nan=False))
+
+
+def header(text: str, file: Path) -> dict[str, Any]:
+    """What the page is told of a text as of a file: the verdict on its curves and findings."""
+    return verdict_of({kind: done(kind, text, file) for kind in ("curves", "findings")})
+
+
+def checked(text: str, file: Path) -> tuple[int, set[str]]:
+    """Exit code of `camgeo check --json` for the same text, and the severities in its document."""
+    file.write_text(text, "utf-8")
+    out = io.StringIO()
+    with redirect_stdout(out), redirect_stderr(io.StringIO()):
+        code = command(["check", str(file), "--json"])
+    document = json.loads(out.getvalue()) if out.getvalue().strip() else {}
+    return code, set(_severities(document))
+
+
+def _severities(found: Any) -> Iterator[str]:
+    if isinstance(found, dict):
+        if isinstance(found.get("severity"), str):
+            yield found["severity"]
+        found = list(found.values())
+    if isinstance(found, list):
+        for each in found:
+            yield from _severities(each)
+
+
+def case(name: str, text: str, file: Path) -> Case:
+    """Judge a text by both doors."""
+    found = header(text, file)
+    severity = found["severity"]
+    code, severities = checked(text, file)
+    said = next((each for each in WORST if each in severities), "invalid" if code == 2 else "ok")
+    miss = ""
+    if CODES.get(severity) != code or (severity != said and not found["faults"]):
+        miss = f"the command ends with {code}, {said}"
+    elif bool(found["faults"]) and severity != "invalid":
+        miss = "faults, and not invalid"
+    return Case(name, severity, miss or misplaced(found["faults"], text))
+
+
+def misplaced(faults: list[dict[str, Any]], text: str) -> str:
+    """Which fault with a key is at no line that names it, or what is around it; empty if none."""
+    lines = text.splitlines()
+    for fault in faults:
+        names = set(NAMES.findall(fault["key"]))
+        line = fault["line"]
+        here = set(NAMES.findall(lines[line - 1])) if line else set()
+        stated = names & set(NAMES.findall(text))
+        if stated and not names & here and not fault["key"].endswith("]"):
+            return f"{fault['key']} is said to be at line {line}"
+    return ""
+
+
+def switched(name: str, text: str, effect: str, file: Path) -> Case:
+    """Switch an effect on: it is computed, or the change is refused with a sentence."""
+    changed = done("change", text, file, effect={"name": effect, "on": True})
+    if "refused" in changed:
+        return Case(name, "refused", "" if changed["refused"] else "without a reason")
+    found = case(name, changed["text"], file)
+    return Case(name, found.severity, found.miss or ("faults" * (found.severity == "invalid")))
+
+
+def edit(draw: random.Random, curves: Mapping[str, Any]) -> dict[str, Any]:
+    """A random change, as a page can ask for it."""
+    fields = [field for section in curves["form"] for field in section["fields"]]
+    fields += [field for segment in curves["plan"] for field in segment["fields"]]
+    kind = draw.random()
+    if kind < 0.2:
+        effects = [each["name"] for each in done("effects")["effects"]]
+        name = draw.choice(effects)
+        return {"effect": {"name": name, "on": name not in curves["effects"]}}
+    if kind < 0.3 and curves["plan"]:
+        return {
+            "segment": {"action": draw.choice(ACTIONS), "at": draw.randrange(len(curves["plan"]))}
+        }
+    if kind < 0.35:
+        kinds = [each["kinds"] for each in curves["form"] if each["key"] == "follower"]
+        if kinds and kinds[0]:
+            return {"table": {"key": "follower", "kind": draw.choice(kinds[0])["value"]}}
+    field = draw.choice(fields)
+    return {"edits": {field["key"]: value(draw, field)}}
+
+
+def value(draw: random.Random, field: Mapping[str, Any]) -> Any:
+    """Another value of a field: a number near or far, one of its choices, or none."""
+    if draw.random() < 0.1:
+        return None
+    if field["type"] == "flag":
+        return not field["value"]
+    if field.get("choices"):
+        return draw.choice(field["choices"])
+    if field["type"] == "number":
+        stated = field["value"] if field["value"] is not None else field.get("default")
+        return round(draw.choice(FACTORS) * float(stated or 1.0), 6)
+    return field["value"]
+
+
+def cases(count: int, seed: int, folder: Path, more: tuple[Path, ...] = ()) -> Iterator[Case]:
+    """All of them; scenes are written into `folder`, beside the files that they name."""
+    scenes = folder / "scenes"
+    names = workshop(scenes)
+    file = scenes / "drawn.toml"
+    for each in done("templates")["templates"]:
+        for effect in done("effects")["effects"]:
+            title = f"{each['name']} with {effect['name']}"
+            yield switched(title, each["text"], effect["name"], file)
+    for path in [*(scenes / name for name in names), *more]:
+        yield case(path.name, path.read_text("utf-8"), scenes / path.name)
+    draw = random.Random(seed)
+    yield from edits(count, draw, [scenes / name for name in names], file)
+
+
+def edits(count: int, draw: random.Random, paths: list[Path], file: Path) -> Iterator[Case]:
+    """Random edits of these scenes, of which a few are made one after the other."""
+    for number in range(count):
+        path = draw.choice(paths)
+        text, asked = path.read_text("utf-8"), []
+        for _ in range(draw.randint(1, 3)):
+            asked.append(edit(draw, done("curves", text, file)))
+            text = done("change", text, file, **asked[-1]).get("text", text)
+        yield case(f"{number} {path.name} {json.dumps(asked)}", text, file)
+
+
+def main() -> int:
+    """Draw, print, and end with 1 if a header is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--rows", type=Path)
+    parser.add_argument("scenes", type=Path, nargs="*")
+    add_commit_seed(parser)
+    given = parser.parse_args()
+    rows, misses = [], 0
+    with TemporaryDirectory() as folder:
+        for each in cases(given.count, given.seed, Path(folder), tuple(given.scenes)):
+            rows.append(str(each))
+            misses += bool(each.miss)
+            if each.miss:
+                sys.stdout.write(f"{each}\n")
+    if given.rows:
+        given.rows.write_text("\n".join(rows) + "\n", "utf-8")
+    sys.stdout.write(f"seed {given.seed:08x}, {len(rows)} cases, {misses} misses\n")
+    return int(misses > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
