@@ -72,9 +72,6 @@ class SceneError(CamgeoError, ValueError):
         lines = "\n".join(f"  {fault}" for fault in self.faults)
         super().__init__(f"{head}{counted(len(self.faults), 'fault')}\n{lines}")
 
-    def restate(self, unit: LengthUnit) -> None:
-        """Nothing: faults of a scene are in its unit, those of a call in mm, as its options are."""
-
 
 class GeometryError(CamgeoError, ValueError):
     """The mechanism or the curve does not exist as asked, e.g. a linkage that cannot close.

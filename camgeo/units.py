@@ -29,7 +29,8 @@ _NUMBER: Final = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
 _MEASURE: Final = re.compile(
     r'"[^"\n]*"'  # what is quoted stays
     rf"|(?<![\w.^/])(?P<bound>at least |at most )?(?P<numbers>\({_NUMBER}(?:, {_NUMBER})+\)"
-    rf"|[XYZ] {_NUMBER}(?:, [XYZ] {_NUMBER})*"
+    rf"|[XYZ] {_NUMBER}(?:, (?:[XYZ] )?{_NUMBER})*"
+    rf"|{_NUMBER}, {_NUMBER}, {_NUMBER}"
     rf"|between {_NUMBER} and {_NUMBER}"
     rf"|{_NUMBER}(?:(?: to | x ){_NUMBER})*)"
     r"(?P<unit> (?:g |kg )?mm(?:\^(?P<power>\d))?)(?![\w^]|\.\w|/\w+[./])"
@@ -63,10 +64,11 @@ def unit_in(unit: str, length: LengthUnit) -> tuple[str, float]:
 def in_unit(text: str, unit: LengthUnit, exact: Collection[float] = ()) -> str:
     """The text with all lengths, areas, speeds, ... that it states in mm in the unit of a scene.
 
-    Known are "17.5 mm", "3 to 4 mm", "between 3 and 4 mm", "3 x 4 mm", "(3, 4) mm" and "X 3, Y 4
-    mm", with powers of mm, mm per anything, g mm and kg mm^2. A length has one decimal more in
-    inches than in mm, the other quantities accordingly; what follows "at least" is rounded up, what
-    follows "at most" down, so that it holds. What is in double quotes stays.
+    Known are "17.5 mm", "3 to 4 mm", "between 3 and 4 mm", "3 x 4 mm", "(3, 4) mm", "X 3, Y 4 mm",
+    "Z 3, 4 mm" and three numbers with commas, with powers of mm, mm per anything, g mm and kg mm^2.
+    A length has one decimal more in inches than in mm, the other quantities accordingly; what
+    follows "at least" is rounded up, what follows "at most" down, so that it holds. What is in
+    double quotes stays.
 
     Parameters
     ----------

@@ -19,6 +19,8 @@ from camgeo.units import in_unit, unit_in
         ("from -4.77465 to 4.77465 mm/rad, at cam angles 3 and 180 deg",
          "from -0.187978 to 0.187978 inch/rad, at cam angles 3 and 180 deg"),
         ("at X 25.4, Y 50.8 mm", "at X 1, Y 2 inch"),
+        ("Z 25.4, 50.8 mm", "Z 1, 2 inch"),
+        ("about x, y, z 645.16, 1290.32, 6451.6 kg mm^2", "about x, y, z 1, 2, 10 kg inch^2"),
         ("123 x 115 mm", "4.843 x 4.528 inch"),
         ("between 25.4 and 50.8 mm", "between 1 and 2 inch"),
         ("tool 1, 12.7 mm", "tool 1, 0.5 inch"),

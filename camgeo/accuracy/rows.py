@@ -151,8 +151,8 @@ class EffectRow:
 
 
 def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
-    """A row with its tolerance, and what it has of deviations, in units of `mm`; accelerations of
-    the output in units of `moved`.
+    """A row with its tolerance, and what it has of deviations, in units of `mm`; octaves of the
+    acceleration in units of `moved`.
     """
     found: dict[str, Any] = {}
     for each in fields(row):
@@ -161,8 +161,6 @@ def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
             found[each.name] = in_length(value, mm, moved)
         elif each.name in ("tolerance", "deviation") and value is not None:
             found[each.name] = value / mm
-        elif each.name == "acceleration" and value is not None:
-            found[each.name] = value / moved
         elif each.name == "octaves":
             found[each.name] = tuple(octave / moved for octave in value)
     return replace(row, **found)

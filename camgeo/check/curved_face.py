@@ -43,10 +43,11 @@ def check_curved_face(curve: PitchCurve, bends: Extremes) -> tuple[Finding, ...]
     value = 1.0 / tightest - radius if tightest > 0.0 else None
     sentence = "the cam has no convex part"
     if value is not None:
-        sentence = f"smallest radius of curvature {value:.6g} mm {_at(phi)}"
+        sentence = f"smallest radius of curvature {value:.6g} mm {at_cam_angles(phi, form='.4f')}"
     if hollow < 0.0:
+        place = at_cam_angles(there, form=".4f")
         sentence += (
-            f"; the cam is hollow, with a radius of {radius - 1.0 / hollow:.6g} mm {_at(there)},"
+            f"; the cam is hollow, with a radius of {radius - 1.0 / hollow:.6g} mm {place},"
             " larger than that of the face"
         )
     else:
@@ -63,14 +64,11 @@ def _run(curve: PitchCurve) -> Finding:
 
     found = extremes(curve, place, SLOPES["roller"](curve))
     (low, at_low), (high, at_high) = found.smallest(), found.largest()
+    first, last = (at_cam_angles(each, form=".4f") for each in (at_low, at_high))
     across = 2.0 * max(-low, high)
     sentence = (
-        f"the contact runs along the curved face from {low:.6g} mm {_at(at_low)} to {high:.6g} mm"
-        f" {_at(at_high)}, measured from its middle: a face of"
+        f"the contact runs along the curved face from {low:.6g} mm {first} to {high:.6g} mm"
+        f" {last}, measured from its middle: a face of"
         f" {high - low:.6g} mm is needed, and one of {across:.6g} mm in diameter if it turns"
     )
     return Finding("face-length", "ok", sentence, high - low, unit="mm")
-
-
-def _at(phi: float) -> str:
-    return at_cam_angles(phi, form=".4f")

@@ -129,7 +129,7 @@ class Findings(tuple[Finding, ...], Displayed):
 
 def stated_in(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings with their sentences in the unit of a scene, see `Finding.in_unit`."""
-    return tuple(each.in_unit(unit) for each in findings)
+    return tuple(findings if unit == "mm" else (each.in_unit(unit) for each in findings))
 
 
 class LazyFindings(Sequence[Finding], Displayed):

@@ -17,15 +17,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from camgeo.accuracy.bill import Stage
+from camgeo.accuracy.knee import advice
 from camgeo.accuracy.rows import EFFORTS, FORMS, ORDER, ContourRow, in_length
 from camgeo.accuracy.survey import Survey
 from camgeo.contour.contour import Form
-from camgeo.figure.knee import Marked, marked
 from camgeo.figure.layout import box, heights, log_limits
 from camgeo.figure.marks import Line, Rule, Style, Text, over
 from camgeo.figure.model import Axis, Figure, Frame, Legend, Panel, entries
 from camgeo.figure.style import LIMIT, LINE
-from camgeo.units import MM_PER, LengthUnit, LiftUnit, in_unit
+from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
 
 if TYPE_CHECKING:
     from camgeo.accuracy.benefit import BenefitRow
@@ -95,6 +95,23 @@ ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 Value = Callable[[ContourRow], float | None]
 
 
+Marked = tuple[float, str, str]
+"""The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
+
+
+def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
+    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
+    if benefits:
+        from camgeo.accuracy.enough import enough, words  # a survey without a speed needs none
+
+        found = enough(benefits)
+        if found is not None:
+            name = f"enough at {found.row.speed / RPM:g} rev/min"
+            return found.row.tolerance, name, words(found)
+    knee = survey.knee
+    return None if knee is None else (knee.row.tolerance, "advice", advice(knee))
+
+
 def figure(
     survey: Survey,
     *,
@@ -137,14 +154,14 @@ def figure(
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
     height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
-    rules = [] if knee is None else [Rule("x", knee.tolerance / mm, ADVICE)]
+    rules = [] if knee is None else [Rule("x", knee[0] / mm, ADVICE)]
     tolerances = [row.tolerance for row in survey.contours]
     panels = []
     for number, (label, lines) in enumerate(drawn):
         bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
         x = _tolerances(tolerances, f"tolerance [{length}]", numbered=number == count - 1)
         if knee is not None and not number:  # its line is in every panel, its name only here
-            lines.append(Line(over([], []), ADVICE, knee.name))
+            lines.append(Line(over([], []), ADVICE, knee[1]))
         panel = replace(_panel(bottom, height, x, label, lines), marks=(*lines, *rules))
         if not number:
             at_top = [_above(words)] if words else []
@@ -194,7 +211,7 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
 
 
 def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
-    sentence = in_unit(f"{knee.name}: {knee.reason}", length)
+    sentence = in_unit(": ".join(knee[1:]), length)
     return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
 
 

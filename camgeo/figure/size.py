@@ -82,20 +82,14 @@ def framed(name: str, marks: Sequence[Mark], shown: Window, length: LengthUnit) 
 
 def _axis(ends: FloatArray, name: str, length: LengthUnit) -> Axis:
     """An axis in mm whose numbers are in a unit of length."""
-    low, high, mm = float(ends[0]), float(ends[1]), MM_PER[length]
-    label = f"{name} [{length}]"
+    low, high = float(ends[0]), float(ends[1])
+    mm, label = MM_PER[length], f"{name} [{length}]"
     if mm == 1.0:
         return Axis((low, high), label)
     decade = 10.0 ** math.floor(math.log10((high - low) / mm))
-    step = next(each for each in (0.2, 0.5, 1.0, 2.0) if (high - low) / mm <= 8.0 * each * decade)
-    numbers = (
-        step
-        * decade
-        * np.arange(
-            math.ceil(low / mm / (step * decade)), math.floor(high / mm / (step * decade)) + 1
-        )
-    )
-    names = tuple(f"{each:g}" for each in np.round(numbers, 9).tolist())
+    step = decade * (1.0 if high - low > 4.0 * decade * mm else 0.25)
+    numbers = np.arange(math.ceil(low / mm / step), math.floor(high / mm / step) + 1) * step
+    names = tuple(f"{each:.6g}" for each in numbers.tolist())
     return Axis((low, high), label, ticks=tuple((mm * numbers).tolist()), names=names)
 
 

@@ -35,6 +35,10 @@ STEP: Final = 0.1
 """Turn of the arcs [rad] by whose ends circles about holes are found."""
 
 
+Size = Callable[[float, float], float]
+"""By which webs are compared, of thickness and usual thickness [mm]."""
+
+
 @dataclass(frozen=True, slots=True)
 class Web:
     """Material between two boundaries.
@@ -58,23 +62,35 @@ class Web:
 
 
 def thinnest(part: Part, limit: float | None = None) -> Web | None:
-    """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes.
-    None if the part has no holes.
+    """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes, or
+    without one with its usual thickness. None if the part has no holes.
 
     Raises
     ------
     UndercutError, ToleranceError
         If a boundary has no contour.
     """
-    return _first(part, lambda thickness, _: thickness, lambda _: limit)
+    return thinnest_of_each(part, limit)[0]
 
 
-def thinnest_beside_holes(part: Part) -> Web | None:
-    """The web that is thinnest as a share of its usual thickness, as exact as that comparison
-    takes; None if no web has one; raises like `thinnest`.
+def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
+    """That of `thinnest`, and without a limit the web that is thinnest as a share of its usual
+    thickness, None if no web has one; raises like `thinnest`.
     """
-    web = _first(part, _share, lambda usual: usual)
-    return web if web is not None and web.usual else None
+    sizes = (_thickness, _share) if limit is None else (_thickness,)
+    found: dict[Size, tuple[float, float, Web]] = {}
+    for one, hole in _pairs(part):
+        usual, least = _usual(one, hole), _least(one, hole)
+        beaten = [each for each in sizes if each in found and each(least, usual) > found[each][0]]
+        if len(beaten) == len(sizes) or not _material_between(one, hole):
+            continue
+        web = _web(one, hole, usual, usual if limit is None else limit)
+        for each in sizes:
+            new = each(web.thickness, usual), web.thickness, web
+            if each not in found or new[:2] < found[each][:2]:
+                found[each] = new
+    first, beside = (found[each][2] if each in found else None for each in (_thickness, _share))
+    return first, beside if beside is not None and beside.usual else None
 
 
 def surely_thick(part: Part, limit: float | None = None) -> bool:
@@ -87,28 +103,12 @@ def surely_thick(part: Part, limit: float | None = None) -> bool:
     )
 
 
+def _thickness(thickness: float, _: float) -> float:
+    return thickness
+
+
 def _share(thickness: float, usual: float) -> float:
     return thickness / usual if usual else math.inf
-
-
-def _first(
-    part: Part,
-    size: Callable[[float, float], float],
-    compared: Callable[[float], float | None],
-) -> Web | None:
-    """The web that is first by its `size`, then by its thickness; both are of thickness and usual
-    thickness. `compared` is what a thickness is compared with, of the usual one.
-    """
-    found: tuple[float, float, Web] | None = None
-    for one, hole in _pairs(part):
-        usual = _usual(one, hole)
-        if found is not None and size(_least(one, hole), usual) > found[0]:
-            continue
-        if _material_between(one, hole):
-            web = _web(one, hole, usual, compared(usual))
-            new = size(web.thickness, usual), web.thickness, web
-            found = new if found is None or new[:2] < found[:2] else found
-    return None if found is None else found[2]
 
 
 def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
@@ -158,7 +158,7 @@ def _inside(contour: Contour, around: Contour) -> bool:
     return winding_number(around, complex(contour.vertices[0])) != 0
 
 
-def _web(one: Boundary, hole: Boundary, usual: float, compared: float | None) -> Web:
+def _web(one: Boundary, hole: Boundary, usual: float, compared: float) -> Web:
     exact = None if one.hole else _about_the_axis(one, hole)
     # Where it is exact, contours show its place alone.
     for tolerance in TOLERANCES[1:] if exact is None else TOLERANCES[:1]:
@@ -166,7 +166,7 @@ def _web(one: Boundary, hole: Boundary, usual: float, compared: float | None) ->
         a, b = (Pieces.around([fit.contour]) for fit in fits)
         apart = least_distance(a, b) if exact is None else exact
         unsure = sum(fit.deviation for fit in fits)
-        if exact is not None or compared is None or abs(apart - compared) > unsure:
+        if exact is not None or abs(apart - compared) > unsure:
             break
     if exact is None:
         apart = _beside_flank(one, hole, apart, unsure)

@@ -11,7 +11,7 @@ from camgeo.check.finding import Finding, held, stated_in
 from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
 from camgeo.part.materials import KG_M3
-from camgeo.part.webs import SHARE, Web, surely_thick, thinnest, thinnest_beside_holes
+from camgeo.part.webs import SHARE, Web, surely_thick, thinnest_of_each
 from camgeo.product.product import bodies_of
 from camgeo.product.relation import relation_of
 from camgeo.wording import at_cam_angles
@@ -209,12 +209,11 @@ def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
     """The thinnest wall between two boundaries; without a limit also that which is thinnest beside
     its hole, a warning if it is thinner than usual.
     """
-    web = thinnest(part, limit)
+    web, beside = thinnest_of_each(part, limit)
     if web is None:
         return
     statement = f"smallest wall {web.thickness:.6g} mm, {_place(web)}"
     yield held(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
-    beside = thinnest_beside_holes(part) if limit is None else None
     if beside is None:
         return
     thin = beside.thickness < beside.usual

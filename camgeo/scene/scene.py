@@ -219,9 +219,10 @@ class Scene:
 
     def restate(self, error: CamgeoError) -> None:
         """Put an error's lengths into the unit of the scene, and the number of a key as the scene
-        states it.
+        states it. Faults of a scene are in its unit, those of a call in mm, as its options are.
         """
-        error.restate(self.unit)
+        if not isinstance(error, SceneError):
+            error.restate(self.unit)
         if isinstance(error, GeometryError) and error.value[:1].isdigit():
             fault = self.stated.scene.fault(path_of(error.key) or (), "")
             error.value = fault.value or error.value

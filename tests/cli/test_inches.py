@@ -28,7 +28,7 @@ MEASURE = re.compile(
 
 SCENES = [
     "scenes/plate_translating", "effects/lever",
-    *(["scenes/tappet", "scenes/groove", "scenes/setzhub", "scenes/conjugate_lever",
+    *(["scenes/tappet", "scenes/setzhub", "scenes/conjugate_lever",
        "effects/valve_train", "effects/yoke", "refused/global_undercut",
        "refused/undercut_tappet", "milling/bolt_circle", "scenes/constant_breadth",
        "scenes/feed", "effects/press"]

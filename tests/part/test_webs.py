@@ -16,7 +16,7 @@ from camgeo.contour.contour import Fit
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
-from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_beside_holes
+from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_of_each
 from tests.draws.walls import misses
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
@@ -39,7 +39,7 @@ def test_walls_of_circles(
     spec: PartSpec, names: tuple[str, str] | None, thickness: float, usual: float
 ) -> None:
     part = made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec)
-    found, least = thinnest_beside_holes(part), thinnest(part)
+    least, found = thinnest_of_each(part)
     assert found is not None
     assert least is not None
     assert least.thickness == found.thickness
@@ -83,7 +83,7 @@ def test_the_thinnest_wall_is_not_always_thin_beside_its_hole() -> None:
     """A wall of 3 mm beside a bore of 20 mm is more than usual, one of 2 mm beside 8 mm too."""
     spec = PartSpec(bore=20.0, hub=Hub(25.0, 5.0), lightening_holes=Holes(1, 52.4, 8.0, CIRCLE))
     part = made(Contact.INNER, spec)
-    relative, least = thinnest_beside_holes(part), thinnest(part)
+    least, relative = thinnest_of_each(part)
     assert relative is not None
     assert least is not None
     assert (relative.one, relative.thickness) == ("hub", 2.5)
@@ -97,7 +97,7 @@ def test_beside_a_flank_alone_nothing_is_usual() -> None:
     assert found is not None
     assert (found.one, found.other, found.usual) == ("rim", "outline", 0.0)
     assert found.thickness == pytest.approx(7.0, abs=0.01)
-    assert thinnest_beside_holes(made(Contact.OUTER, PartSpec(rim=140.0))) is None
+    assert thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[1] is None
     assert thinnest(made(Contact.INNER, PartSpec())) is None
 
 
@@ -111,7 +111,7 @@ def test_no_wall_of_a_random_part_is_thinner(
     assume(part is not None)
     assert part is not None
     limit = 1.0 if limited else None
-    found, beside = thinnest(part, limit), thinnest_beside_holes(part)
+    found, beside = thinnest(part, limit), thinnest_of_each(part)[1]
     walls = list(_walls(part))
     assert (found is None) == (not walls)
     if found is None:

@@ -15,7 +15,7 @@ from camgeo.check.finding import Finding
 from camgeo.errors import UnsafeError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import solid
-from camgeo.part.webs import thinnest_beside_holes
+from camgeo.part.webs import thinnest_of_each
 from camgeo.product.judged_part import PartFound, findings_on, part_of, poor_in
 from camgeo.product.milled import MilledDisc
 from camgeo.product.product import Product, disc_of, title_of, with_pair
@@ -114,7 +114,7 @@ def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     """A tenth of the diameter of the hole; at it a wall is not thin."""
     thin: dict[str, Any] = {"part.bore": 60}
     disc = design("plate_translating", {**thin, "part.keyway": None}).disc
-    web = thinnest_beside_holes(disc.drawn.part)
+    _, web = thinnest_of_each(disc.drawn.part)
     assert web is not None
     assert web.usual == pytest.approx(6.0, rel=1e-12)
     told = by_name(findings_on(disc))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from camgeo.answers.verify import Verification
 from camgeo.units import LengthUnit, in_unit, unit_in
@@ -39,13 +39,14 @@ def _headline(path: Path, verdict: Verdict) -> str:
 def _in_unit(check: Check, length: LengthUnit) -> Check:
     """The check in the unit of length of the scene."""
     unit, divisor = unit_in(check.unit, length)
-    numbers = {name: getattr(check, name) for name in ("value", "expected", "limit")}
-    for name, each in numbers.items():
-        if isinstance(each, str):
-            numbers[name] = in_unit(each, length)
-        elif each is not None and divisor != 1.0:
-            numbers[name] = each / divisor
-    return replace(check, **numbers, unit=unit, note=in_unit(check.note, length))
+
+    def shown(value: Any) -> Any:
+        if isinstance(value, str):
+            return in_unit(value, length)
+        return value if value is None or divisor == 1.0 else value / divisor
+
+    figures = {name: shown(getattr(check, name)) for name in ("value", "expected", "limit")}
+    return replace(check, **figures, unit=unit, note=in_unit(check.note, length))
 
 
 def _line(check: Check) -> str:
