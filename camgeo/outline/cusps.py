@@ -170,7 +170,8 @@ def _missed(envelope: Envelope, cells: Cells, known: list[tuple[float, float]]) 
             break
         middle = 0.5 * (cells.low + cells.high)
         wrong = (cells.pace < 0.0) != _inside(middle, known, envelope.total)
-        wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
+        if np.any(wrong):
+            wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
         if np.any(wrong):
             missed.append(_extremes_near(envelope, cells.some(wrong)))
         cells = halved(envelope, cells.some(~wrong & (cells.sign == 0.0)))
