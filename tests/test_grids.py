@@ -189,11 +189,6 @@ CLOSED: dict[str, dict[str, str]] = {
             "cubics of camgeo's own fits, of which each turns by little; others are not replayed"
         ),
     },
-    "camgeo/curve/extremes.py": {
-        "np.linspace(starts[moving], ends[moving], SAMPLES, axis=1)": (
-            "signs of a slope; of undercut `outline.cusps.sure_bends` proves that none is missed"
-        ),
-    },
     "camgeo/curve/pieces.py": {
         "np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)": (
             "first cells, cut at the borders of the motion, that are halved until a bound decides"
@@ -235,21 +230,25 @@ CLOSED: dict[str, dict[str, str]] = {
         ),
     },
     "camgeo/inspection/pressed.py": {"np.arange(SAMPLES)": PICTURE},
-    "camgeo/motion/extremes.py": {
-        "np.linspace(starts, ends, SAMPLES, axis=1)": "signs of the velocity between two borders",
-    },
-    "camgeo/motion/joints.py": {
-        "np.linspace(0.0, 1.0, 17)": "sizes beside which a jump at a joint is rounding",
-    },
-    "camgeo/motion/laws/balance.py": {
-        "np.linspace(0.0, 1.0, GRID)": "a bracket of a root, which is then found to rounding",
-    },
     "camgeo/motion/planning/turns.py": {
         "np.geomspace(1.0, sharper / gentler, TRIED)": (
             "any turn of them is an answer; the motion that is made with it is judged"
         ),
     },
-    "camgeo/numeric/extremes.py": {"np.arange(1.0, SECTIONS)": BRACKET},
+    "camgeo/numeric/extremes.py": {
+        "np.arange(1.0, SECTIONS)": BRACKET,
+        "np.linspace(0.0, 1.0, 9)": (
+            "places in one cell of a grid, of which the cells are made finer until differences of"
+            " the values show that nothing is left in them"
+        ),
+    },
+    "camgeo/numeric/isolation.py": {
+        "np.arange(PLACES)": NODES,
+        "np.linspace(0.0, 1.0, PLACES)": (
+            "nodes of the polynomial in one cell, which is halved until that decides, with its"
+            " error to spare"
+        ),
+    },
     "camgeo/numeric/oscillator/chain.py": {"np.arange(POINTS)": NODES},
     "camgeo/numeric/oscillator/mode.py": {"np.arange(DEGREE + 1)": NODES},
     "camgeo/numeric/oscillator/spectrum.py": {

@@ -140,7 +140,7 @@ def main() -> int:
     if wanted.rows is not None:
         wanted.rows.write_text("".join(f"{number}\t{what}\n" for number, what in rows), "utf-8")
     told = [f"seed {wanted.seed:08x}, {len(rows)} cases, {len(found)} misses", *found]
-    print(*told, sep="\n")  # noqa: T201 - a program
+    print(*told, sep="\n")
     return 1 if found else 0
 
 
