@@ -96,7 +96,7 @@ def test_ripples_finer_than_the_grid_are_found(waves: float) -> None:
         return np.cos(x) + 0.1 * np.sin(waves * x)
 
     found = piecewise_extremes(rippled, edges)
-    dense = rippled(np.linspace(*edges, 1_000_001), "right")
+    dense = rippled(np.linspace(edges[0], edges[1], 1_000_001), "right")
     # Between two of these the ripple rises by at most 0.1 (waves 3.14e-6)^2 / 2.
     rise = 0.05 * (3.14e-6 * waves) ** 2
     assert np.max(dense) <= found.highest.value <= np.max(dense) + rise + 8.0 * EPS
