@@ -132,7 +132,7 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     """
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
-    out = float(np.max(pitch.speed_bounds(*turn_cells(pitch))[0])) / turn + follower.base_radius
+    out = _fastest(pitch) / turn + follower.base_radius
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)
     bends = curvature_extremes(parallel.pitch)
@@ -142,6 +142,24 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
+    raise GeometryError(UNDECIDED)
+
+
+def _fastest(pitch: PitchCurve) -> float:
+    """A bound of |p| [mm] over the turn, at most twice its largest value, so that few digits of the
+    lift are lost where the face is moved out by it.
+    """
+    low, high = turn_cells(pitch)
+    known = fastest = 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        known = max(known, float(np.max(pitch.speed_bounds(middle, middle)[0])))
+        bounds = pitch.speed_bounds(low, high)[0]
+        wide = ~(bounds <= 2.0 * known)
+        fastest = max(fastest, float(np.max(bounds[~wide], initial=0.0)))
+        if not np.any(wide):
+            return fastest
+        low, high = halves(low, high, wide)
     raise GeometryError(UNDECIDED)
 
 

@@ -152,7 +152,7 @@ class ContourCut(Cut):
     springs: Annotated[Rounds, "toolpath"] = 0
     contact: Annotated[Radius, "toolpath"] = 0.0
     edge: Annotated[Text, "toolpath"] = ""
-    width: Annotated[Size, "toolpath"] = 0.0
+    width: Annotated[Radius, "toolpath"] = 0.0
     tabs: Tabs | None = None
     compensation: Annotated[CompensationWord, "toolpath"] = COMPUTED
 

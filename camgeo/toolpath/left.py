@@ -100,12 +100,20 @@ def _loose_pieces(
     setup: Setup,
     allowed: float,
 ) -> Iterator[Flaw]:
-    """Pieces that neither what holds `always` nor the clamps of a run hold, each once."""
+    """Pieces that neither what holds `always` nor the clamps of a run hold, each once.
+
+    Until the first clamp is set, a blank that is still one piece is held in a way that is not
+    stated: screws often stand in a bore that is milled first.
+    """
     known: list[Piece] = []
+    clamped = bool(always) or setup.rim is not None
     rim = [] if setup.rim is None else [polygon(setup.rim, FINENESS)]
     for stage, run in zip(stages, runs, strict=True):
         found = pieces(stage.slabs)
         held = [*always, *(polygon(body.contours, FINENESS) for body in run.obstacles)]
+        clamped |= bool(run.obstacles)
+        if not clamped and len(found) == 1:
+            continue
         kept = [piece for piece in found if _meets(piece, held or rim)]
         if not held:  # what holds the rim is not stated; it holds what hangs on the part
             kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept

@@ -129,7 +129,7 @@ def test_each_run_is_a_line_and_the_picture_is_renewed(
     found = [LINE.match(line) for line in captured.out.splitlines()]
     assert all(found)
     first, second, third = (each[1] for each in found if each)
-    assert first == f"points: all limits kept; {target}"
+    assert first == f"points: all limits kept, 1 warning; {target}"
     assert second.startswith(f"{scene}: line ")
     assert second.endswith("(and 1 more fault)")
     assert third.startswith("points: ")

@@ -155,6 +155,7 @@ class StubScene:
     drawing: DrawingSpec = field(default_factory=DrawingSpec)
     limits: Limits = field(default_factory=Limits)
     part: PartSpec | None = None
+    states_milling: bool = True
 
 
 NO_SCENE: Any = StubScene()

@@ -177,12 +177,6 @@ def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> Non
 @pytest.mark.parametrize(
     ("keys", "stock", "fault"),
     [
-        ('zero = "front-left"', "", 'zero = "front-left": needs a plate whose length and width'),
-        (
-            'zero = "front-left"',
-            '[stock]\nshape = "round"\ndiameter = 80\n',
-            'zero = "front-left": needs a plate whose length and width',
-        ),
         ('zero = "left"', PLATE, 'zero = "left": must be one of "axis", "front-left"'),
         ('zero_height = "top"', PLATE, 'zero_height = "top": must be one of "part-top"'),
     ],
@@ -192,6 +186,15 @@ def test_wrong_values_are_refused_with_their_key(keys: str, stock: str, fault: s
     with pytest.raises(SceneError) as caught:
         parse_scene(f"{CAM}{keys}\n{stock}{held}")
     assert f"output.gcode.{fault}" in str(caught.value)
+
+
+@pytest.mark.parametrize("stock", ["", '[stock]\nshape = "round"\ndiameter = 80\n'])
+def test_a_corner_needs_a_blank_that_has_it(stock: str) -> None:
+    held = '[holding]\nkind = "fixture"\nthrough = 0.3\n'
+    scene = parse_scene(f'{CAM}zero = "front-left"\n{stock}{held}')
+    (fault,) = scene.lacking([WRITER.format])
+    needed = '[stock] length and width of a plate, for output.gcode.zero = "front-left"'
+    assert needed in fault.message
 
 
 def test_a_program_is_run_in_the_blank_of_the_scene_from_its_zero() -> None:

@@ -245,8 +245,8 @@ def test_what_moves_too_fast_to_be_compared_is_named() -> None:
 
 
 def test_cells_that_cannot_be_halved_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A flat face that swings by 16 degrees within 1e-5: the proof ends where numbers do."""
-    law, span = LAWS["polynomial-345"], Decimal("1.039e-05")
+    """A flat face that swings by 16 degrees within 2e-5: the proof ends where numbers do."""
+    law, span = LAWS["polynomial-345"], Decimal("2e-5")
     rise = Move(Decimal(130), math.radians(18.95), law)
     back = Move(Decimal(102), math.radians(16.14), law)
     plan = MotionPlan((rise, back, Dwell(128 - span), Move(span, 0.0, law)))
