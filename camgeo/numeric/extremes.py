@@ -81,7 +81,7 @@ ROUNDS: Final = 12
 known by `NEGLIGIBLE` of its size is left as it is."""
 
 NEGLIGIBLE: Final = 1e-10
-MOST_FINER: Final = 4096
+MOST_FINER: Final = 512
 """Most cells that are made finer at once: if more are unresolved, they hold rounding alone."""
 
 TOPS: Final = (1.0,)
@@ -199,8 +199,8 @@ def _finer(
     """
     best = {sign: max(sign * known.lowest.value, sign * known.highest.value) for sign in signs}
     places, found = [np.empty(0)], [np.empty(0)]
+    off = _unresolved(values)
     for _ in range(ROUNDS):
-        off = _unresolved(values)
         if not np.any(off):
             break
         wanted = np.zeros(off.shape, dtype=np.bool_)
@@ -213,7 +213,12 @@ def _finer(
         low, high = grid[row, cell], grid[row, cell + 1]
         grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * PARTS
         values = function(grid.ravel()).reshape(grid.shape)
-        turning = climbed(lambda x, _: function(x), *tops(grid, values[np.newaxis], tuple(best)))
+        off = _unresolved(values)
+        smooth = ~np.all(off, axis=1)  # tops of what is unresolved all over are not worth climbing
+        turning = np.empty(0)
+        if np.any(smooth):
+            climbing = tops(grid[smooth], values[np.newaxis, smooth], tuple(best))
+            turning = climbed(lambda x, _: function(x), *climbing)
         places += [grid.ravel(), turning]
         found += [values.ravel(), function(turning)]
         for sign, height in best.items():

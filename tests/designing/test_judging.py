@@ -43,7 +43,7 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
         each.sentence for each in checked.everything
     ]
     assert [each["sentence"] for each in found["cures"]] == [
-        each.sentence for each in checked.cures
+        each.statement for each in checked.cures
     ]
     bad = [each for each in found["findings"] if each["severity"] != "ok"]
     assert all(each["step"] for each in bad)

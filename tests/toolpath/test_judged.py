@@ -57,12 +57,14 @@ def test_a_sound_program() -> None:
     assert low.material.intersection(target).area == pytest.approx(target.area, rel=2e-4)
 
 
-def test_a_part_comes_loose_from_a_clamped_frame() -> None:
+def test_both_parts_of_a_blank_come_loose_on_which_no_clamp_is_ever_set() -> None:
+    """The program was planned for a fixture, and sets none."""
     clamp = Clamp(place=80.0 + 80.0j, length=20.0, width=20.0, height=10.0)
     plate = Stock(length=200.0, width=200.0)
     held = Holding(kind="clamps", through=2.0, clamps=(clamp,))
-    (loose,) = judged("setzhub", plate, held).of("loose")
-    assert "the part of" in loose.sentence
+    frame, part = judged("setzhub", plate, held).of("loose")
+    assert "waste of 200 x 200 mm" in frame.sentence
+    assert "the part of" in part.sentence
 
 
 def test_the_depth_that_the_holding_allows() -> None:
