@@ -571,15 +571,18 @@ def _loose(
 ) -> Iterator[list[tuple[int, Area]]]:
     """Pieces that nothing holds after an operation."""
     index = names.index(name)
-    there = []
+    there, clamped = [], job.kind not in ("screws", "clamps")
     for clamp in job.clamps:
         since = names.index(clamp.since) if clamp.since else 0
+        clamped |= since <= index
         until = names.index(clamp.until) if clamp.until else len(names)
         if since <= index < until:
             there.append(clamp.area)
     if job.kind == "fixture":
         there.append(job.part)
     found = _pieces(material)
+    if not clamped and sum(not _is_thin(piece) for piece in found) == 1:
+        return  # how the blank is held before is not stated
     held = [piece for piece in found if _touches(piece, there)]
     if not there and job.kind in ("tabs", "onion-skin"):
         edge = job.blank - shapely.buffer(shapely.Polygon(job.blank.exterior), -1.0)
@@ -591,9 +594,12 @@ def _loose(
         ]
         held = hanging or held
     for piece in found:
-        thin = all(shapely.buffer(area, -0.5 * ALLOWED).is_empty for _, area in piece)
-        if piece not in held and not thin:
+        if piece not in held and not _is_thin(piece):
             yield piece
+
+
+def _is_thin(piece: Sequence[tuple[int, Area]]) -> bool:
+    return all(shapely.buffer(area, -0.5 * ALLOWED).is_empty for _, area in piece)
 
 
 def _touches(piece: Sequence[tuple[int, Area]], there: Sequence[Area]) -> bool:
