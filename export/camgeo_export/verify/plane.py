@@ -26,6 +26,10 @@ FINE = 1e-4
 """Tolerance of the polygons that distinguish contours, as a fraction of the outline's length: the
 relative error of their areas is at most about twelve times as large."""
 
+ROUNDING = 1e-9
+"""Kinks below this [rad] are rounding errors of none; which is the largest depends on the
+processor."""
+
 INCH_SHARE = 0.01
 """By how much a ratio of sizes may miss 25.4 for a mix-up of mm and inch to be suggested."""
 
@@ -136,7 +140,7 @@ def _kink(shape: Shape, contour: AnyContour, tolerance: float, of: str) -> Check
     with np.errstate(divide="ignore"):
         limits = SLOPE * tolerance * (1.0 / joints.before + 1.0 / joints.after)
     limits = np.minimum(limits, math.pi)
-    smooth = np.ones(len(joints.kinks), dtype=bool)
+    smooth = joints.kinks > ROUNDING
     for corner in shape.corners:
         apart = np.abs(joints.places - corner)
         smooth &= (apart > 2.0 * tolerance) & (apart > np.min(apart))
