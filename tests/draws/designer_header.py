@@ -1,12 +1,13 @@
 """Scenes as the designer judges them: its header says what `camgeo check --json` says.
 
-    python -m tests.draws.designer_header [--count N] [--seed HEX] [--rows FILE]
+    python -m tests.draws.designer_header [--browser] [--count N] [--seed HEX] [--rows FILE]
 
 The cases are each effect switched on in each template, each scene of `fixtures` and of the folders
 that are named, and N random edits of those of `fixtures`: values of fields, segments, effects and
 kinds of followers. The answer to compare with is that of the command, its exit code and the
 severities in its document. A fault with a key must be at a line that names it, or what is around
-it. An effect that is switched on must be computed, or the change be refused with a sentence.
+it. An effect that is switched on must be computed, or the change be refused with a sentence. With
+`--browser` each text is entered in the page, in Chromium, and it is the page's header that counts.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ import json
 import random
 import re
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,6 +29,8 @@ from camgeo.cli.main import main as command
 from camgeo.designing.job import Job
 from camgeo.designing.verdict import verdict_of
 from camgeo.designing.work import run
+from tests.judges.browsing import driven
+from tests.judges.designer_page import serving, shown
 from tests.judges.designer_scenes import workshop
 from tests.seeds import add_commit_seed
 
@@ -42,6 +45,15 @@ FACTORS: Final = (-1.0, 0.0, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0)
 """By which a number of a field is multiplied."""
 
 NAMES: Final = re.compile(r"[\w-]+")
+
+Painted = Callable[[str], str]
+"""The class of the page's header for a text."""
+
+HEADER: Final = """() => camgeo.session.known && !camgeo.session.waits
+  && document.querySelector("a.verdict").className.replace(/^verdict /, "")"""
+
+LONG: Final = 36000.0
+"""Seconds after which the browser is ended."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +99,26 @@ def _severities(found: Any) -> Iterator[str]:
             yield from _severities(each)
 
 
-def case(name: str, text: str, file: Path) -> Case:
-    """Judge a text by both doors."""
+@contextmanager
+def painting(folder: Path) -> Generator[Painted]:
+    """The page of the designer, in a browser."""
+    with (
+        driven(LONG) as browser,
+        serving(folder) as server,
+        shown(browser, server.host, server.way) as page,
+    ):
+
+        def painted(text: str) -> str:
+            if page.text != text:
+                page.write(text)
+            found: str = page.visit.ask("the verdict", HEADER)
+            return found
+
+        yield painted
+
+
+def case(name: str, text: str, file: Path, painted: Painted | None = None) -> Case:
+    """Judge a text by both doors, and as it is painted."""
     found = header(text, file)
     severity = found["severity"]
     code, severities = checked(text, file)
@@ -98,6 +128,8 @@ def case(name: str, text: str, file: Path) -> Case:
         miss = f"the command ends with {code}, {said}"
     elif bool(found["faults"]) and severity != "invalid":
         miss = "faults, and not invalid"
+    if painted and (colour := painted(text)) != severity:
+        miss = f"painted as {colour}"
     return Case(name, severity, miss or misplaced(found["faults"], text))
 
 
@@ -114,12 +146,12 @@ def misplaced(faults: list[dict[str, Any]], text: str) -> str:
     return ""
 
 
-def switched(name: str, text: str, effect: str, file: Path) -> Case:
+def switched(name: str, text: str, effect: str, file: Path, painted: Painted | None = None) -> Case:
     """Switch an effect on: it is computed, or the change is refused with a sentence."""
     changed = done("change", text, file, effect={"name": effect, "on": True})
     if "refused" in changed:
         return Case(name, "refused", "" if changed["refused"] else "without a reason")
-    found = case(name, changed["text"], file)
+    found = case(name, changed["text"], file, painted)
     return Case(name, found.severity, found.miss or ("faults" * (found.severity == "invalid")))
 
 
@@ -158,22 +190,25 @@ def value(draw: random.Random, field: Mapping[str, Any]) -> Any:
     return field["value"]
 
 
-def cases(count: int, seed: int, folder: Path, more: tuple[Path, ...] = ()) -> Iterator[Case]:
-    """All of them; scenes are written into `folder`, beside the files that they name."""
-    scenes = folder / "scenes"
-    names = workshop(scenes)
+def cases(
+    count: int, seed: int, scenes: Path, more: tuple[Path, ...] = (), painted: Painted | None = None
+) -> Iterator[Case]:
+    """All of them; `scenes` holds those of `fixtures`, and the files that they name."""
+    names = sorted(path.name for path in scenes.glob("*.toml"))
     file = scenes / "drawn.toml"
     for each in done("templates")["templates"]:
         for effect in done("effects")["effects"]:
             title = f"{each['name']} with {effect['name']}"
-            yield switched(title, each["text"], effect["name"], file)
+            yield switched(title, each["text"], effect["name"], file, painted)
     for path in [*(scenes / name for name in names), *more]:
-        yield case(path.name, path.read_text("utf-8"), scenes / path.name)
+        yield case(path.name, path.read_text("utf-8"), scenes / path.name, painted)
     draw = random.Random(seed)
-    yield from edits(count, draw, [scenes / name for name in names], file)
+    yield from edits(count, draw, [scenes / name for name in names], file, painted)
 
 
-def edits(count: int, draw: random.Random, paths: list[Path], file: Path) -> Iterator[Case]:
+def edits(
+    count: int, draw: random.Random, paths: list[Path], file: Path, painted: Painted | None = None
+) -> Iterator[Case]:
     """Random edits of these scenes, of which a few are made one after the other."""
     for number in range(count):
         path = draw.choice(paths)
@@ -181,20 +216,24 @@ def edits(count: int, draw: random.Random, paths: list[Path], file: Path) -> Ite
         for _ in range(draw.randint(1, 3)):
             asked.append(edit(draw, done("curves", text, file)))
             text = done("change", text, file, **asked[-1]).get("text", text)
-        yield case(f"{number} {path.name} {json.dumps(asked)}", text, file)
+        yield case(f"{number} {path.name} {json.dumps(asked)}", text, file, painted)
 
 
 def main() -> int:
     """Draw, print, and end with 1 if a header is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--browser", action="store_true")
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--rows", type=Path)
     parser.add_argument("scenes", type=Path, nargs="*")
     add_commit_seed(parser)
     given = parser.parse_args()
     rows, misses = [], 0
-    with TemporaryDirectory() as folder:
-        for each in cases(given.count, given.seed, Path(folder), tuple(given.scenes)):
+    with ExitStack() as stack:
+        scenes = Path(stack.enter_context(TemporaryDirectory()), "scenes")
+        workshop(scenes)
+        painted = stack.enter_context(painting(scenes)) if given.browser else None
+        for each in cases(given.count, given.seed, scenes, tuple(given.scenes), painted):
             rows.append(str(each))
             misses += bool(each.miss)
             if each.miss:
