@@ -30,8 +30,8 @@ Node = Mapping[str, Any]
 """An object of a schema."""
 
 SENTENCES: Final = (
-    "advice", "enough", "fault", "infeasible", "message", "note", "reason", "remarks", "sentence",
-    "told", "violated",
+    "advice", "allowed", "enough", "fault", "infeasible", "message", "note", "reason", "remarks",
+    "sentence", "told", "value", "violated", "what",
 )  # fmt: skip
 """Keys of texts in documents that state lengths."""
 

@@ -19,6 +19,7 @@ from camgeo.scene.keys import Path, spelled, value_at
 from camgeo.scene.schema import Composed, Node, keys_of, referred, resolved, schema_for
 from camgeo.scene.tree import Tree
 from camgeo.scene.valid_values import ValidValues
+from camgeo.units import in_unit
 
 Type = Literal["number", "choice", "text", "flag", "file", "list"]
 
@@ -119,7 +120,7 @@ class Fields:
         self.document = document
         self.composed: Composed = schema_for(document.plain)
         values = ValidValues(document)
-        self.length: str = values.unit
+        self.length = values.unit
         self.position: str = "°" if _angular(values) else values.unit
 
     def node(self, path: Path) -> Node:
@@ -165,7 +166,7 @@ class Fields:
         if kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
             slider = slider_of(value, low, high, whole=found.get("type") == "integer")
         return Field(
-            spelled(path), title_of(path), found.get("description", ""), kind,
+            spelled(path), title_of(path), in_unit(found.get("description", ""), self.length), kind,
             self.unit_of(path, node), value, exact is not None, default, _choices(found), low,
             high, slider,
         )  # fmt: skip

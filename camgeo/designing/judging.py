@@ -75,6 +75,7 @@ def _finding(each: Advised) -> dict[str, Any]:
         "about": each.about,
         "name": found.name,
         "severity": found.severity,
+        "verdict": found.verdict,
         "mark": MARKS[found.verdict],
         "sentence": found.sentence,
         "value": _finite(found.value),

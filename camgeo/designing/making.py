@@ -19,7 +19,7 @@ from camgeo.check.sizing.smallest import Rating
 from camgeo.designing.arguments import Arguments
 from camgeo.designing.job import Job
 from camgeo.designing.recent import Recent
-from camgeo.units import MM_PER
+from camgeo.units import MM_PER, in_unit
 from camgeo.wording import listed
 from camgeo.writing.write import CERTIFICATE, make_files
 
@@ -31,7 +31,7 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
     """The files of the scene, the bytes that `camgeo build` writes; none of them is written.
 
     Argument `formats`: names of writers; by default those of the scene. Without an outline there
-    are no files, and `findings` say why.
+    are no files, and `findings` say why. Deviations are in the unit of the scene.
     """
     formats = Arguments(job).texts("formats")
     design = recent.design(job)
@@ -39,15 +39,15 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
     if not design.judgement.has_outline:
         return {"files": [], "certificate": None, "findings": poor}
     output = design.scene.output
-    names = output.formats if formats is None else formats
+    names, unit = output.formats if formats is None else formats, MM_PER[design.scene.unit]
     contents, reports = make_files(design.discs, names, output.tolerance)
     files = [
         {
             "name": each.name,
             "format": each.format,
             "size": each.size,
-            "tolerance": each.tolerance,
-            "deviation": each.deviation,
+            "tolerance": each.tolerance / unit,
+            "deviation": None if each.deviation is None else each.deviation / unit,
             "bytes": _text(contents[each.name]),
         }
         for each in reports
@@ -108,7 +108,8 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
 def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
     """The smallest base radius, and what else changes with it."""
     if found.written is None:
-        return found.infeasible or "The requirement can only just be met: no scene surely keeps it."
+        only_just = "The requirement can only just be met: no scene surely keeps it."
+        return in_unit(found.infeasible or only_just, found.scene.unit)
     unit = MM_PER[found.scene.unit]
     now = found.written.base_radius / unit
     sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"

@@ -69,8 +69,10 @@ BISECTIONS: Final = 40
 END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
 
-
-UNDECIDED: Final = "it cannot be decided what a flat face leaves of the disc"
+LOST: Final = 16.0
+"""Units in the last place of how far a face is moved out, by which p / tau is off at the ends of
+the ranges that are found on it, at most; seen are 2.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +130,7 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     Raises
     ------
     GeometryError
-        If the ranges are so many that no number of passes finds all.
+        If the face is so fast somewhere that too few digits are left elsewhere to find all.
     """
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
@@ -138,11 +140,24 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     bends = curvature_extremes(parallel.pitch)
     for _ in range(PASSES):
         ranges = deep_ranges(parallel, bends)
-        missed = _missed(pitch, ranges)
+        missed = _missed(pitch, ranges, out)
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
-    raise GeometryError(UNDECIDED)
+    raise _undecided(pitch)
+
+
+def _undecided(pitch: PitchCurve) -> GeometryError:
+    """The error for a face of which nothing is decided, with the place where it is fastest."""
+    low, high = turn_cells(pitch)
+    middles = 0.5 * (low + high)
+    place = float(middles[np.argmax(pitch.speed_bounds(middles, middles)[0])])
+    return GeometryError(
+        "it cannot be decided what a flat face leaves of the disc: its contact runs too fast for"
+        f" the digits of a number near cam angle {math.degrees(place % TURN):.6f} deg; give the"
+        " move there a larger span or a smaller way",
+        "motion",
+    )
 
 
 def _fastest(pitch: PitchCurve) -> float:
@@ -160,11 +175,13 @@ def _fastest(pitch: PitchCurve) -> float:
         if not np.any(wide):
             return fastest
         low, high = halves(low, high, wide)
-    raise GeometryError(UNDECIDED)
+    raise _undecided(pitch)
 
 
-def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
-    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0."""
+def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], out: float) -> FloatArray:
+    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than their
+    ends are off for rounding, that of the face moved `out` [mm] among it.
+    """
     start, end = np.array(ranges).reshape(-1, 2).T
     low, high = turn_cells(pitch)
     missed = []
@@ -172,7 +189,7 @@ def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]]) -> FloatArray:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         at = touch(pitch, middle)
         inside = np.any((middle[:, None] - start) % TURN < (end - start) % TURN, axis=1)
-        noise = CUSP * np.max(np.abs(at.distance))
+        noise = CUSP * np.max(np.abs(at.distance)) + LOST * math.ulp(out) * at.turn[0]
         wrong = ((at.pace[0] < 0.0) != inside) & (np.abs(at.pace[0]) > noise)
         missed.append(middle[wrong])
         unsure = ~wrong & np.isnan(centres_at(pitch, middle))
@@ -236,7 +253,7 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
         del arcs[place], bridges[place]
         if bridges:
             bridges[place - 1] = None
-    raise GeometryError(UNDECIDED)
+    raise _undecided(face.pitch)
 
 
 def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:

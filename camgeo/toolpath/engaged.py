@@ -91,7 +91,7 @@ def engagement_findings(found: Iterable[Engaged]) -> Iterator[Finding]:
     """Where the engagement exceeds its limit."""
     for each in found:
         if each.largest > each.limit:
-            place = f"at X {each.place.real:.4g}, Y {each.place.imag:.4g}"
+            place = f"at X {each.place.real:.4g}, Y {each.place.imag:.4g} mm"
             sentence = f"{each.operation}: {each.sentence}, {place}"
             angles = math.degrees(each.largest), math.degrees(each.limit)
             yield Finding("engagement", "warning", sentence, *angles, "deg")

@@ -384,7 +384,7 @@ class _Bench:
         limit = None if self.setup.lowest is None else self.setup.lowest - point
         if limit is not None and tip < limit - self.level:
             piece = int(np.argmin(course.lowest))
-            text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g}"
+            text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g} mm"
             place = _point(complex(course.ends[piece]), tip)
             yield Flaw("depth", run.name, text, tip, limit, place)
 

@@ -84,7 +84,7 @@ class Flaw:
     def sentence(self) -> str:
         """In words, with its operation and its place."""
         x, y, z = self.place
-        return f"{self.operation}: {self.text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g}"
+        return f"{self.operation}: {self.text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g} mm"
 
     @property
     def excess(self) -> float:

@@ -371,7 +371,7 @@ class _Stated:
         if reach > tool.radius:
             self._require(f"its radius, {tool.radius:g} mm, does not cover {size:g} mm")
         if wall.z0 >= -depth:
-            self._require(f"its point, {depth:.4g} mm deep, reaches the floor at Z {wall.z0:g}")
+            self._require(f"its point, {depth:.4g} mm deep, reaches the floor at Z {wall.z0:g} mm")
         self._require(self.bench.too_short(tool, -depth))
         centre = wall.boundary.offset(beside)
         for name, other in self.bench.walls.items():

@@ -7,13 +7,13 @@ ending of the files that it reads, without the dot, and it loads an object that 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.reading import number_of
-from camgeo.units import LengthUnit
+from camgeo.units import LengthUnit, in_unit
 from camgeo.writing.write import KIND
 
 
@@ -41,6 +41,13 @@ class Check:
     unit: str = ""
     ok: bool | None = None
     note: str = ""
+
+    def in_unit(self, length: LengthUnit) -> Check:
+        """The check with the lengths in its texts in the unit of a scene; its numbers stay."""
+        found = ((name, getattr(self, name)) for name in ("of", "value", "expected", "note"))
+        return replace(
+            self, **{name: in_unit(each, length) for name, each in found if isinstance(each, str)}
+        )
 
     def record(self) -> dict[str, Any]:
         """As data; what is empty is left out."""
@@ -164,7 +171,7 @@ class Verdict:
     tolerance : [mm] that applied, and where it is from; None if it was not measured.
     checks : in the order of the report.
     crashed : whether an error in camgeo itself, not the file, prevented the verdict.
-    length : unit of the scene, in which the checks are told.
+    length : unit of the scene, in which the texts of the checks are.
     """
 
     file: str

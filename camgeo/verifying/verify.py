@@ -213,10 +213,9 @@ def _verdict(
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:
         checks.append(failed("deviation", str(error)))
-    scene = (product.name, present)
-    return Verdict(
-        path.name, kind, sha256, size, scene, tolerance, tuple(checks), length=against.discs[0].unit
-    )
+    scene, unit = (product.name, present), against.discs[0].unit
+    told = tuple(each.in_unit(unit) for each in checks)
+    return Verdict(path.name, kind, sha256, size, scene, tolerance, told, length=unit)
 
 
 def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import io
 import json
 import re
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import camgeo
 from camgeo.cli.main import main
+from camgeo.designing.job import Job
+from camgeo.designing.work import run
 from camgeo.errors import GeometryError, SceneError
 from camgeo.product.judged_part import part_of
 from camgeo.scene.load import load_scene
@@ -25,6 +29,10 @@ MEASURE = re.compile(
     rf"(?<![\w.])({NUMBER}(?:(?:, | to | and | x |, [XYZ] ){NUMBER})*\)?) ((?:g |kg )?)(mm|inch)"
     r"(?:\^(\d))?"
 )
+
+STATES_MM = re.compile(r"(?<!/)\bmm\b(?!\")")
+
+NO_SENTENCES = ("unit", "text", "bytes", "certificate")
 
 SCENES = [
     "scenes/plate_translating", "effects/lever",
@@ -94,6 +102,59 @@ def test_a_check_in_inches_says_the_same(name: str, tmp_path: Path) -> None:
 def test_no_command_states_mm(command: str, tmp_path: Path) -> None:
     made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
     assert re.search(r"(?<!/)\bmm\b", printed(command, str(made))) is None
+
+
+def told(document: Any) -> Iterator[str]:
+    """The texts of a document, but for units of its numbers and names of keys."""
+    if isinstance(document, dict):
+        for key, value in document.items():
+            yield from told(value) if key not in NO_SENTENCES else ()
+    elif isinstance(document, list):
+        for value in document:
+            yield from told(value)
+    elif isinstance(document, str) and document != "mm":
+        yield document
+
+
+def assert_in_inches(texts: Iterable[str]) -> None:
+    """No text states mm, and some state inches."""
+    found = [*texts]
+    assert [each for each in found if STATES_MM.search(each)] == []
+    assert any(re.search(rf"{NUMBER}\)? inch\b", each) for each in found)
+
+
+def test_files_and_programs_are_told_in_inches(tmp_path: Path) -> None:
+    """By `verify`, `lint` and the setup sheet, in words, in JSON, on pages and in files."""
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    written = tmp_path / "out"
+    printed("build", str(made), "-o", str(written), "--only", "dxf,gcode")
+    assert_in_inches([printed("verify", str(written))])
+    verification = json.loads((written / "verification.json").read_text("utf-8"))
+    assert_in_inches(told(verification))
+    checks = [each for file in verification["files"] for each in file["checks"]]
+    assert {each["unit"] for each in checks if each["name"] == "deviation"} == {"mm"}
+    (program,) = written.glob("*.ngc")
+    program.write_text(program.read_text("utf-8").replace("Z-", "Z-9", 3), encoding="utf-8")
+    lint = ["lint", str(program), "--machine", "linuxcnc", "--scene", str(made)]
+    assert_in_inches([printed(*lint)])
+    assert_in_inches(told(json.loads(printed(*lint, "--json"))))
+    page = tmp_path / "setup.html"
+    printed("setup", str(made), "-o", str(page))
+    assert_in_inches(re.sub(r"<[^>]*>", "\n", page.read_text("utf-8")).split("<svg")[:1])
+
+
+@pytest.mark.parametrize(
+    ("kind", "arguments"),
+    [
+        ("findings", {}), ("build", {"formats": ["csv"]}), ("curves", {}),
+        ("size", {}), ("size", {"transmission_angle": 89.0}),
+        ("change", {"edits": {"part.bore": 50.0}}), ("change", {"edits": {"output.tolerance": 5}}),
+    ],
+)  # fmt: skip
+def test_the_designer_tells_inches(kind: str, arguments: dict[str, Any], tmp_path: Path) -> None:
+    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
+    found = run(Job(kind, made.read_text("utf-8"), arguments=arguments))
+    assert [each for each in told(found) if STATES_MM.search(each)] == []
 
 
 def test_faults_and_tables_are_in_inches(tmp_path: Path) -> None:

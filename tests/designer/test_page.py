@@ -272,6 +272,14 @@ def test_a_scene_with_faults_is_not_told_to_be_well(page: Page) -> None:
     assert verdict.get_attribute("href") == "#findings"
 
 
+def test_what_is_no_verdict_has_no_sign_of_one(page: Page) -> None:
+    """A figure and a note stand among what is kept, without its sign and its colour."""
+    shown = page.locator(".finding strong")
+    told = {each.rpartition(" ")[::2] for each in shown.all_text_contents()}
+    assert {("✓", "ok"), ("=", "figure")} <= told <= {("✓", "ok"), ("=", "figure"), ("–", "note")}
+    assert set(page.locator(".severity.ok").all_text_contents()) == {"✓ ok"}
+
+
 def test_a_scene_that_only_its_findings_refuse_is_red_at_its_field(page: Page) -> None:
     """A compression spring on a rocker without ends: its curves have no fault."""
     old = settled(page, -1)

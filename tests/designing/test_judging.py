@@ -42,6 +42,9 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
     assert [each["sentence"] for each in found["findings"]] == [
         each.sentence for each in checked.everything
     ]
+    assert [each["verdict"] for each in found["findings"]] == [
+        each.verdict for each in checked.everything
+    ]
     assert [each["sentence"] for each in found["cures"]] == [
         each.statement for each in checked.cures
     ]

@@ -266,6 +266,52 @@ def test_a_lobe_far_too_steep_is_all_cut_off() -> None:
     assert 299.0 < lost < 300.0
 
 
+def snapped(law: str, rise: str, fall: str, base: float, offset: float, turns: int) -> PitchCurve:
+    """A rocker that swings 16 degrees; one of the two moves is far too short."""
+    spans = [Decimal(30), Decimal(rise), Decimal(40), Decimal(fall)]
+    up = Move(spans[1], math.radians(16.0), make_law(law))
+    down = Move(spans[3], 0.0, make_law("modified-sine"))
+    rests = Dwell(spans[0]), Dwell(spans[2]), Dwell(360 - sum(spans))
+    plan = MotionPlan((rests[0], up, rests[1], down, rests[2]))
+    return PitchCurve(plan, OscillatingFlat(complex(-70.0, 50.0), base, offset, 1), turns)
+
+
+@pytest.mark.parametrize(
+    ("law", "rise", "fall", "base", "offset", "turns"),
+    [
+        ("polynomial-4567", "120", "0.00039", 20.0, 0.0, 1),
+        ("cycloidal", "120", "0.00044", 20.0, 0.0, 1),
+        ("polynomial-345", "120", "0.00031", 35.0, 0.0, 1),
+        ("polynomial-345", "0.00018", "120", 50.0, 0.0, -1),
+    ],
+)
+def test_a_swing_within_no_time_is_cut_to_the_half_planes(
+    law: str, rise: str, fall: str, base: float, offset: float, turns: int
+) -> None:
+    pitch = snapped(law, rise, fall, base, offset, turns)
+    outline = outline_of(pitch)
+    start, span = (30.0, rise) if float(rise) < 1.0 else (190.0, fall)
+    short = np.radians(start + float(span) * np.linspace(0.0, 1.0, 4001))
+    phi = np.sort(np.concatenate((np.arange(0.0, TURN, STEP), short)))
+    normal, distance = demanded(pitch, phi)
+    dual = normal / distance
+    corners = _corners(dual[ConvexHull(np.column_stack((dual.real, dual.imag))).vertices])
+    sampled = np.array([np.max((np.conj(n) * corners).real) for n in normal[::37]])
+    actual = support(outline, pitch, phi)[::37]
+    assert np.all(actual <= sampled + 1e-9 * np.max(distance))
+    # What is between samples: at most a side of the disc times half a step of the normal.
+    turned = np.max(np.abs(np.diff(np.unwrap(np.angle(normal)))))
+    assert np.all(actual >= sampled - np.max(distance) * turned)
+
+
+def test_what_too_fast_a_face_leaves_open_is_told_with_its_place() -> None:
+    with pytest.raises(
+        GeometryError, match=r"near cam angle 30\.000\d+ deg; give the move"
+    ) as found:
+        outline_of(snapped("polynomial-345", "0.00013", "120", 20.0, 8.0, -1))
+    assert found.value.key == "motion"
+
+
 def test_what_leaves_no_disc_is_refused() -> None:
     jumping = PitchCurve(
         MotionPlan((Move(Decimal(180), 10.0, make_law("straight-line")),

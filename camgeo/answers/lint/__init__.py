@@ -13,6 +13,7 @@ from camgeo.design import Design
 from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.product.product import Product, disc_of, sides_of
 from camgeo.reading import PROGRAM, read_within
+from camgeo.scene.scene import Scene
 from camgeo.toolpath.machine import Machine, load
 from camgeo.verifying.linting import (
     Bench,
@@ -99,7 +100,7 @@ class Lint(Answer):
     machine : profile that they were read with.
     bench : what was taken of the work.
     programs : one per file.
-    scene : name of the scene with tools, blank and holding; None without one.
+    scene : with tools, blank and holding; None without one.
     """
 
     command: ClassVar[str] = "lint"
@@ -107,7 +108,7 @@ class Lint(Answer):
     machine: Machine
     bench: Bench
     programs: tuple[Program, ...]
-    scene: str | None = None
+    scene: Scene | None = None
 
     @property
     def clean(self) -> bool:
@@ -160,7 +161,7 @@ def lint(
         return sides_of(disc)[-1] if second_side else disc
 
     found = tuple(_program(path, profile, work, runs, of(path)) for path in paths)
-    return Lint(profile, work, found, None if design is None else design.name)
+    return Lint(profile, work, found, None if design is None else design.scene)
 
 
 def _program(

@@ -9,7 +9,7 @@ from typing import Final
 from camgeo.answers.answer import MARKS
 from camgeo.answers.setup import SetupSheet, Step, shown
 from camgeo.toolpath.tool import Tool
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER, LengthUnit, in_unit
 from camgeo.wording import clock, counted
 
 NONE: Final = "-"
@@ -82,15 +82,13 @@ def _side_html(answer: SetupSheet) -> str:
     )
     remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
     listed = f"<ul>{remarks}</ul>" if remarks else ""
-    features = "".join(
-        f"<li>{escape(each.sentence)}</li>" if each.severity == "ok"
-        else f'<li class="flaw">{escape(each.sentence)}</li>'
-        for each in answer.features
-    )  # fmt: skip
-    part = f"<h2>Part</h2>\n<ul>{features}</ul>\n" if features else ""
-    flaws = "".join(f'<li class="flaw">{escape(flaw.sentence)}</li>' for flaw in answer.flaws)
-    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
     unit = answer.scene.unit
+    features = "".join(
+        _item(each.sentence, unit, flaw=each.severity != "ok") for each in answer.features
+    )
+    part = f"<h2>Part</h2>\n<ul>{features}</ul>\n" if features else ""
+    flaws = "".join(_item(each.sentence, unit, flaw=True) for each in answer.flaws)
+    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
     steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
     return f"""<h1>{escape(_head(answer))}</h1>
 <dl>{facts}</dl>
@@ -103,6 +101,11 @@ def _side_html(answer: SetupSheet) -> str:
 {part}<h2>Simulation</h2>
 {verdict}
 """
+
+
+def _item(sentence: str, unit: LengthUnit, *, flaw: bool) -> str:
+    mark = ' class="flaw"' if flaw else ""
+    return f"<li{mark}>{escape(in_unit(sentence, unit))}</li>"
 
 
 def _head(answer: SetupSheet) -> str:

@@ -20,7 +20,7 @@ def text(answer: Verification) -> str:
     """Each file with its result, and its checks below it."""
     lines = []
     for path, verdict in zip(answer.paths, answer.verdicts, strict=True):
-        checks = (_line(_in_unit(check, verdict.length)) for check in verdict.checks)
+        checks = (_line(_divided(check, verdict.length)) for check in verdict.checks)
         lines += [in_unit(_headline(path, verdict), verdict.length), *checks]
     return "\n".join(lines)
 
@@ -36,17 +36,15 @@ def _headline(path: Path, verdict: Verdict) -> str:
     return f"{path}: {word}, {text} (tolerance {tolerance:g} mm, by {who})"
 
 
-def _in_unit(check: Check, length: LengthUnit) -> Check:
-    """The check in the unit of length of the scene."""
+def _divided(check: Check, length: LengthUnit) -> Check:
+    """The check with its numbers in the unit of length of the scene."""
     unit, divisor = unit_in(check.unit, length)
 
     def shown(value: Any) -> Any:
-        if isinstance(value, str):
-            return in_unit(value, length)
-        return value if value is None or divisor == 1.0 else value / divisor
+        return value / divisor if isinstance(value, float) and divisor != 1.0 else value
 
     figures = {name: shown(getattr(check, name)) for name in ("value", "expected", "limit")}
-    return replace(check, **figures, unit=unit, note=in_unit(check.note, length))
+    return replace(check, **figures, unit=unit)
 
 
 def _line(check: Check) -> str:

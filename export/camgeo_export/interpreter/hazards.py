@@ -53,7 +53,7 @@ class Hazards:
                 add(move.line, "rapid-diagonal", what)
             return
         if across and vertical and low < free:
-            whence = "above" if math.isinf(move.z_start) else f"Z {move.z_start:g}"
+            whence = "above" if math.isinf(move.z_start) else f"Z {move.z_start:g} mm"
             what = f"a traverse in the plane and along Z at once, from {whence} to"
             allowed = f"both at once only above Z {bench.free:g} mm"
             add(move.line, "rapid-diagonal", f"{what} Z {move.z_end:g} mm", allowed=allowed)

@@ -191,7 +191,9 @@ def _paths(product: Product, program: Run, tolerance: float, extra: float) -> li
             same.setdefault(_key(loop.contour), []).append(loop)
         for alike in same.values():
             heights = sorted((loop.z for loop in alike), reverse=True)
-            where = "" if len(heights) == len(own) else f"Z {', '.join(f'{z:g}' for z in heights)}"
+            where = (
+                "" if len(heights) == len(own) else f"Z {', '.join(f'{z:g}' for z in heights)} mm"
+            )
             contour = alike[0].contour
             mismatch = extra + max(loop.mismatch for loop in alike)
             checks += contour_checks(

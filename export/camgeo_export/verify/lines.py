@@ -180,7 +180,7 @@ def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
             if value > limit + DEEPER and (depth.run, rule) not in told:
                 told.add((depth.run, rule))
                 x, y, _ = depth.place
-                text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g}"
+                text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
                 line = each.lines[depth.move]
                 yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
 

@@ -57,7 +57,8 @@ export class Build {
     this.listed = built;
     const stated = (value: number | null | undefined): string => (value === null || value === undefined ? "" : number(value, 3));
     const rows = built.files.map((file) => [el("a", { href: file.url, download: file.name }, file.name), t("build.bytes", { n: file.size.toLocaleString("en") }), stated(file.deviation), stated(file.tolerance)]);
-    const heads = [t("build.file"), t("build.size"), t("build.deviation"), t("build.tolerance")];
+    const unit = this.session.curves?.unit ?? "";
+    const heads = [t("build.file"), t("build.size"), t("build.deviation", { unit }), t("build.tolerance", { unit })];
     const findings = built.findings.map((each) => el("li", {}, `! ${each}`));
     this.files.replaceChildren(rows.length ? table(t("build.title"), heads, rows, [1, 2, 3]) : "", findings.length ? el("ul", { class: "list" }, ...findings) : "");
   }

@@ -5,7 +5,8 @@ import type { Finding } from "./model";
 import type { Session } from "./session";
 import { t } from "./strings";
 
-const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗", unknown: "✗", waiting: "…" };
+// A figure and a note are no verdict, and have signs of their own.
+const SIGNS: Record<string, string> = { ok: "✓", warning: "!", broken: "✗", "no-disc": "✗", invalid: "✗", unknown: "✗", waiting: "…", figure: "=", note: "–" };
 
 // Where the verdict leads to.
 const FINDINGS = "#findings";
@@ -80,7 +81,7 @@ export class Findings {
     return el(
       "li",
       { class: "finding" },
-      el("p", {}, el("strong", { class: `severity ${finding.severity}` }, `${SIGNS[finding.severity] ?? "!"} ${finding.mark}`), ` ${finding.about}: `, finding.sentence),
+      el("p", {}, el("strong", { class: `severity ${finding.verdict}` }, `${SIGNS[finding.verdict] ?? "!"} ${finding.mark}`), ` ${finding.about}: `, finding.sentence),
       finding.step ? el("p", { class: "step" }, `${t("findings.step")}: ${finding.step}`) : null,
       el(
         "div",

@@ -117,6 +117,7 @@ export interface Finding {
   about: string;
   name: string;
   severity: string;
+  verdict: string;
   mark: string;
   sentence: string;
   value: number | null;
