@@ -7,12 +7,14 @@ files need are imported only then, so that a check takes no longer than its comp
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cache
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import Drive
-from camgeo.check.finding import RETURN, Findings, forbidding
-from camgeo.check.judge import Judgement
+from camgeo.check.finding import RETURN, Findings, LazyFindings, forbidding
+from camgeo.check.judge import Judgement, Tried
 from camgeo.displayed import Displayed, brief, notebook
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
@@ -109,15 +111,22 @@ class Design(Pickled, Displayed):
             self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger, self._tried
         )
 
-    def _tried(self, values: Mapping[str, Any]) -> Findings:
-        """The findings on the scene with other `values` by key, and on the parts of its discs."""
-        from camgeo.product.judged_part import findings_on  # few designs need a cure
-
+    def _tried(self, cams: tuple[Cam, ...], values: Mapping[str, Any]) -> Tried:
+        """What is found on the scene with other `values` by key; of its cams, if they are these
+        `cams`, only what is not known yet is computed.
+        """
         other = Design(self.scene.with_values(self.edits(values)))
-        if forbidding(other.findings):
-            return other.findings
-        of_parts = (each for disc in other.discs for each in findings_on(disc))
-        return Findings((*other.findings, *of_parts))
+        if other.cams == cams:
+            other.__dict__.update(drive=cams[0].drive, cams=cams)
+
+        @cache
+        def of_parts() -> Findings:
+            from camgeo.product.judged_part import broken_in  # few designs need a cure
+
+            discs = () if forbidding(other.findings) else other.discs
+            return Findings(chain.from_iterable(map(broken_in, discs)))
+
+        return other.findings, LazyFindings(of_parts)
 
     def edits(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """What makes the scene have other `values` by key: these, and None for the parameters of a

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
@@ -65,6 +65,9 @@ TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
 FINDINGS: Final = "findings."
 """Prefix of the names under which ledgers record checks."""
 
+Tried = tuple[Findings, Sequence[Finding]]
+"""What is found on a changed design, and what of its parts breaks a limit, once it is looked at."""
+
 ByCheck = Mapping[str, tuple[Finding, ...]]
 """Findings by the check that makes them."""
 
@@ -100,8 +103,8 @@ class Judgement(Pickled, Displayed):
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
     unit : that of the scene, in which findings and cures state lengths.
     ledger : records what has been computed.
-    trial : gives the findings on the scene, and on its part, with other values by key; None if
-        there is no scene, where cures are judged by the discs alone.
+    trial : what is found on the scene with other values by key, which make the cams that it is
+        given; None if there is no scene, where cures are judged by the discs alone.
     """
 
     drive: Drive
@@ -110,7 +113,7 @@ class Judgement(Pickled, Displayed):
     tolerance: float
     unit: LengthUnit = "mm"
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
-    trial: Callable[[Mapping[str, Any]], Findings] | None = field(
+    trial: Callable[[tuple[Cam, ...], Mapping[str, Any]], Tried] | None = field(
         default=None, repr=False, compare=False
     )
 
@@ -193,13 +196,16 @@ class Judgement(Pickled, Displayed):
             return ()
         from camgeo.check.cures.remedies import remedies  # a search that few cams need
 
-        known: dict[tuple[tuple[str, object], ...], Findings] = {}
+        known: dict[tuple[tuple[str, object], ...], Tried] = {}
 
-        def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> Findings:
+        def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> Tried:
             question = tuple(edits.items())
             if question not in known:
-                other = replace(self, drive=cams[0].drive, cams=cams, ledger=Ledger())
-                known[question] = other.findings if self.trial is None else self.trial(edits)
+                if self.trial is None:
+                    other = replace(self, drive=cams[0].drive, cams=cams, ledger=Ledger())
+                    known[question] = other.findings, ()
+                else:
+                    known[question] = self.trial(cams, edits)
             return known[question]
 
         limits = transmission_angle_limit(self.cams[0], self.limits), self.limits.radius_ratio

@@ -140,6 +140,7 @@ def _turning(
     return roots[order], row[order] % many.count
 
 
+@kept_with_owner
 def curvature_extremes(curve: PitchCurve) -> Extremes:
     """All local extremes of the curvature kappa [1/mm] of the pitch curve; Z' must not vanish."""
     return extremes(curve, curve.curvature, curve.curvature_slope)

@@ -21,6 +21,7 @@ from camgeo.curve.extremes import Extremes, extremes
 from camgeo.curve.pieces import halves, turn_cells
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.mechanism.face import Touch, flat_follower
+from camgeo.motion.kept import kept_with_owner
 from camgeo.numeric.arrays import FloatArray, Side, ascending
 
 SMALLEST = 1e-9
@@ -77,6 +78,7 @@ def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
     return flat_follower(curve.follower).touch(curve.motion.jet(phi, side), curve.rotation)
 
 
+@kept_with_owner
 def convexity(curve: PitchCurve) -> Convexity:
     """The contact curve of a flat follower."""
     size = curve.follower.base_radius

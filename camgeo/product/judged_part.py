@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding, held, stated_in
+from camgeo.check.finding import BROKEN, Finding, held, stated_in
 from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.part.mass import Solid, largest_diameter, section_area, solid
 from camgeo.part.materials import KG_M3
@@ -141,26 +141,36 @@ def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ..
     return stated_in(disc.unit, (*relation_of(disc), diameter, *mass, *walls))
 
 
+def broken_in(disc: Product) -> tuple[Finding, ...]:
+    """The findings of `findings_on` beyond a limit, of which only what may be one is computed."""
+    return tuple(each for each in _poor(disc, warned=False) if each.severity in BROKEN)
+
+
 def poor_in(disc: Product) -> tuple[Finding, ...]:
-    """The findings of a part beyond a limit, or worth a warning: those of `findings_on`, of which
-    only what may be one is computed. What makes a part impossible is left to its files.
-    """
+    """The same with those worth a warning. What makes a part impossible is left to its files."""
+    found = _poor(disc, warned=True)
+    return tuple(each for each in found if each.severity not in ("ok", "invalid"))
+
+
+def _poor(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
+    """What may be poor, with what is worth no more than a warning if `warned`."""
     if not _stated(disc.scene):
         return ()
     try:
         part = disc.drawn.part
-    except (GeometryError, ToleranceError):
-        return ()
+    except (GeometryError, ToleranceError) as error:
+        return (_impossible(disc, error),)
     limits, found = disc.scene.limits, [*relation_of(disc), *_set_screw(disc.drawn.spec)]
     if limits.diameter is not None:
         found.append(_diameter(part, limits.diameter))
     if limits.mass is not None:
         found += _mass(_body(disc, part), limits.mass)
-    if not surely_thick(part, limits.wall):
+    if (warned or limits.wall is not None) and not surely_thick(part, limits.wall):
         found += _smallest_wall(part, limits.wall)
-    if disc.scene.printing is not None and disc.scene.printing.nozzle is not None:
-        found += _printed(disc)
-    return stated_in(disc.unit, (each for each in found if each.severity != "ok"))
+    printing = disc.scene.printing
+    if printing is not None and (printing.nozzle is not None or not warned):
+        found += _printed(disc)  # without a nozzle the files say that nothing is compensated
+    return stated_in(disc.unit, found)
 
 
 def _diameter(part: Part, limit: float | None) -> Finding:

@@ -20,7 +20,7 @@ import camgeo
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
 from camgeo.check.cures.laws import Choice, choices, offers_for
-from camgeo.check.cures.search import NARROW, Way, first_root
+from camgeo.check.cures.search import NARROW, UNKNOWN, Way, first_root
 from camgeo.check.cures.spans import STEP, longer_plan
 from camgeo.check.curvature import check_undercut
 from camgeo.check.follower import check_follower
@@ -374,11 +374,26 @@ class Roller:
 
 
 def test_a_limit_that_is_no_root_is_enclosed() -> None:
-    limit = Way(Roller(), 1e-3, (), lambda value: value < 7.123).nearest()
-    assert limit is not None
-    assert 7.123 - NARROW * 10.0 <= limit <= 7.123
-    assert Way(Roller(), 1e-3, (), lambda _: False).nearest() is None
-    assert Way(Roller(), 10.0, (), lambda _: True).nearest() is None, "there is no way to go"
+    counts = []
+    for by in (
+        lambda x: x**3 - 7.123**3,
+        lambda x: math.expm1(x - 7.123),
+        lambda x: math.copysign(math.inf, x - 7.123),
+    ):
+        asked = list[float]()
+
+        def judged(value: float, by: Any = by, asked: list[float] = asked) -> dict[str, float]:
+            asked.append(value)
+            return {"steady": -1.0, "tried": by(value)}
+
+        limit = Way(Roller(), 1e-3, (), judged).nearest()
+        assert limit is not None
+        assert 7.123 - NARROW * 10.0 <= limit <= 7.123
+        counts.append(len(asked))
+    *known, unknown = counts
+    assert max(known) < 0.75 * unknown, "how far it is beyond shortens the search"
+    assert Way(Roller(), 1e-3, (), lambda _: UNKNOWN).nearest() is None
+    assert Way(Roller(), 10.0, (), lambda _: {}).nearest() is None, "there is no way to go"
 
 
 @given(

@@ -6,7 +6,8 @@ The model is independent: laws, roller centre, curvature and transmission angle 
 in the fixed frame, on a grid of cam angles of each move. A remedy of a size is right if the fault
 is there just short of its limit, if what is written cures and breaks no limit unsaid, and if none
 of the values nearer to the present one, of which 400 are tried, keeps the closed limits; where none
-is offered, if no value of the whole range does. What the grid takes for a better value is decided
+is offered, if no value of the whole range does. A value at which something else leaves no disc, as
+a pitch curve that crosses itself, cures nothing. What the grid takes for a better value is decided
 by the exact check.
 """
 
@@ -67,7 +68,9 @@ LAWS: Final[dict[str, Callable[[Floats], tuple[Floats, Floats, Floats]]]] = {
 
 KINDS: Final = ("translating-roller", "oscillating-roller", "translating-flat")
 
-BAD: Final = ("broken", "no-disc", "invalid")
+NO_DISC: Final = ("no-disc", "invalid")
+
+BAD: Final = ("broken", *NO_DISC)
 
 OF_FAULT: Final = {
     "undercut": ("undercut-", "cusp-", "global-undercut-", "outline-"),
@@ -225,16 +228,20 @@ def drawn_scene(draw: random.Random) -> Values | None:
     return values if -1.0 < worst < -1e-3 else None
 
 
-def broken(values: Values) -> set[str] | None:
-    """Names of the limits that the exact check finds broken; None if the scene is refused."""
+Names = dict[str, str]
+"""Severities by the names of findings."""
+
+
+def broken(values: Values) -> Names | None:
+    """The limits that the exact check finds broken; None if the scene is refused."""
     try:
         found = camgeo.loads(text_of(values)).findings
     except camgeo.CamgeoError:
         return None
-    return {each.name for each in found if each.severity in BAD}
+    return {each.name: each.severity for each in found if each.severity in BAD}
 
 
-def has(fault: str, names: set[str] | None) -> bool:
+def has(fault: str, names: Names | None) -> bool:
     return names is None or any(name.startswith(OF_FAULT[fault]) for name in names)
 
 
@@ -317,7 +324,7 @@ def complaints(values: Values) -> Iterator[str]:
             yield from (f"{head}: {each}" for each in compared(values, cure, fault, before, knob))
 
 
-def applied(values: Values, cure: Any, fault: str, before: set[str]) -> Iterator[str]:
+def applied(values: Values, cure: Any, fault: str, before: Names) -> Iterator[str]:
     """What is wrong with the scene that has what the remedy writes."""
     other = deepcopy(values)
     for key, value in [(cure.key, cure.value_to)] + [
@@ -332,11 +339,11 @@ def applied(values: Values, cure: Any, fault: str, before: set[str]) -> Iterator
     names = broken(other)
     if names is None or has(fault, names):
         yield f"{cure.sentence} does not cure: {names}"
-    elif names - before != set(cure.breaks):
-        yield f"{cure.sentence} breaks {names - before}, said {cure.breaks}"
+    elif (new := names.keys() - before.keys()) != set(cure.breaks):
+        yield f"{cure.sentence} breaks {new}, said {cure.breaks}"
 
 
-def compared(values: Values, cure: Any, fault: str, before: set[str], knob: Knob) -> Iterator[str]:
+def compared(values: Values, cure: Any, fault: str, before: Names, knob: Knob) -> Iterator[str]:
     """What is wrong with the limit of a size, or with the statement that there is none."""
     start = values["follower"][knob.field]
     flat = values["follower"]["kind"].endswith("flat")
@@ -351,8 +358,8 @@ def compared(values: Values, cure: Any, fault: str, before: set[str], knob: Knob
         names = broken(knob.set(values, value))
         if names is None or has(fault, names):
             return False
-        fatal = has("undercut", names) and not has("undercut", before)
-        return not fatal and (breaks or names <= before)
+        new = names.keys() - before.keys()
+        return not new or (breaks and all(names[each] not in NO_DISC for each in new))
 
     limit, breaks = cure.limit if cure.works else None, bool(cure.breaks)
     if limit is not None:
@@ -388,7 +395,7 @@ def longer(values: Values, number: int, span: float) -> Values | None:
     return other if missing <= 1e-9 else None
 
 
-def stretched(values: Values, cure: Any, fault: str, before: set[str]) -> Iterator[str]:
+def stretched(values: Values, cure: Any, fault: str, before: Names) -> Iterator[str]:
     """What is wrong with the longer span of a move that alone is at fault."""
     moves = [number for number, each in enumerate(values["motion"], start=1) if "law" in each]
     faulty = [number for number, _ in courses(values) if margins(values, fault, number) <= 0.0]
@@ -407,7 +414,7 @@ def stretched(values: Values, cure: Any, fault: str, before: set[str]) -> Iterat
         if other is None or not all(margins(other, each, number) > 1e-9 for each in held):
             continue
         names, confirmed = broken(other), confirmed + 1
-        if names is not None and not has(fault, names) and names <= before:
+        if names is not None and not has(fault, names) and names.keys() <= before.keys():
             yield f"a span of {span!r} cures, {cure.sentence}"
         if confirmed == CONFIRMED:
             return

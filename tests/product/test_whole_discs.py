@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.check.finding import Finding
+from camgeo.check.finding import BROKEN, Finding
 from camgeo.errors import UnsafeError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import solid
 from camgeo.part.webs import thinnest_of_each
-from camgeo.product.judged_part import PartFound, findings_on, part_of, poor_in
+from camgeo.product.judged_part import PartFound, broken_in, findings_on, part_of, poor_in
 from camgeo.product.milled import MilledDisc
 from camgeo.product.product import Product, disc_of, title_of, with_pair
 from camgeo.sweep.asked import asked_of
@@ -83,6 +83,7 @@ def alike(disc: Product, found: PartFound) -> None:
     """What checks state, and what builds warn of, is what is found of the part."""
     assert findings_on(disc) == found.findings
     assert poor_in(disc) == tuple(each for each in found.findings if each.severity != "ok")
+    assert broken_in(disc) == tuple(each for each in found.findings if each.severity in BROKEN)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +161,7 @@ def test_a_part_that_is_impossible_is_told_as_such() -> None:
     assert (found.diameter, found.layers, found.body) == (None, (), None)
     assert [(each.name, each.severity) for each in found.findings] == [("part", "invalid")]
     assert findings_on(disc) == found.findings
-    assert poor_in(disc) == ()
+    assert (poor_in(disc), broken_in(disc)) == ((), found.findings)
 
 
 # Names --------------------------------------------------------------------------------------------

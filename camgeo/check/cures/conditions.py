@@ -25,7 +25,6 @@ from camgeo.curve.together import one_curve
 from camgeo.errors import GeometryError
 from camgeo.lazy import Ledger
 from camgeo.mechanism.several import alike
-from camgeo.motion.kept import kept_with_owner
 from camgeo.motion.piece import SNAP
 from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray, Side
@@ -117,12 +116,6 @@ class Condition(ABC):
         """
 
 
-@kept_with_owner
-def bends_of(curve: PitchCurve) -> Extremes:
-    """See `curvature_extremes`."""
-    return curvature_extremes(curve)
-
-
 @dataclass(frozen=True, slots=True)
 class Bend(Condition):
     """1 + d kappa of the flanks in use: neither cusp nor local undercut, with the play of a groove.
@@ -142,7 +135,7 @@ class Bend(Condition):
         return tuple(math.copysign(radius, each) for each in cam.distances)
 
     def over_turn(self, cam: Cam) -> Extremes:
-        bends = bends_of(cam.disc.pitch_curve)
+        bends = curvature_extremes(cam.disc.pitch_curve)
         every = [1.0 + each * bends.values for each in self._distances(cam)]
         return Extremes(bends.phi, np.min(every, axis=0))
 

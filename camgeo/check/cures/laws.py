@@ -16,6 +16,7 @@ from camgeo.check.cures.conditions import (
 )
 from camgeo.check.cures.cure import Change, Cure, no_cure, percent
 from camgeo.check.cures.moves import dwells_beside, faulty_segments, key_of, rests_beside
+from camgeo.check.cures.search import holds
 from camgeo.check.cures.task import Task, edits_of
 from camgeo.errors import GeometryError
 from camgeo.motion.laws import FAMILIES, law_of
@@ -59,7 +60,7 @@ def other_law(task: Task) -> Cure:
             present = move.law.name if isinstance(move, Move) else ""
             return task.finished(no_cure(KNOB, key, present, "", reason))
     number = places[0]
-    for conditions, good in task.stages:
+    for conditions, verdict in task.stages:
         fitting = _fitting(discs, places, conditions)
         number = next((each for each, offers in fitting.items() if not offers), number)
         if not all(fitting.values()):
@@ -67,7 +68,7 @@ def other_law(task: Task) -> Cure:
         first = {number: offers[0] for number, offers in fitting.items()}
         for offers in (first, *_same_for_all(fitting)):
             cure, made = _cure(plan, offers), _with(discs, offers)
-            if good(made, edits_of(cure)):
+            if holds(verdict(made, edits_of(cure))):
                 return task.finished(cure, made)
     move = _move(plan, number)
     key = key_of(number, move, "law")

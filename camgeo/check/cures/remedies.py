@@ -43,7 +43,7 @@ def remedies(
     ratio: float,
     findings: Iterable[Finding],
     unit: LengthUnit,
-    judged: Callable[[Discs, Edits], Iterable[Finding]],
+    judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]],
 ) -> tuple[Cure, ...]:
     """The nearest cure of each fault by each knob with all others unchanged.
 

@@ -14,7 +14,7 @@ which the limit is halved in.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -62,8 +62,24 @@ CURVED: Final = 3.0
 """A cell is halved unless the parabola through its ends and its middle, so many times as curved,
 stays below 0."""
 
+Excess = Mapping[str, float]
+"""By how much limits are exceeded, by their names: positive where one is broken, infinite where it
+is not known by how much."""
+
+UNKNOWN: Final[Excess] = {"": math.inf}
+"""That something is broken."""
+
+STRAIGHT: Final = 0.03
+"""By such a share of its distance from the nearer end a root between two values may be wrong, as
+an excess is not quite linear."""
+
 Along = Callable[[FloatArray], FloatArray]
 """(n,) values of a size -> (n,) margins at one place of the cam."""
+
+
+def holds(excess: Excess) -> bool:
+    """Whether no limit is exceeded."""
+    return all(each <= 0.0 for each in excess.values())
 
 
 class Knob(Protocol):
@@ -99,7 +115,7 @@ class Way:
     ----------
     knob : the size, which goes from its present value to `end`.
     conditions : at each place of the cam.
-    accepted : the verdict on a value that keeps the conditions.
+    judged : the verdict on a value that keeps the conditions.
     rounded : the value beside another that a designer would take, on which the verdict is asked
         for if it keeps the conditions.
     """
@@ -107,7 +123,7 @@ class Way:
     knob: Knob
     end: float
     conditions: Conditions
-    accepted: Callable[[float], bool]
+    judged: Callable[[float], Excess]
     rounded: Callable[[float], float] | None = None
 
     @property
@@ -131,8 +147,8 @@ class Way:
             wide = self._past_neck(inside) if crossed else None
             if not self.keeps(inside):
                 x = inside
-            elif wide is None and self.accepted(self._rounded(inside)):
-                return limit if bad is None or limit != x else self._halved(bad, limit)
+            elif wide is None and holds(self.judged(self._rounded(inside))):
+                return limit if bad is None or limit != x else self._enclosed(bad, limit)
             elif wide is not None or (wide := self._past_neck(inside)) is not None:
                 x, bad, crossed = wide, None, True
             else:
@@ -173,14 +189,30 @@ class Way:
         except GeometryError:
             return False
 
-    def _halved(self, bad: float, good: float) -> float:
-        """The limit between a value that is not accepted and one that is."""
-        while abs(good - bad) > NARROW * self.knob.scale:
-            middle = 0.5 * (bad + good)
-            if self.keeps(middle) and self.accepted(middle):
-                good = middle
+    def _enclosed(self, bad: float, good: float) -> float:
+        """The limit between a value that is not accepted and one that is.
+
+        By the secant of what is exceeded, a little to the side of the farther end, so that both
+        ends move; by halves where that does not help.
+        """
+        beyond, within = self.judged(bad), self.judged(good)
+        narrow, halve = NARROW * self.knob.scale, False
+        while (width := abs(good - bad)) > narrow:
+            exceeded = {name: each for name, each in beyond.items() if each > 0.0}
+            share = 0.5
+            told = all(each < math.inf and name in within for name, each in exceeded.items())
+            if told and not halve:
+                share = max(each / (each - within[name]) for name, each in exceeded.items())
+                nearer = min(share, 1.0 - share)
+                aside = max(narrow / (3.0 * width), STRAIGHT * nearer)
+                share += math.copysign(aside, 0.5 - share)
+            x = bad + share * (good - bad)
+            found = self.judged(x) if self.keeps(x) else UNKNOWN
+            if holds(found):
+                good, within = x, found
             else:
-                bad = middle
+                bad, beyond = x, found
+            halve = abs(good - bad) > 0.5 * width
         return good
 
     def _past_neck(self, value: float) -> float | None:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from functools import singledispatch
+from functools import lru_cache, singledispatch
 from typing import Any, Final
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.conditions import (
     Conditions,
     Discs,
-    bends_of,
     margins_of_each,
     sized,
     worst_place,
@@ -28,8 +27,9 @@ from camgeo.check.cures.cure import (
     shown,
 )
 from camgeo.check.cures.neck import crossings
-from camgeo.check.cures.search import BEYOND, Along, Way
-from camgeo.check.cures.task import Edits, Task, edits_of
+from camgeo.check.cures.search import BEYOND, UNKNOWN, Along, Excess, Way, holds
+from camgeo.check.cures.task import Edits, Judge, Task, edits_of
+from camgeo.curve.extremes import curvature_extremes
 from camgeo.errors import GeometryError
 from camgeo.mechanism.face import flat_follower
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
@@ -39,6 +39,10 @@ from camgeo.units import MM_PER, LengthUnit
 
 MOST: Final = 100.0
 """Largest base radius tried, as a multiple of the present one."""
+
+KNOWN: Final = 64
+"""Latest values of a size of which the discs are kept: conditions and checks share what they find
+in them."""
 
 INSIDE: Final = 1e-6
 """Fraction of the base radius by which an offset, arm or base radius stays clear of the value at
@@ -89,27 +93,27 @@ class Size:
         low: float,
         high: float,
         conditions: Conditions,
-        accepted: Callable[[float], bool],
+        judged: Callable[[float], Excess],
         unit: LengthUnit,
     ) -> Length | None:
-        """The nearest length between `low` and `high` [mm] that is `accepted`."""
+        """The nearest length between `low` and `high` [mm] at which what is `judged` holds."""
 
         def rounded(value: float) -> float:
             upward, mm = value > self.start, MM_PER[unit]
             digits = digits_for(self.start, value)
             return mm * float(rounded_beyond(value / mm, digits, upward=upward))
 
-        up = Way(self, max(high, self.start), conditions, accepted, rounded).nearest()
+        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
         if up is not None:
             low = max(low, self.start - (up - self.start))
-        way = Way(self, min(low, self.start), conditions, accepted, rounded)
+        way = Way(self, min(low, self.start), conditions, judged, rounded)
         down = way.nearest()
         limit = up if down is None else down
         if limit is None:
             return None
 
         def cures(value: float) -> bool:
-            return way.keeps(value) and accepted(value)
+            return way.keeps(value) and holds(judged(value))
 
         return Length.beyond(self.start, limit, cures, unit, upward=down is None)
 
@@ -143,7 +147,12 @@ def _other(task: Task, knob: str, number: int, within: tuple[float, float], scal
     field = knob.replace(" ", "_")
     key, old = f"{TABLES[number]}.{field}", float(getattr(task.discs[number].follower, field))
     mm = MM_PER[task.unit]
-    size = Size(old, scale, lambda value: sized(task.discs, number, **{field: value}))
+
+    @lru_cache(KNOWN)
+    def made(value: float) -> Discs:
+        return sized(task.discs, number, **{field: mm * (value / mm)})
+
+    size = Size(old, scale, made)
     length = _sought(task, size, within, lambda value: {key: value / mm})
     ends = f"{within[0] / mm:.6g} and {within[1] / mm:.6g} {task.unit}"
     none = f"no other {knob} between {ends} cures it"
@@ -156,10 +165,10 @@ def _sought(
 ) -> Length | None:
     for conditions, verdict in task.stages:
 
-        def accepted(value: float, good: Callable[[Discs, Edits], bool] = verdict) -> bool:
-            return good(size.made(value), edits(value))
+        def judged(value: float, verdict: Judge = verdict) -> Excess:
+            return verdict(size.made(value), edits(value))
 
-        length = size.nearest(*within, conditions, accepted, task.unit)
+        length = size.nearest(*within, conditions, judged, task.unit)
         if length is not None:
             return length
     return None
@@ -194,16 +203,18 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     if len(discs) == 1:
         return _sought(task, size, (low, old), lambda value: {key: value / mm})
     conditions = (task.condition,)
-    return size.nearest(
-        low, old, conditions, lambda value: not _crosses(size.made(value)), task.unit
-    )
+
+    def judged(value: float) -> Excess:
+        return UNKNOWN if _crosses(size.made(value)) else {}
+
+    return size.nearest(low, old, conditions, judged, task.unit)
 
 
 def _why(task: Task, cam: Cam) -> str:
     """Why no roller at all fits a disc."""
     if cam.follower.roller_radius == 0.0:
         return ": a knife edge has no roller to make smaller"
-    bends = bends_of(cam.disc.pitch_curve)
+    bends = curvature_extremes(cam.disc.pitch_curve)
     extremes = bends.smallest()[0], bends.largest()[0]
     kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
     if kappa <= 0.0:
@@ -237,7 +248,7 @@ def _together(task: Task, found: list[Cure], made: Discs) -> Cure:
     sentence = " and ".join(cure.sentence for cure in (leading, *others))
     also = tuple(Change(each.key, each.value_from, each.value_to or 0.0) for each in others)
     cure = replace(leading, sentence=sentence, also=also)
-    if task.newly_broken(made, edits_of(cure)) is None:
+    if not holds(task.failing(made, edits_of(cure))):
         reason = "no smaller roller radii cure both discs"
         none = no_cure(leading.knob, leading.key, leading.value_from, leading.unit, reason)
         return task.finished(none)

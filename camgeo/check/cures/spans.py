@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
 from typing import Final
@@ -24,8 +24,8 @@ from camgeo.check.cures.moves import (
     from_rest_to_rest,
     key_of,
 )
-from camgeo.check.cures.search import Along, Way
-from camgeo.check.cures.task import Edits, Task, edits_of
+from camgeo.check.cures.search import UNKNOWN, Along, Excess, Way, holds
+from camgeo.check.cures.task import Judge, Task, edits_of
 from camgeo.errors import GeometryError
 from camgeo.motion.plan import MotionPlan
 from camgeo.motion.spans import EXACT
@@ -100,8 +100,8 @@ def longer_segment(task: Task) -> Cure:
             key = key_of(number, segment, "span")
             reason = f"the span of a segment: {key} is at fault and is not a move from rest to rest"
             return task.finished(no_cure(KNOB, key, segment.span, "deg", reason))
-    for conditions, good in task.stages:
-        longer = _longer(task, places, conditions, good)
+    for conditions, verdict in task.stages:
+        longer = _longer(task, places, conditions, verdict)
         if longer is not None:
             return task.finished(_cure(plan, longer, places), moved(discs, longer))
     return task.finished(_too_short(plan, places[0]))
@@ -111,27 +111,27 @@ def _longer(
     task: Task,
     places: Sequence[int],
     conditions: Conditions,
-    good: Callable[[Discs, Edits], bool],
+    verdict: Judge,
 ) -> MotionPlan | None:
     """The plan with moves that are long enough; None if there is no room for them."""
     discs, plan = task.discs, plan_of(task.discs)
 
-    def accepted(longer: MotionPlan | None) -> bool:
+    def judged(longer: MotionPlan | None) -> Excess:
         if longer is None or longer == plan:
-            return False
-        return good(moved(discs, longer), edits_of(_cure(plan, longer, places)))
+            return UNKNOWN
+        return verdict(moved(discs, longer), edits_of(_cure(plan, longer, places)))
 
     spans = _limits(discs, places, conditions)
     longer = None if spans is None else longer_plan(plan, spans)
     if spans is None or longer is None:
         return None
-    if accepted(longer):
+    if holds(judged(longer)):
         return longer
     growth = Growth(discs, spans)
-    way = Way(growth, growth.most, conditions, lambda value: accepted(growth.plan(value)))
+    way = Way(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
     limit = way.nearest()
     longer = None if limit is None else growth.plan(limit)
-    return longer if accepted(longer) else None
+    return longer if holds(judged(longer)) else None
 
 
 def _limits(
@@ -147,7 +147,7 @@ def _limits(
         beside = (plan.segments[each].span for each in dwells_around(plan, number))
         most = sum(beside, present)
         knob = Span(discs, number)
-        limit = Way(knob, float(most), conditions, lambda _: True).nearest()
+        limit = Way(knob, float(most), conditions, lambda _: {}).nearest()
         if limit is None:
             return None
         spans[number] = present if limit == float(present) else _rounded_up(Decimal(limit))
