@@ -144,9 +144,9 @@ REFUSED: Final[Mapping[str, tuple[Edits, str]]] = {
     "properties that come later": (
         model(MATERIALS, "") + model("</object>", f"</object>{MATERIALS}"), "do not come before",
     ),
-    "no such property": (model('pindex="0"', 'pindex="2"'), "pindex = '2', where there are 2"),
+    "no such property": (model('pindex="0"', 'pindex="2"'), "pindex = '2' of 2 properties"),
     "no such property of a facet": (
-        model(FIRST, f'{FIRST} pid="1" p1="2"'), r"p1 = '2', .*4\.1\.4\.1"),
+        model(FIRST, f'{FIRST} pid="1" p1="2"'), r"p1 = '2' of 2 properties .*4\.1\.4\.1"),
     "no such properties of a facet": (model(FIRST, f'{FIRST} pid="5" p1="0"'), "properties '5'"),
     "no such corner": (model(FIRST, 'v1="0" v2="2" v3="4"'), "corners 0, 2, 4, not three diff"),
     "two corners alike": (model(FIRST, 'v1="0" v2="2" v3="2"'), "corners 0, 2, 2, not three"),

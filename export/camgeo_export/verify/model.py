@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 from xml.etree import ElementTree as ET
 
+from camgeo.wording import counted
 from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import PATH, PRODUCTION
 from camgeo_export.threemf.writer import CORE
@@ -217,7 +218,7 @@ def _check_object(
         corners = [_number(triangle.get(corner)) for corner in ("v1", "v2", "v3")]
         if min(corners) < 0 or max(corners) >= count or len({*corners}) != len(corners):
             stated = ", ".join(str(triangle.get(corner)) for corner in ("v1", "v2", "v3"))
-            wanted = f"not three different ones of its {count} vertices"
+            wanted = f"not three different ones of its {counted(count, 'vertex', 'vertices')}"
             raise fault("4.1.4.1", f"a triangle of {name} has the corners {stated}, {wanted}")
         if len(triangle.attrib) > len(corners):
             pid = triangle.get("pid", each.get("pid"))
@@ -239,8 +240,8 @@ def _check_properties(
         raise fault(clause, f"{name} has the properties {pid!r}, which do not come before it")
     for index in indices:
         if index in element.attrib and not 0 <= _number(element.get(index)) < groups[pid]:
-            what = f"{index} = {element.get(index)!r}, where there are {groups[pid]} properties"
-            raise fault(clause, f"{name} has {what}")
+            known = counted(groups[pid], "property", "properties")
+            raise fault(clause, f"{name} has {index} = {element.get(index)!r} of {known}")
 
 
 def _number(text: str | None) -> int:
