@@ -73,7 +73,7 @@ def replaced(tmp_path: Path, old: str, new: str) -> str:
         ),
         ('"follower.arm"', '"follower.am"', "(did you mean follower.arm?)"),
         ('"follower.arm"', '"linkage.crank"', "is no dimension of this oscillating-roller machine"),
-        ('class = "h6"', 'class = "h4"', 'grade from IT5 to IT11, e.g. "H7"'),
+        ('class = "h6"', 'class = "h17"', 'grade from IT1 to IT16, e.g. "H7"'),
         ('class = "h6"', 'clas = "h6"', "did you mean class?"),
         ('class = "h6"', "", 'must have one of "plus_minus", "limits" and "class"'),
         ('"mounting.angle"\nplus_minus = 0.05', '"mounting.angle"\nclass = "h6"',
