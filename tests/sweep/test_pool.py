@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import signal
@@ -14,7 +15,6 @@ from dataclasses import dataclass, replace
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from camgeo.design import Design
@@ -172,8 +172,11 @@ def test_a_row_that_differs_in_a_bit_is_seen(tmp_path: Path) -> None:
     work = Work.of(found, asked_of(Design(found.scene), ASK))
     with closing(Store(store, Heading.of(found, work), "replace")) as kept:
         rows = rows_of(work, found.points())
-        others = [tuple(np.nextafter(value, 90.0).item() for value in row.values) for row in rows]
-        kept.add([replace(row, values=each) for row, each in zip(rows, others, strict=True)])
+        beyond = (
+            (math.nextafter(float(value or 0.0), 90.0) for value in row.values) for row in rows
+        )
+        others = [replace(row, values=tuple(each)) for row, each in zip(rows, beyond, strict=True)]
+        kept.add(others)
         kept.settle()
     with pytest.raises(Fault, match="not those of the loop"):
         require_rows_of_the_loop(store, count)

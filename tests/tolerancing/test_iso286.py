@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
@@ -95,7 +96,7 @@ UPPER = {
            -33, -36, -36, -41, -41, -45, -45),
 }  # fmt: skip
 
-FORMULAS = {
+FORMULAS: dict[str, Callable[[float, float], float]] = {
     # Machine Drawing, table 15.4, p. 222, with D the geometric mean of a range
     "a": lambda d, _: -(265 + 1.3 * d) if d <= 120 else -3.5 * d,
     "b": lambda d, _: -(140 + 0.85 * d) if d <= 160 else -1.8 * d,
