@@ -1,23 +1,35 @@
 """The store of a sweep: an SQLite file with a row for each design, written chunk by chunk.
 
 It is keyed by the scene, by what varies and what is asked, and by the versions that decide the bits
-of a row; the rows by the values that make a design. One process at a time writes it. A run that is
-stopped, in whatever way, leaves all chunks that were finished; the next one computes the others.
+of a row; the rows by the values that make a design. One process at a time writes it, and others
+read it meanwhile. A run that is stopped, in whatever way, leaves all chunks that were finished; the
+next one computes the others. What an earlier run has left is believed only where tables, types and
+the checksum of each row say so.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import sqlite3
 import weakref
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
 from camgeo.errors import FileError, OutputError, unreadable
+from camgeo.sweep.database import (
+    ANEW,
+    ELSEWHERE,
+    connected,
+    errors_told,
+    replace_contents,
+    share_reading,
+    take_writing,
+)
 from camgeo.sweep.family import Family, Point, mark
 from camgeo.sweep.local import require_local
 from camgeo.sweep.rows import Row, Work
@@ -25,16 +37,29 @@ from camgeo.sweep.rows import Row, Work
 Existing = Literal["refuse", "resume", "replace"]
 """What becomes of a store that exists."""
 
-FORMAT: Final = "camgeo sweep 1"
-"""Version of the tables."""
+ENCODED: Final = json.JSONEncoder(default=repr).encode
+"""Cells as text: damaged ones may be of any type."""
 
-MEMORY: Final = ":memory:"
+KIND: Final = int.from_bytes(b"cams")
+"""SQLite's `application_id` of a store: it is one, however damaged the rest of it may be."""
+
+FORMAT: Final = 2
+"""Version of the tables, SQLite's `user_version`; the first one had neither it nor checksums."""
+
+HEADING: Final = (
+    "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT, checksum TEXT) WITHOUT ROWID"
+)
+
+FIRST_HEADING: Final = "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID"
+"""That of the first format."""
 
 AT_ONCE: Final = 500
 """Points that are looked up in one query."""
 
+MOST_FACTS: Final = 100
+"""Facts that are read of a heading, which has a dozen."""
+
 WHAT: Final = {
-    "format": "is a store of another format",
     "camgeo": "was computed by another version of camgeo",
     "numpy": "was computed with another version of numpy",
     "python": "was computed with another version of Python",
@@ -76,7 +101,6 @@ class Heading:
         """By name, what must be the same."""
         versions = self.work.versions
         return {
-            "format": FORMAT,
             "camgeo": versions.camgeo,
             "numpy": versions.numpy,
             "python": versions.python,
@@ -95,6 +119,10 @@ class Store:
     heading : what is kept; a file with another one is refused.
     existing : what becomes of a store that exists: it is refused, resumed, or replaced.
 
+    Attributes
+    ----------
+    resumed : whether it had rows of the family, or at least its heading.
+
     Raises
     ------
     OutputError
@@ -107,66 +135,118 @@ class Store:
     def __init__(self, path: Path | None, heading: Heading, existing: Existing = "refuse") -> None:
         self.path = path
         self.heading = heading
+        self.resumed = False
+        self._key = _checksum(list(heading.facts.items()))
         if path is not None:
             _require_place(path, existing)
-        self._open = _connected(path)
-        self._end = weakref.finalize(self, self._open.close)
+        self._open = connected(None)
+        self._file = None if path is None else connected(path)
+        self._end = weakref.finalize(self, _close, self._open, self._file)
         try:
-            with _as_ours(path):
+            with errors_told(path):
                 self._prepare(existing)
         except BaseException:
             self.close()
             raise
 
     def _prepare(self, existing: Existing) -> None:
-        database = self._open
-        # The lock is taken before anything is read, and kept until the store is settled.
-        database.execute("PRAGMA locking_mode=EXCLUSIVE")
-        database.execute("BEGIN EXCLUSIVE")
-        known = _facts(database)
-        if not known and database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-            raise FileError(f"{self.path} is a database of another program; it was not changed")
-        if known and existing == "replace":
-            database.execute("DROP TABLE designs")
-            database.execute("DROP TABLE sweep")
-            known = {}
-        if known:
-            self._refuse_others(known)
-        else:
-            self._create()
-        database.execute("COMMIT")
-        database.execute("PRAGMA journal_mode=WAL")
+        """Go on with the rows of the file; without any, keep those that come in memory until the
+        first are finished, so that what is replaced is there until then.
+        """
+        if self._file is not None:
+            if existing == "replace":  # what it has is not needed: its pages may be missing
+                self._file.execute("PRAGMA writable_schema = ON")
+            (kind,) = self._file.execute("PRAGMA application_id").fetchone()
+            take_writing(self._file)
+            self.resumed = self._is_resumed(self._file, kind, existing)
+            if self.resumed:
+                self._open, self._file = self._file, None
+                return
+        self._open.execute(HEADING)
+        self._open.execute(self._designs)
+        self._open.execute(f"PRAGMA application_id = {KIND}")
+        self._open.execute(f"PRAGMA user_version = {FORMAT}")
+        self._state(
+            {**self.heading.facts, "name": self.heading.name, "text": self.heading.work.text}
+        )
+
+    def _is_resumed(self, file: sqlite3.Connection, kind: int, existing: Existing) -> bool:
+        """Whether the file has rows of this family; FileError if they cannot be told from others.
+
+        Nothing but SQLite's own tables is read before these say that the tables are as they were
+        made: a view in place of one could compute without end.
+        """
+        if kind == KIND and existing == "replace":
+            return False
+        made = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+        tables = {name: sql for _, name, sql in made}
+        if kind != KIND:
+            if not made:
+                return False
+            if tables.get("sweep") != FIRST_HEADING:
+                raise FileError(f"{self.path} is a database of another program; {ELSEWHERE}")
+            if existing == "replace":
+                return False
+            raise FileError(f"{self.path} is a store of format 1, without checksums; {ANEW}")
+        (number,) = file.execute("PRAGMA user_version").fetchone()
+        if number != FORMAT:
+            raise FileError(f"{self.path} is a store of format {number}, not {FORMAT}; {ANEW}")
+        if tables.get("sweep") != HEADING:
+            raise self._damaged("its table of what all rows have in common is another one")
+        self._refuse_others(self._facts(file))
+        if tables.get("designs") != self._designs or any(each[0] == "trigger" for each in made):
+            raise self._damaged("its table of designs is another one")
+        (found,) = file.execute("PRAGMA quick_check(1)").fetchone()
+        if found != "ok":
+            raise self._damaged(" ".join(found.split()))
+        return True
+
+    def _facts(self, file: sqlite3.Connection) -> dict[str, str]:
+        """What the file states of itself."""
+        found = {}
+        for name, value, checksum in file.execute(f"SELECT * FROM sweep LIMIT {MOST_FACTS}"):
+            if checksum != _checksum([name, value]):
+                raise self._damaged(f"what it states as {name!r} was changed")
+            found[name] = value
+        return found
 
     def _refuse_others(self, known: Mapping[str, str]) -> None:
         facts = self.heading.facts
         for name, what in WHAT.items():
-            if known.get(name) != facts[name]:
-                shown = f": {known.get(name)} in place of {facts[name]}" if name in SHOWN else ""
-                raise FileError(f"{self.path} {what}{shown}; nothing of it was changed")
+            if name not in known:
+                raise self._damaged(f"it lacks {name!r}")
+            if known[name] != facts[name]:
+                shown = f": {known[name]} in place of {facts[name]}" if name in SHOWN else ""
+                raise FileError(f"{self.path} {what}{shown}; {ANEW}, or name another file")
 
-    def _create(self) -> None:
+    def _damaged(self, what: str) -> FileError:
+        return FileError(f"{self.path} is damaged: {what}; {ANEW}")
+
+    @property
+    def _designs(self) -> str:
+        """What makes the table of designs."""
         work = self.heading.work
-        self._open.execute("CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID")
-        facts = {**self.heading.facts, "name": self.heading.name, "text": work.text}
-        self._open.executemany("INSERT INTO sweep VALUES (?, ?)", facts.items())
         columns = [_quoted(name) for name in (*work.keys, *(each.word for each in work.asked))]
         own = "".join(f"{column}, " for column in columns)
-        self._open.execute(
-            f"CREATE TABLE designs (point TEXT PRIMARY KEY, {own}units TEXT, reason TEXT)"
-            " WITHOUT ROWID"
+        return (
+            f"CREATE TABLE designs (point TEXT PRIMARY KEY, {own}units TEXT, reason TEXT,"
+            " checksum TEXT) WITHOUT ROWID"
         )
+
+    def _replace(self, file: sqlite3.Connection) -> None:
+        """Put what is in memory in place of what the file has, all of it or nothing."""
+        replace_contents(file, self._open)
+        self._open.close()
+        self._open, self._file = file, None
+        share_reading(self._open)
 
     def state(self, sampled: Mapping[str, str]) -> None:
         """Record how designs were drawn last, e.g. the seed; no row depends on it."""
-        with _as_ours(self.path), self._open:
-            rows = ((f"sample {name}", value) for name, value in sampled.items())
-            self._open.executemany("INSERT OR REPLACE INTO sweep VALUES (?, ?)", rows)
+        self._state({f"sample {name}": value for name, value in sampled.items()})
 
-    def __len__(self) -> int:
-        """How many rows there are."""
-        with _as_ours(self.path):
-            found: int = self._open.execute("SELECT count(*) FROM designs").fetchone()[0]
-            return found
+    def _state(self, facts: Mapping[str, str]) -> None:
+        rows = [(*fact, _checksum(fact)) for fact in facts.items()]
+        self._write("INSERT OR REPLACE INTO sweep VALUES (?, ?, ?)", rows)
 
     def missing(self, points: Iterable[Point]) -> Iterator[Point]:
         """Those of the points, in their order, that have no row yet."""
@@ -175,49 +255,77 @@ class Store:
             yield from (point for point in group if mark(point) not in known)
 
     def rows(self, points: Iterable[Point]) -> Iterator[Row]:
-        """The rows of those of the points that have one, in their order."""
-        work = self.heading.work
-        first = 1 + len(work.keys)
+        """The rows of those of the points that have one, in their order; FileError if one was
+        changed since it was computed.
+        """
         for group in _grouped(points):
             known = self._known(group, "*")
             for point in group:
                 if (found := known.get(mark(point))) is not None:
-                    values = found[first : first + len(work.asked)]
-                    units = tuple(json.loads(found[-2]))
-                    yield Row(point, tuple(values), units, found[-1])
+                    yield self._row(point, found)
+
+    def _row(self, point: Point, found: Sequence[Any]) -> Row:
+        work = self.heading.work
+        *cells, checksum = found
+        if checksum != _checksum(cells, self._key):
+            design = ", ".join(map("{} = {}".format, work.keys, point))
+            raise self._damaged(f"the row of {design} was changed")
+        values = cells[1 + len(work.keys) : -2]
+        return Row(point, tuple(values), tuple(json.loads(cells[-2])), cells[-1])
 
     def _known(self, points: Sequence[Point], columns: str) -> dict[str, tuple[Any, ...]]:
         marks = ", ".join("?" * len(points))
         query = f"SELECT {columns} FROM designs WHERE point IN ({marks})"
-        with _as_ours(self.path):
+        with errors_told(self.path):
             found = self._open.execute(query, [mark(point) for point in points])
             return {row[0]: row for row in found}
 
     def add(self, rows: Sequence[Row]) -> None:
         """Keep rows, all or none; OutputError if the disk is full: earlier ones are kept."""
         work = self.heading.work
-        marks = ", ".join("?" * (3 + len(work.keys) + len(work.asked)))
+        marks = ", ".join("?" * (4 + len(work.keys) + len(work.asked)))
         cells = [
             (mark(row.point), *row.point, *row.values, json.dumps(row.units), row.reason)
             for row in rows
         ]
-        with _as_ours(self.path), self._open:
+        kept = [tuple(map(_kept, each)) for each in cells]
+        kept = [(*each, _checksum(each, self._key)) for each in kept]
+        self._write(f"INSERT INTO designs VALUES ({marks})", kept)
+        if self._file is not None:
+            with errors_told(self.path):
+                self._replace(self._file)
+
+    def _write(self, query: str, rows: Sequence[Sequence[Any]]) -> None:
+        """All rows or none; what writes the file gives it back for a moment only, see `_take`."""
+        with errors_told(self.path):
+            share_reading(self._open)
+            if not self._open.in_transaction:
+                self._open.execute("BEGIN IMMEDIATE")
+            with self._open:
+                self._open.executemany(query, rows)
             self._open.execute("BEGIN IMMEDIATE")
-            self._open.executemany(f"INSERT INTO designs VALUES ({marks})", cells)
 
     def settle(self) -> None:
-        """Move everything into the one file; others may read it from now on."""
+        """Move everything into the one file; if somebody reads it just then, the last one does."""
         if self.path is None:
             return
-        with _as_ours(self.path):
-            self._open.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-            self._open.execute("PRAGMA journal_mode=DELETE")
-            self._open.execute("PRAGMA locking_mode=NORMAL")
-            self._open.execute("SELECT count(*) FROM sweep")  # gives the lock back
+        with errors_told(self.path):
+            if self._file is not None:
+                self._replace(self._file)
+            self._open.commit()
+            self._open.execute("PRAGMA busy_timeout = 0")
+            with suppress(sqlite3.OperationalError):
+                self._open.execute("PRAGMA journal_mode = DELETE")
 
     def close(self) -> None:
         """Close the file; rows in memory are gone."""
         self._end()
+
+
+def _close(*connections: sqlite3.Connection | None) -> None:
+    for each in connections:
+        if each is not None:
+            each.close()
 
 
 def _require_place(path: Path, existing: Existing) -> None:
@@ -233,38 +341,16 @@ def _require_place(path: Path, existing: Existing) -> None:
         raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
 
 
-@contextmanager
-def _as_ours(path: Path | None) -> Iterator[None]:
-    """Errors of SQLite within it become errors of camgeo, with the file and what to do."""
-    name = "the rows in memory" if path is None else str(path)
-    try:
-        yield
-    except sqlite3.Error as error:
-        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
-        if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
-            message = "another process writes it; only one at a time may"
-            raise OutputError(f"{name}: {message}") from error
-        if code == sqlite3.SQLITE_FULL:
-            message = "the disk is full; the rows finished before are kept, resume the run later"
-            raise OutputError(f"{name}: {message}") from error
-        if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT):
-            raise FileError(f"{name} is no store of a sweep, or is damaged") from error
-        raise OutputError(f"{name} cannot be written: {error}") from error
+def _checksum(cells: Sequence[object], key: str = "") -> str:
+    """Of the cells of a row, in which values of different types differ, and of its heading's."""
+    return hashlib.sha256(ENCODED([key, *cells]).encode()).hexdigest()
 
 
-def _connected(path: Path | None) -> sqlite3.Connection:
-    try:
-        return sqlite3.connect(MEMORY if path is None else path, timeout=0.0, isolation_level=None)
-    except (sqlite3.Error, OSError, ValueError) as error:
-        raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
-
-
-def _facts(database: sqlite3.Connection) -> dict[str, str]:
-    """What a store states of itself; nothing if it is none."""
-    query = "SELECT name FROM sqlite_master WHERE type = 'table' AND name = 'sweep'"
-    if database.execute(query).fetchone() is None:
-        return {}
-    return dict(database.execute("SELECT name, value FROM sweep"))
+def _kept(value: object) -> object:
+    """A value as SQLite keeps it."""
+    if isinstance(value, bool):
+        return int(value)
+    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def _grouped(points: Iterable[Point]) -> Iterator[list[Point]]:

@@ -88,9 +88,9 @@ def sweep(
     start = time.monotonic()
     computed = 0
     try:
+        there = sum(1 for _ in kept.rows(family.points())) if kept.resumed else 0
         if family.sample is not None:
             kept.state({"method": family.sample.method, "seed": str(family.sample.seed)})
-        there = sum(1 for _ in kept.rows(family.points())) if len(kept) else 0
         points = iter(kept.missing(family.points())) if there else family.points()
         with closing((engine or Loop()).rows(work, points)) as chunks:
             for rows in chunks:

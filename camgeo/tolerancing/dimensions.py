@@ -6,7 +6,7 @@ What only some followers and linkages have is registered by class.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Final
 
@@ -17,7 +17,7 @@ from camgeo.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.mechanism.translating_flat import TranslatingFlat
 from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.tolerancing.freedoms import Freedom, Unit, Way
+from camgeo.tolerancing.freedoms import Freedom, Hold, Unit, Way
 from camgeo.tolerancing.machine import Machine
 
 
@@ -40,6 +40,10 @@ class Dimension:
     per_size: float = 1.0
     is_angle: bool = False
 
+    def of_side(self, hold: Hold) -> Dimension:
+        """The same of one side alone, of a follower that two sides hold."""
+        return replace(self, unit=self.unit.of_side(hold))
+
 
 MOUNTED: Final[Mapping[str, Dimension]] = {
     "mounting.x": Dimension(
@@ -59,11 +63,28 @@ MOUNTED: Final[Mapping[str, Dimension]] = {
 """Dimensions that every machine has and no scene states, by the keys that tolerances give them."""
 
 
-def dimensions_of(machine: Machine) -> dict[str, Dimension]:
-    """All dimensions of the machine, by their keys."""
+TOUCHING: Final = frozenset((Way.GROWTH, Way.BODY))
+"""What is one side's own on any follower that two sides hold."""
+
+OF_A_DISC: Final = frozenset((Way.SEAT, Way.TIMING))
+"""What is one side's own where each has a disc."""
+
+
+def dimensions_of(machine: Machine, second: Machine | None = None) -> dict[str, Dimension]:
+    """All dimensions of the machine, by their keys; `second` is its other side, if two hold it."""
     found = dict(MOUNTED)
     own = _follower(machine.cam.follower, machine)
     found.update({f"follower.{key}": each for key, each in own.items()})
+    if second is not None:
+        mount = second.cam.mount
+        mine = TOUCHING if mount is None else TOUCHING | OF_A_DISC
+        for key, each in found.items():
+            if each.unit.freedom.way in mine:
+                found[key] = each.of_side(Hold.MAIN)
+        others = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        if mount is not None:
+            others |= {f"return.{key}": each for key, each in MOUNTED.items() if "mount" in key}
+        found.update({key: each.of_side(Hold.RETURN) for key, each in others.items()})
     if machine.linkage is not None:
         behind = _linkage(machine.linkage)
         found.update({f"linkage.{key}": each for key, each in behind.items()})
@@ -134,6 +155,58 @@ def _(follower: OscillatingFlat, _: Machine) -> dict[str, Dimension]:
     sense = "the face lies farther from the cam axis on its rocker"
     face = {"face_offset": Dimension(unit, sense)}
     return _setting() | face | _place(Way.PIVOT, "pivot", "the rocker's shaft")
+
+
+def _yoke(second: Machine) -> dict[str, Dimension]:
+    """Of the second side of a yoke."""
+    follower = second.cam.follower
+    place = follower.traced_point(0.0)
+    breadth = _length(
+        Way.BODY, "the second side lies farther from the first",
+        second.cam.yoke_breadth, place / abs(place),
+    )  # fmt: skip
+    found = {"breadth": breadth}
+    own = _follower(follower, second)
+    found |= {key: each for key, each in own.items() if key == "roller_radius"}
+    return {f"follower.yoke.{key}": each for key, each in found.items()}
+
+
+@singledispatch
+def _returning(_: Follower, __: Machine) -> dict[str, Dimension]:
+    """Of the return roller of a pair."""
+    return {}
+
+
+@_returning.register
+def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
+    assert second.cam.mount is not None
+    right = 1j * follower.outward  # the main roller looks the other way
+    offset = Unit(Freedom(Way.BODY), right)
+    spacing = dict(second.cam.mount.given)["spacing"]
+    found = {
+        "spacing": _length(
+            Way.BODY, "the return roller lies farther from the main one", spacing, follower.outward
+        ),
+        "offset": Dimension(offset, "the return roller's path lies farther to the right"),
+        **_radius(follower, second),
+    }
+    return {f"follower.return.{key}": each for key, each in found.items()}
+
+
+@_returning.register
+def _(follower: OscillatingRoller, second: Machine) -> dict[str, Dimension]:
+    along = follower.start_arm / abs(follower.start_arm)
+    turned = Dimension(
+        Unit(Freedom(Way.BODY), 1j * follower.start_arm),
+        "the return arm is turned counter-clockwise against the main one",
+        is_angle=True,
+    )
+    found = {
+        "arm": _length(Way.BODY, "the return arm is longer", follower.arm, along),
+        "arm_angle": turned,
+        **_radius(follower, second),
+    }
+    return {f"follower.return.{key}": each for key, each in found.items()}
 
 
 @singledispatch

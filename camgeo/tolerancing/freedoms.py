@@ -7,8 +7,8 @@ complex where it says so.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from enum import StrEnum
+from dataclasses import dataclass, replace
+from enum import Enum, StrEnum
 
 import numpy as np
 
@@ -48,6 +48,14 @@ class Way(StrEnum):
     FAR_ANGLE = "far angle"
 
 
+class Hold(Enum):
+    """Which of the two sides that hold a follower; a follower on one flank has none of them."""
+
+    ANY = "any"
+    MAIN = "main"
+    RETURN = "return"
+
+
 @dataclass(frozen=True, slots=True)
 class Freedom:
     """One way to deviate.
@@ -56,10 +64,16 @@ class Freedom:
     ----------
     way : what deviates.
     waves : k, of a `WAVE`; 0 for all others.
+    hold : the side that deviates, of a follower that two sides hold.
     """
 
     way: Way
     waves: int = 0
+    hold: Hold = Hold.ANY
+
+    def met_by(self, hold: Hold) -> bool:
+        """Whether a side deviates."""
+        return self.hold in (Hold.ANY, hold)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +82,10 @@ class Unit:
 
     freedom: Freedom
     factor: complex = 1.0
+
+    def of_side(self, hold: Hold) -> Unit:
+        """The same of one side alone."""
+        return replace(self, freedom=replace(self.freedom, hold=hold))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +100,18 @@ class Deviations:
 
     count: int
     values: Mapping[Freedom, ComplexArray]
+
+    def met_by(self, hold: Hold, *, half_turn: bool) -> Deviations:
+        """As one side has them: by its own freedoms; if it lies half a turn from the main side of
+        the same disc, it meets each wave as much later.
+        """
+        values: dict[Freedom, ComplexArray] = {}
+        for freedom, found in self.values.items():
+            if freedom.met_by(hold):
+                bare = replace(freedom, hold=Hold.ANY)
+                sign = -1.0 if half_turn and freedom.waves % 2 else 1.0
+                values[bare] = values.get(bare, 0.0) + sign * found
+        return Deviations(self.count, values)
 
     def of(self, way: Way) -> ComplexArray:
         """(m, 1) complex deviations; zeros if there are none."""

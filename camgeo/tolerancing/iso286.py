@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -13,14 +14,17 @@ from camgeo.wording import listed
 
 FORM: Final = re.compile(r"(?P<letters>[A-Za-z]{1,2})(?P<grade>\d{1,2})")
 
-HOLES: Final = ("D", "E", "F", "G", "H", "JS")
-"""Letters of holes: those whose lower deviation is that of the shaft of the same letter, reversed,
-and the symmetric one."""
+SHAFTS: Final = (
+    "a", "b", "c", "d", "e", "f", "g", "h", "js", "k", "m", "n", "p", "r", "s", "t", "u",
+)  # fmt: skip
 
-SHAFTS: Final = ("d", "e", "f", "g", "h", "js", "k", "m", "n", "p")
+HOLES: Final = tuple(letter.upper() for letter in SHAFTS)
 
-K_GRADES: Final = ("5", "6", "7")
-"""In which a shaft k has a fundamental deviation other than 0 (of IT5 to IT11)."""
+K_GRADES: Final = range(4, 8)
+"""In which a shaft k has a fundamental deviation other than 0."""
+
+SMALLEST: Final = 3.0
+"""Sizes [mm] up to which all holes are shafts reversed."""
 
 PER_MM: Final = 1000.0
 """Micrometres."""
@@ -32,12 +36,13 @@ def limits_of(name: str, size: float) -> tuple[float, float]:
     Raises
     ------
     GeometryError
-        If there is no such class here, or the size is not above 0 and up to 500 mm.
+        If there is no such class here, the size is not above 0 and up to 500 mm, or the class has
+        no value at this size in ISO 286-1.
     """
     data = _data()
     parts = FORM.fullmatch(name)
-    letters, grade = (parts["letters"], parts["grade"]) if parts else ("", "")
-    if letters not in (*HOLES, *SHAFTS) or grade not in data["grades"]:
+    letters, number = (parts["letters"], parts["grade"]) if parts else ("", "")
+    if letters not in (*HOLES, *SHAFTS) or number not in data["grades"]:
         grades = [f"IT{each}" for each in data["grades"]]
         raise GeometryError(
             "is no tolerance class that is known here: a letter of holes"
@@ -45,21 +50,68 @@ def limits_of(name: str, size: float) -> tuple[float, float]:
             f' {grades[-1]}, e.g. "H7"',
             value=name,
         )
-    up_to = data["up_to"]
-    if not 0.0 < size <= up_to[-1]:
-        message = f"belongs to sizes above 0 up to {up_to[-1]} mm, and this one is {size:g} mm"
+    most = data["up_to"][-1]
+    if not 0.0 < size <= most:
+        message = f"belongs to sizes above 0 up to {most} mm, and this one is {size:g} mm"
         raise GeometryError(message, value=name)
-    row = bisect_left(up_to, size)
-    width = data["grades"][grade][row] / PER_MM
+    grade = int(number)
+    _require_value(name, letters, grade, size)
+    width = _standard(grade, size) / PER_MM
     letter = letters.lower()
     if letter == "js":
         return -0.5 * width, 0.5 * width
-    if letter in data["lower"]:
-        without = letter == "k" and grade not in K_GRADES
-        low = 0.0 if without else data["lower"][letter][row] / PER_MM
-        return low, low + width
-    high = data["upper"][letter][row] / PER_MM
-    return (high - width, high) if letters in SHAFTS else (-high + 0.0, -high + width)
+    if letter in data["upper"]:
+        high = _of_size(data["upper"][letter], size) / PER_MM
+        return (0.0 - high, width - high) if is_hole(name) else (high - width, high)
+    if is_hole(name):
+        high = _highest(letters, grade, size) / PER_MM
+        return high - width, high
+    zero = letter == "k" and grade not in K_GRADES
+    low = 0.0 if zero else _of_size(data["lower"][letter], size) / PER_MM
+    return low, low + width
+
+
+def _require_value(name: str, letters: str, grade: int, size: float) -> None:
+    for each in _data()["absent"]:
+        (first, last), (above, up_to) = each["grades"], each["sizes"]
+        known = letters in each.get("letters", letters)
+        if known and first <= grade <= last and above < size <= up_to:
+            raise GeometryError(
+                f"has no value in ISO 286-1: there are none of {letters}{first} to"
+                f" {letters}{last} for sizes above {above} up to {up_to} mm, and this one is"
+                f" {size:g} mm",
+                value=name,
+            )
+
+
+def _highest(letters: str, grade: int, size: float) -> float:
+    """Upper deviation [micrometres] of a hole K to U: its shaft's, reversed, plus delta, by which a
+    hole fits the shaft of the next finer grade as it would by the system of the basic hole.
+    """
+    data = _data()
+    high = 0.0 - _of_size(data["lower"][letters.lower()], size)
+    if size <= SMALLEST:
+        return high
+    if grade > data["delta_up_to"][letters]:
+        return 0.0 if letters == "N" else high
+    nearer = data["exceptions"].get(f"{letters}{grade}")
+    if nearer and nearer["sizes"][0] < size <= nearer["sizes"][1]:
+        return float(nearer["high"])
+    return high + _standard(grade, size) - _standard(grade - 1, size)
+
+
+def _standard(grade: int, size: float) -> float:
+    """The standard tolerance IT of a grade [micrometres]."""
+    return _of_size(_data()["grades"][str(grade)], size)
+
+
+def _of_size(values: Sequence[float], size: float) -> float:
+    """The value of the range that a size is in; some letters have more ranges than others."""
+    data = _data()
+    ranges = next(
+        each for each in (data["up_to"], data["up_to_finely"]) if len(each) == len(values)
+    )
+    return float(values[bisect_left(ranges, size)])
 
 
 def is_hole(name: str) -> bool:

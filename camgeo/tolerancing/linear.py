@@ -120,9 +120,13 @@ class Linear:
     @cached_property
     def mean(self) -> FloatArray:
         """(n,) mean error."""
-        return np.asarray(
-            np.sum([each.moments.mean * np.sum(rows, axis=0) for each, rows in self._pairs], axis=0)
-        )
+        means = [each.moments.mean * np.sum(rows, axis=0) for each, rows in self._pairs]
+        return np.asarray(self.at_rest + np.sum(means, axis=0))
+
+    @property
+    def at_rest(self) -> FloatArray:
+        """(n,) of the nominal machine, which does not err."""
+        return np.zeros(len(self.angles))
 
     @cached_property
     def sigma(self) -> FloatArray:
@@ -196,6 +200,11 @@ class Linear:
         place = int(np.argmax(np.abs(values)))
         return Extreme(float(values[place]) + 0.0, float(self.angles[place]))
 
+    def errors(self, deviations: Deviations) -> FloatArray:
+        """(m, n) of machines, by their exact motion."""
+        position = replayed(self.nominal, deviations).position[0]
+        return self.as_set(position - self.nominal.positions[0])
+
     def _remainder(self, source: Source, rows: FloatArray) -> FloatArray:
         """(n,) of the larger magnitude of both sides, see `Contribution`."""
         own, count = source.moments, len(self.angles)
@@ -204,10 +213,9 @@ class Linear:
         for unit, row in zip(source.units, rows, strict=True):
             deviations = Deviations(2, {unit.freedom: size * unit.factor})
             try:
-                position = replayed(self.nominal, deviations).position[0]
+                errors = self.errors(deviations)
             except GeometryError as error:
                 raise GeometryError(f"{source.name}: {error.message}", error.key) from error
-            errors = self.as_set(position - self.nominal.positions[0])
             apart = errors - size[:, np.newaxis] * row
             worst = farther(worst, farther(*apart))
         return worst

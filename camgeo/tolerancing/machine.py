@@ -22,30 +22,27 @@ from camgeo.errors import GeometryError
 from camgeo.mechanism.linkage_protocol import Linkage
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.outline.path import Flank
+from camgeo.tolerancing.freedoms import Hold
 from camgeo.tolerancing.pose import Pose
-
-TWO_SIDED = (
-    "a follower that two sides of a body hold has no single flank that says where it is:"
-    " tolerances are analysed for plate cams with one follower, and for one flank of a groove"
-)
 
 
 @dataclass(frozen=True)
 class Machine:
-    """The nominal machine.
+    """The nominal machine, where one flank carries the follower.
 
     Attributes
     ----------
     cam : of one disc.
     flank : that carries the follower.
+    hold : the side that it is of a follower that two sides hold: the main disc or the return disc
+        of a pair, or the first or the second side of a yoke.
     """
 
     cam: Cam
     flank: Flank
+    hold: Hold = Hold.ANY
 
     def __post_init__(self) -> None:
-        if self.cam.mount is not None or self.cam.yoke is not None:
-            raise GeometryError(TWO_SIDED, "follower")
         if self.flank not in self.cam.contact.flanks:
             used = " or ".join(f'"{each}"' for each in self.cam.contact.flanks)
             message = f"is not where the follower runs; must be {used}"
@@ -64,6 +61,11 @@ class Machine:
                 " `camgeo replay` what the follower does there",
                 key="follower",
             )
+
+    @property
+    def half_turn(self) -> bool:
+        """Whether it is the side of a yoke that runs half a turn behind the first."""
+        return self.hold is Hold.RETURN and self.cam.yoke is not None
 
     @property
     def linkage(self) -> Linkage | None:

@@ -220,11 +220,13 @@ class Replayed:
     follower : (3, m, n) its lift [mm or rad], counted from the nominal zero, and two derivatives.
     position : (3, m, n) of the far end of a linkage, or of the follower if there is none.
     leverage : (m, n) magnitude of n . dW/dq [1 or mm/rad].
+    zero : (m, 1) lift at the deviating base radius, from which the others are counted.
     """
 
     follower: FloatArray
     position: FloatArray
     leverage: FloatArray
+    zero: FloatArray
 
 
 def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
@@ -235,6 +237,8 @@ def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
     GeometryError
         If a machine has no contact near the nominal one, undercuts, or its linkage does not close.
     """
+    machine = nominal.machine
+    deviations = deviations.met_by(machine.hold, half_turn=machine.half_turn)
     size = max(1, BLOCK // len(nominal.phi))
     parts = []
     for first in range(0, deviations.count, size):
@@ -245,6 +249,7 @@ def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
         np.concatenate([each.follower for each in parts], axis=1),
         np.concatenate([each.position for each in parts], axis=1),
         np.concatenate([each.leverage for each in parts]),
+        np.concatenate([each.zero for each in parts]),
     )
 
 
@@ -253,12 +258,13 @@ def _block(nominal: Sensitivities, deviations: Deviations) -> Replayed:
     follower = machine.cam.follower
     found = touching(follower, machine.pose, deviations)
     lifts, leverage = _follower(nominal, deviations, found)
-    lifts[0] -= _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
+    zero = _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
+    lifts[0] -= zero
     if nominal.far_end is None:
-        return Replayed(lifts, lifts, leverage)
+        return Replayed(lifts, lifts, leverage, zero)
     start = np.broadcast_to(nominal.positions[0], lifts[0].shape)
     position = nominal.far_end.deviating(deviations).follow(lifts, start)
-    return Replayed(lifts, position, leverage)
+    return Replayed(lifts, position, leverage, zero)
 
 
 def _follower(

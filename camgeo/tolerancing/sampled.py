@@ -16,6 +16,7 @@ from camgeo.sweep.family import Sample
 from camgeo.tolerancing.contact import ContactForces
 from camgeo.tolerancing.freedoms import Deviations
 from camgeo.tolerancing.linear import Linear, deviations_of, farther
+from camgeo.tolerancing.play import Play
 from camgeo.tolerancing.replay import replayed
 from camgeo.tolerancing.sources import Source
 
@@ -49,6 +50,7 @@ class Sampled:
     acceleration : that of the nominal machine.
     contact : the forces of the nominal machine; None if they are not known.
     forces : (machines, 2) smallest and largest contact force [N] of each; None likewise.
+    plays : (machines, 2) least and largest play of each [mm or rad]; None on a single flank.
     """
 
     linear: Linear
@@ -58,6 +60,7 @@ class Sampled:
     acceleration: float
     contact: ContactForces | None
     forces: FloatArray | None
+    plays: FloatArray | None
 
     @property
     def count(self) -> int:
@@ -106,13 +109,18 @@ class Sampled:
 
 
 def sampled(
-    linear: Linear, count: int = COUNT, seed: int = 0, contact: ContactForces | None = None
+    linear: Linear,
+    count: int = COUNT,
+    seed: int = 0,
+    contact: ContactForces | None = None,
+    play: Play | None = None,
 ) -> Sampled:
     """Random machines by a scrambled Sobol sequence; the same seed draws the same ones.
 
     Parameters
     ----------
     contact : forces of the nominal machine at the angles of the analysis, if they are known.
+    play : between the two sides that hold the follower, if there are two.
 
     Raises
     ------
@@ -123,7 +131,7 @@ def sampled(
         raise GeometryError(f"must be from {FEWEST} to {MOST:,}", "count", str(count))
     if not 0 <= seed < 2**63:
         raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
-    errors, accelerations, forces = [], [], []
+    errors, accelerations, forces, plays = [], [], [], []
     angles = len(linear.angles)
     for machines in _machines(linear.stated.sources, count, seed):
         found = replayed(linear.nominal, machines)
@@ -132,6 +140,9 @@ def sampled(
             off = found.follower - linear.nominal.lifts[:3, np.newaxis]
             normal = contact.of(off[..., :angles], found.leverage[:, :angles])
             forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
+        if play is not None:
+            room = play.at_rest + play.errors(machines)
+            plays.append(np.stack((np.min(room, axis=1), np.max(room, axis=1)), axis=1))
         errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
         accelerations.append(np.max(np.abs(position[2][:, :angles]), axis=1))
     nominal = float(np.max(np.abs(linear.nominal.positions[2][:angles])))
@@ -143,6 +154,7 @@ def sampled(
         nominal,
         contact,
         np.concatenate(forces) if forces else None,
+        np.concatenate(plays) if plays else None,
     )
 
 

@@ -63,7 +63,9 @@ class Sensitivities:
         return self.far_end.sensitivity(unit, self.lifts[0], self.positions[0], follower)
 
     def of_follower(self, unit: Unit) -> FloatArray:
-        """(n,) error of the follower's own lift."""
+        """(n,) error of the follower's own lift, where this side carries it."""
+        if not unit.freedom.met_by(self.machine.hold):
+            return np.zeros(len(self.phi))
         if unit.freedom.way is Way.SETTING:
             return np.full(len(self.phi), -unit.factor.real / self._setting)
         return self._pushed(unit) / self.nominal.leverage
@@ -91,7 +93,9 @@ class Sensitivities:
             case Way.GROWTH:
                 return np.full(len(self.phi), factor.real)
             case Way.WAVE:
-                return np.asarray((factor * np.exp(-1j * unit.freedom.waves * self.phi)).real)
+                later = np.pi if self.machine.half_turn else 0.0
+                turned = np.exp(-1j * unit.freedom.waves * (self.phi + later))
+                return np.asarray((factor * turned).real)
             case Way.SEAT:
                 return nominal.across(factor * nominal.turn)
             case Way.TIMING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.tolerancing.distribution import Distribution
-from camgeo.tolerancing.freedoms import Freedom, Unit, Way
+from camgeo.tolerancing.freedoms import Freedom, Hold, Unit, Way
 from camgeo.units import TURN
 
 
@@ -143,6 +143,7 @@ class Clearance:
     Attributes
     ----------
     fit : that leaves it.
+    hold : the side that has it, of a follower that two sides hold.
     """
 
     is_angle: ClassVar = False
@@ -150,6 +151,7 @@ class Clearance:
     name: str
     sense: str
     fit: Fit
+    hold: Hold
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -176,7 +178,7 @@ class PressedClearance(Clearance):
     @property
     def units(self) -> tuple[Unit, ...]:
         """See `Source`: the follower comes nearer to the material by half the clearance."""
-        return (Unit(Freedom(Way.GROWTH), float(self.flank_sign)),)
+        return (Unit(Freedom(Way.GROWTH, hold=self.hold), float(self.flank_sign)),)
 
     @property
     def moments(self) -> Moments:
@@ -200,7 +202,8 @@ class LooseClearance(Clearance):
     @property
     def units(self) -> tuple[Unit, ...]:
         """See `Source`: in x and y of the cam."""
-        return Unit(Freedom(Way.SEAT)), Unit(Freedom(Way.SEAT), 1j)
+        freedom = Freedom(Way.SEAT, hold=self.hold)
+        return Unit(freedom), Unit(freedom, 1j)
 
     @property
     def moments(self) -> Moments:
@@ -226,6 +229,7 @@ class FormError:
     ----------
     height : above and below the exact flank [mm].
     waves : in a turn.
+    hold : the side whose disc has them, of a conjugate pair.
     """
 
     is_angle: ClassVar = False
@@ -235,11 +239,12 @@ class FormError:
     sense: str
     height: float
     waves: int
+    hold: Hold
 
     @property
     def units(self) -> tuple[Unit, ...]:
         """See `Source`: in phase and a quarter of a wave later."""
-        freedom = Freedom(Way.WAVE, self.waves)
+        freedom = Freedom(Way.WAVE, self.waves, self.hold)
         return Unit(freedom), Unit(freedom, 1j)
 
     @property

@@ -51,6 +51,26 @@ def test_all_renderings_say_the_same(answer: ToleranceAnalysis) -> None:
     assert len(shares.legend.entries) == len(reported["sources"])
 
 
+def test_the_play_of_a_pair_in_all_renderings() -> None:
+    pair = tolerance(Design(load_scene(LEVER.parent / "pair.toml")), count=COUNT)
+    reported, words = document(pair), text(pair)
+    play, machines = reported["play"], reported["machines"]
+    for each in (play["least"], play["most"]):
+        assert f"{each['value']:+.4g} deg at cam angle {each['cam_angle_deg']:g}" in words
+    assert [each["name"] for each in play["sources"]] == [
+        each["name"] for each in reported["sources"]
+    ]
+    assert play["least"]["value"] < machines["least_play"]["machines"][1] < 0.0
+    assert f"{machines['squeezed']:.2%} of machines squeeze the follower somewhere" in words
+    assert "largest_force" not in machines
+
+
+def test_a_single_flank_has_no_play(answer: ToleranceAnalysis) -> None:
+    reported = document(answer)
+    assert "play" not in reported
+    assert not {"least_play", "most_play", "squeezed"} & set(reported["machines"])
+
+
 def test_a_limit_that_is_too_narrow(answer: ToleranceAnalysis) -> None:
     stated = replace(answer.linear.stated, limit=0.9 * abs(answer.linear.worst.value))
     narrow = replace(answer, linear=replace(answer.linear, stated=stated))

@@ -73,7 +73,7 @@ def replaced(tmp_path: Path, old: str, new: str) -> str:
         ),
         ('"follower.arm"', '"follower.am"', "(did you mean follower.arm?)"),
         ('"follower.arm"', '"linkage.crank"', "is no dimension of this oscillating-roller machine"),
-        ('class = "h6"', 'class = "h4"', 'grade from IT5 to IT11, e.g. "H7"'),
+        ('class = "h6"', 'class = "h17"', 'grade from IT1 to IT16, e.g. "H7"'),
         ('class = "h6"', 'clas = "h6"', "did you mean class?"),
         ('class = "h6"', "", 'must have one of "plus_minus", "limits" and "class"'),
         ('"mounting.angle"\nplus_minus = 0.05', '"mounting.angle"\nclass = "h6"',
@@ -100,12 +100,53 @@ def test_what_a_machine_does_not_have(
     assert not file.exists()
 
 
+def test_a_pair_has_play(tmp_path: Path, capsys: Capture) -> None:
+    table = tmp_path / "errors.csv"
+    assert main(["tolerance", str(LEVER.parent / "pair.toml"), "-o", str(table)]) == 0
+    said = capsys.readouterr().out
+    assert "play between both sides, mean and 3 sigma: -0.01514 deg at cam angle 96.3889" in said
+    assert "95.61% of machines squeeze the follower somewhere" in said
+    head, *rows = table.read_text("utf-8").splitlines()
+    names = head.split(",")
+    low, high = (names.index(f"play {sign} 3 sigma [deg]") for sign in "-+")
+    values = [[float(each) for each in row.split(",")] for row in rows]
+    assert min(row[low] for row in values) == pytest.approx(-0.01514, rel=0.01)
+    assert all(row[low] < row[high] for row in values)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('side = "return"\nhole', 'side = "second"\nhole', 'must be one of "main", "return"'),
+        ('"follower.return.arm"', '"follower.return.spacing"', "is no dimension of this"),
+        ('"follower.return.arm"', '"follower.yoke.breadth"', "is no dimension of this"),
+    ],
+)
+def test_what_a_pair_does_not_have(
+    tmp_path: Path, capsys: Capture, old: str, new: str, said: str
+) -> None:
+    path = tmp_path / "pair.toml"
+    text = (LEVER.parent / "pair.toml").read_text("utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), "utf-8")
+    assert main(["tolerance", str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "constant_breadth"])
+def test_a_side_belongs_to_two_discs(tmp_path: Path, capsys: Capture, scene: str) -> None:
+    path = tmp_path / "scene.toml"
+    text = (FIXTURES / "scenes" / f"{scene}.toml").read_text("utf-8")
+    text += '\n[[tolerance.form]]\nplus_minus = 0.01\nwaves = 3\nside = "return"\n'
+    path.write_text(text, "utf-8")
+    assert main(["tolerance", str(path)]) == 2
+    assert 'form[1].side = "return": belongs to two' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("scene", "said"),
     [
         ("setzhub", "tolerance: is missing: it states the tolerances, see docs/tolerance.md"),
-        ("conjugate_lever", "the two rollers of a conjugate pair"),
-        ("constant_breadth", "a follower that two sides of a body hold"),
         ("cut_lobe", "the inner flank of this translating-roller follower has corners"),
     ],
 )

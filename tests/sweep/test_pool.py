@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import signal
@@ -10,18 +11,21 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
 
+from camgeo.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.lazy import Ledger
+from camgeo.sweep.asked import asked_of
 from camgeo.sweep.engine import ENGINES, Loop, engine_of
 from camgeo.sweep.family import Point
 from camgeo.sweep.pool import DEADLY, THREADS, Pool
-from camgeo.sweep.rows import Row, Work
+from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.sweep.store import Heading, Store
 from camgeo.sweep.sweep import sweep
 from tests.sweep.driver import ASK, killed_family
 from tests.sweep.families import FIXTURES, family
@@ -164,9 +168,16 @@ def test_a_row_that_differs_in_a_bit_is_seen(tmp_path: Path) -> None:
     store, count = tmp_path / "runs.sqlite", 4
     sweep(killed_family(count), ASK, store=store).close()
     require_rows_of_the_loop(store, count)
-    with closing(sqlite3.connect(store)) as database, database:
-        name = '"transmission-angle"'
-        database.execute(f"UPDATE designs SET {name} = {name} * (1.0 + 2.3e-16)")
+    found = killed_family(count)
+    work = Work.of(found, asked_of(Design(found.scene), ASK))
+    with closing(Store(store, Heading.of(found, work), "replace")) as kept:
+        rows = rows_of(work, found.points())
+        beyond = (
+            (math.nextafter(float(value or 0.0), 90.0) for value in row.values) for row in rows
+        )
+        others = [replace(row, values=tuple(each)) for row, each in zip(rows, beyond, strict=True)]
+        kept.add(others)
+        kept.settle()
     with pytest.raises(Fault, match="not those of the loop"):
         require_rows_of_the_loop(store, count)
     with closing(sqlite3.connect(store)) as database, database:

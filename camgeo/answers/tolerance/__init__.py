@@ -17,6 +17,7 @@ from camgeo.scene.scene import Scene
 from camgeo.tolerancing.contact import contact_forces
 from camgeo.tolerancing.distribution import SIGMAS
 from camgeo.tolerancing.linear import Contribution, Linear
+from camgeo.tolerancing.play import Play
 from camgeo.tolerancing.sampled import COUNT, QUANTILES, Sampled, sampled
 from camgeo.tolerancing.stated import stated_of
 from camgeo.units import MM_PER
@@ -51,6 +52,24 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
+class Room:
+    """How far the follower can move between the two sides that hold it; negative where both would
+    have to give way, as they squeeze it.
+
+    Attributes
+    ----------
+    unit : of the follower's own motion.
+    least, most : over the turn, of mean less and plus three standard deviations.
+    sources : what each does to it, as to the position.
+    """
+
+    unit: str
+    least: Extreme
+    most: Extreme
+    sources: tuple[Share, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Spread:
     """A quantity of the nominal machine, and what 1 %, 50 % and 99 % of machines do not exceed."""
 
@@ -72,6 +91,8 @@ class Machines:
         None if there is no limit.
     acceleration : largest magnitude [unit/rad^2].
     largest_force, smallest_force : of the contact [N]; None if they are not known.
+    least_play, most_play : over the turn, of the follower; None on a single flank.
+    squeezed : share of machines that squeeze it somewhere; None likewise.
     """
 
     count: int
@@ -84,6 +105,9 @@ class Machines:
     acceleration: Spread
     largest_force: Spread | None
     smallest_force: Spread | None
+    least_play: Spread | None
+    most_play: Spread | None
+    squeezed: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +120,7 @@ class ToleranceAnalysis(Answer):
     linear : the analysis by sensitivities.
     contributions : of the sources to it.
     sampled : random machines; None if there are none.
+    between : the analysis of the play between two sides; None on a single flank.
     """
 
     command: ClassVar[str] = "tolerance"
@@ -104,6 +129,7 @@ class ToleranceAnalysis(Answer):
     linear: Linear
     contributions: tuple[Contribution, ...]
     sampled: Sampled | None
+    between: Play | None = None
 
     @property
     def of(self) -> str:
@@ -152,18 +178,42 @@ class ToleranceAnalysis(Answer):
     @property
     def sources(self) -> tuple[Share, ...]:
         """In the order of the scene."""
-        return tuple(self._share(each) for each in self.contributions)
+        return tuple(self._share(each, self.factor, self.unit) for each in self.contributions)
+
+    @property
+    def play(self) -> Room | None:
+        """Between the two sides that hold the follower; None on a single flank."""
+        if self.between is None:
+            return None
+        unit, factor = self.play_unit
+        least, most = (
+            Extreme(each.value * factor, each.place)
+            for each in (self.between.least, self.between.most)
+        )
+        shares = (self._share(each, factor, unit) for each in self.between.contributions)
+        return Room(unit, least, most, tuple(shares))
+
+    @property
+    def play_unit(self) -> tuple[str, float]:
+        """Unit of the follower's own motion, and how many of it are 1 mm or rad."""
+        turns = self.linear.stated.machine.cam.lift_unit == "rad"
+        return "deg" if turns else self.scene.unit, self._own(is_angle=turns)
 
     def scaled(self, extreme: Extreme) -> Extreme:
         """An error [mm or rad] in the unit of the position."""
         return Extreme(extreme.value * self.factor, extreme.place)
 
-    def _share(self, found: Contribution) -> Share:
+    def _share(self, found: Contribution, factor: float, of: str) -> Share:
+        """What a source does, to what has the unit `of`."""
         source = found.source
         own = self._own(is_angle=source.is_angle)
         unit = "deg" if source.is_angle else self.scene.unit
         low, high = source.limits
-        per = Extreme(found.sensitivity.value * self.factor / own, found.sensitivity.place)
+        per = Extreme(found.sensitivity.value * factor / own, found.sensitivity.place)
+        spread, mean, remainder = (
+            Extreme(each.value * factor, each.place)
+            for each in (found.spread, found.mean, found.remainder)
+        )
         return Share(
             name=source.name,
             sense=source.sense,
@@ -171,10 +221,10 @@ class ToleranceAnalysis(Answer):
             unit=unit,
             distribution=source.shape,
             sensitivity=per,
-            sensitivity_unit=f"{self.unit}/{unit}",
-            spread=self.scaled(found.spread),
-            mean=self.scaled(found.mean),
-            remainder=self.scaled(found.remainder),
+            sensitivity_unit=f"{of}/{unit}",
+            spread=spread,
+            mean=mean,
+            remainder=remainder,
             share=found.share,
             share_at_worst=found.share_at_worst,
         )
@@ -197,7 +247,18 @@ class ToleranceAnalysis(Answer):
             acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
             largest_force=_force(found, 1),
             smallest_force=_force(found, 0),
+            least_play=self._play(found, 0),
+            most_play=self._play(found, 1),
+            squeezed=None if found.plays is None else float(np.mean(found.plays[:, 0] < 0.0)),
         )
+
+    def _play(self, found: Sampled, end: int) -> Spread | None:
+        """The least play, `end` 0, or the largest, 1."""
+        if found.plays is None or self.between is None:
+            return None
+        _, factor = self.play_unit
+        nominal = float((np.min, np.max)[end](self.between.at_rest))
+        return _spread(nominal * factor, found.plays[:, end] * factor)
 
     @property
     def within(self) -> bool | None:
@@ -241,7 +302,10 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
     linear = Linear(stated_of(design))
     contributions = linear.contributions
     found = None
+    between = None if linear.stated.second is None else Play(linear.stated)
     if count:
-        contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
-        found = sampled(linear, count, seed, contact)
-    return ToleranceAnalysis(design.scene, linear, contributions, found)
+        contact = None
+        if between is None:
+            contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
+        found = sampled(linear, count, seed, contact, between)
+    return ToleranceAnalysis(design.scene, linear, contributions, found, between)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.answers.sweep.rendering import aligned
-from camgeo.answers.tolerance import Machines, Share, Spread, ToleranceAnalysis
+from camgeo.answers.tolerance import Machines, Room, Share, Spread, ToleranceAnalysis
 from camgeo.numeric.extremes import Extreme
 from camgeo.product.value_table import Table
 from camgeo.tolerancing.distribution import SIGMAS
@@ -22,6 +22,11 @@ NOTE: Final = (
     "not linear: by how much the exact motion with 3 sigma of the source is off the linear one"
 )
 
+SQUEEZED: Final = (
+    "negative: both sides squeeze the follower; the position above is that of one that rests on the"
+    " main side"
+)
+
 COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
 
 
@@ -34,18 +39,26 @@ def text(answer: ToleranceAnalysis) -> str:
     ]
     if answer.set_at is not None:
         lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
-    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "share", "worst",
-             "not linear"]]  # fmt: skip
-    rows += [_row(each) for each in answer.sources]
-    lines += ["", *aligned(rows), ""]
+    lines += ["", *_sources(answer.sources), ""]
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
+    room = answer.play
+    if room is not None:
+        least, most = (_at(each, room.unit) for each in (room.least, room.most))
+        lines += ["", f"play between both sides, mean and 3 sigma: {least}, {most}"]
+        lines += [SQUEEZED, "", *_sources(room.sources), ""]
     if answer.machines is not None:
-        lines += ["", *_machines(answer.machines, answer.unit), ""]
+        lines += ["", *_machines(answer.machines, answer.unit, room), ""]
     lines += [f"{each.name}: {each.sense}" for each in answer.sources]
     return "\n".join(lines)
 
 
-def _machines(found: Machines, unit: str) -> list[str]:
+def _sources(sources: tuple[Share, ...]) -> list[str]:
+    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "share", "worst",
+             "not linear"]]  # fmt: skip
+    return list(aligned([*rows, *map(_row, sources)]))
+
+
+def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
     lines = [
         f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
         f"  1 % or 99 % of the errors are beyond {_at(found.quantile, unit)}",
@@ -58,6 +71,10 @@ def _machines(found: Machines, unit: str) -> list[str]:
     lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
     lines += _cost("largest contact force", "N", found.largest_force)
     lines += _cost("smallest contact force", "N", found.smallest_force)
+    if room is not None:
+        lines += _cost("least play", room.unit, found.least_play)
+        lines += _cost("largest play", room.unit, found.most_play)
+        lines.append(f"  {found.squeezed:.2%} of machines squeeze the follower somewhere")
     return lines
 
 
@@ -104,6 +121,10 @@ def table(answer: ToleranceAnalysis) -> Table:
         f"mean - 3 sigma [{unit}]": low * factor,
         f"mean + 3 sigma [{unit}]": high * factor,
     }
+    if answer.between is not None:
+        unit_of_play, per = answer.play_unit
+        edges = zip(("-", "+"), answer.between.band, strict=True)
+        columns |= {f"play {sign} 3 sigma [{unit_of_play}]": each * per for sign, each in edges}
     for source, variance in zip(linear.stated.sources, linear.variances, strict=True):
         columns[f"3 sigma of {source.name} [{unit}]"] = SIGMAS * np.sqrt(variance) * factor
     if answer.sampled is not None:
