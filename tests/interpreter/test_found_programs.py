@@ -162,6 +162,25 @@ def test_behind_a_block_that_cannot_be_read_nobody_knows_where_the_tool_is(block
     assert math.isnan(move.z_start)
 
 
+@pytest.mark.parametrize(
+    ("machine", "block", "known"),
+    [
+        ("linuxcnc", "#1 = 2", True),
+        ("sinumerik", "R1=5", True),
+        ("heidenhain", "APPR LT X+4 Y+9 LEN5 R0", False),
+        ("heidenhain", "CALL LBL 1", False),
+        ("heidenhain", "L X+4 U+3", False),
+        ("heidenhain", "LBL 1", True),
+        ("heidenhain", "FN 0: Q1 = +3", True),
+    ],
+)
+def test_parameters_and_labels_move_nothing(machine: str, block: str, known: bool) -> None:
+    mark = "19 L X+5.0 R0\n" if machine == "heidenhain" else "G1 X5.0\n"
+    found = with_block(machine, block, mark)
+    assert ("unknown-position" in {each.rule for each in found.findings}) is not known
+    assert "unsupported" in {each.rule for each in found.findings} or "U+3" in block
+
+
 @pytest.mark.parametrize(("plane", "axes", "arms"), [("G18", "ZX", "KI"), ("G19", "YZ", "JK")])
 @pytest.mark.parametrize("word", ["G2", "G3"])
 def test_arcs_in_other_planes_are_run(plane: str, axes: str, arms: str, word: str) -> None:

@@ -71,7 +71,8 @@ class ArcReader:
             arc = found
         self._check(block, finish, arc)
         helix = self._controller.machine.reading.helix
-        if last != height and helix != "any" and (helix, block.arc) != ("polar", "polar"):
+        rises = abs(last - height) > 0.0  # not where one of them is unknown
+        if rises and helix != "any" and (helix, block.arc) != ("polar", "polar"):
             allowed = "with CP" if helix == "polar" else "arcs at constant Z"
             self._findings.add(block.line, "helix", "an arc that changes Z", allowed=allowed)
         return end, arc

@@ -64,18 +64,13 @@ class Mover:
             self._findings.add(block.line, "compensation", what, allowed="a straight move")
         self._compensator.enter()
 
-    def lose_position(self) -> None:
-        """Go on from a block that cannot be read: nobody knows where it ends."""
-        state = self._state
-        state.at, state.z, state.heading = UNKNOWN, math.nan, UNKNOWN
-
     def skip(self, block: Block) -> None:
         """Go on from the end of a block that is not run."""
         if block.codes.get("motion") == CYCLE:  # each block with coordinates runs it again
             self._state.modes["motion"] = CYCLE
             self._state.at, _ = self._target(block)
         else:
-            self.lose_position()
+            self._state.lose()
 
     def end_cycle(self, block: Block) -> None:
         """Blocks with coordinates run a cycle no longer, or nothing at all."""
@@ -173,14 +168,14 @@ class Mover:
         if state.mode("plane") not in ("", "plane XY"):
             what = f"holes in the {state.mode('plane')}: only those along Z are read"
             self._findings.add(block.line, "unsupported", what)
-            self.lose_position()
+            state.lose()
             return
         if state.side and "cycle of holes" in self._reading.compensated:
             what = f"{block.words.get('motion', state.cycle)} under compensation"
             self._findings.add(block.line, "compensation", what)
         found = self._holes.read(block, self._target(block)[0], self._scale)
         if found is None:
-            self.lose_position()
+            state.lose()
             return
         for kind, place, height in found:
             if (place, height) != (state.at, state.z):

@@ -47,6 +47,10 @@ NAME: Final = re.compile(r"(\S)\s*+\d++\s*+", re.ASCII)
 """A block with the number of a program."""
 
 
+ASSIGNMENT: Final = re.compile(r"(?:N\d++\s*+)?+(?:#|R\d++\s*+=)", re.ASCII)
+"""A block that gives a parameter its value, and moves nothing."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """A program that was run.
@@ -210,7 +214,7 @@ class _Program:
     def read(self, number: int, line: str) -> None:
         """Read one line and run its block."""
         if not check_line(number, line, self._machine, self._findings):
-            self._mover.lose_position()
+            self._state.lose()
             return
         line = line.replace("\r", "")
         self._first = self._first or (number if line.strip() else 0)
@@ -273,7 +277,8 @@ class _Program:
         before = len(self._findings.found)
         words = words_of(number, block, self._controller.extended, self._findings)
         if words is None:
-            self._mover.lose_position()
+            if not ASSIGNMENT.match(block):
+                self._state.lose()
             return
         check_number(words, self._machine.reading.largest_number, self._findings)
         decoded = decode(words, self._controller, self._findings)

@@ -82,6 +82,10 @@ class State:
     cut_naive_cam: float = 0.0
     cut_scale: float = math.nan
 
+    def lose(self) -> None:
+        """Go on from a block that cannot be read: nobody knows where it ends."""
+        self.at, self.z, self.heading = UNKNOWN, math.nan, UNKNOWN
+
     def mode(self, group: str) -> str:
         """The active meaning of a group; empty if it was never set."""
         return self.modes.get(group, "")
