@@ -57,6 +57,9 @@ SOUP: Final = {
 
 LETTERS: Final = {"linuxcnc": "XYZIJKRPQLFSTHDN", "grbl": "XYZIJKRPFSN"}
 
+OFF: Final = (0.001, 0.004, 0.02, 0.1, 0.6, 3.0)
+"""By how much the ends of some arcs are off their circle [mm]."""
+
 DAMAGES: Final = (
     "G1 X", "G1 X1.2.3", "G1 X+.5", "G1 X5.", "g1 x 1 . 5", "G 1 X 2", "G01 X02.0", "*",
     "G1 X1 N7", "N7 G1 X1", "N7 N8 G1 X1", ":1000", "%", "% x", "()", "(a (b))", "G1 X1 (open",
@@ -123,7 +126,7 @@ class Writer:
         start = complex(self.at[one], self.at[two])
         target = self.place()
         end = complex(target[one], target[two])
-        off = rng.choice((0.0, 0.0, 0.001, 0.004, 0.02, 0.1, 0.6, 3.0)) * rng.choice((1, -1))
+        off = rng.choice((0.0,) * 24 + OFF) * rng.choice((1, -1))
         circle = rng.random() < 0.15
         end = start if circle else end
         arm = 0.5 * (end - start) * (1.0 + 1j * math.tan(rng.uniform(-1.4, 1.4)))
@@ -136,7 +139,9 @@ class Writer:
         axes = across if circle and rng.random() < 0.5 else [one, two, *across]
         words = self.to(target, axes)
         if rng.random() < 0.25 and not circle:
-            size = (radius + rng.choice((0.0, 0.0, 0.0005, 0.01, -0.0005, -0.01))) / self.unit
+            # Half a turn is refused or not by the rounding of single precision.
+            radius += 1e-3 * (self.control == "grbl")
+            size = (radius + rng.choice((*(0.0,) * 12, 0.0005, 0.01, -0.0005, -0.01))) / self.unit
             words.append(f"R{rng.choice((1, 1, -1)) * size:.5f}")
         else:
             base = start if self.absolute_centres else 0j
@@ -146,7 +151,7 @@ class Writer:
                 f"{arms[0]}{self.number(centre.real)}",
                 f"{arms[1]}{self.number(centre.imag)}",
             ]
-        if rng.random() < 0.1:
+        if rng.random() < 0.04:
             words.append(rng.choice(("P1", "P2", "P3", "P1.5", "P0", "I1", "J2", "K3", "R9")))
         self.put(rng.choice(("G2", "G3", "G02")), *words)
 
@@ -272,8 +277,9 @@ def program(rng: Random, control: str) -> str:
     rare: list[Callable[[], None]] = [writer.soup, writer.damage]
     if control == "linuxcnc":
         rare += [writer.holes, writer.compensated]
+    share = rng.choice((0.0, 0.1, 0.3))
     for _ in range(rng.randint(3, 14)):
-        rng.choice(rare if rng.random() < 0.3 else kinds)()
+        rng.choice(rare if rng.random() < share else kinds)()
     end = rng.choice((["M2"], ["M30"], ["M2", "%"], ["%"], [])) if rng.random() < 0.1 else ["M2"]
     mark = "\N{BYTE ORDER MARK}" if rng.random() < 0.01 else ""
     return mark + "\n".join([*writer.lines, *end, ""])
