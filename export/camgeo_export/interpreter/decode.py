@@ -8,6 +8,7 @@ from typing import Final
 from camgeo_export.interpreter.block import Block, Number
 from camgeo_export.interpreter.codes import COORDINATES, CYCLE, GROUP_OF, KNOWN, normal
 from camgeo_export.interpreter.controller import ALONE, Controller
+from camgeo_export.interpreter.holes import CYCLES
 from camgeo_export.interpreter.iso import Words, shown
 from camgeo_export.interpreter.rules import Findings
 
@@ -189,8 +190,14 @@ def _check_points(block: Block, controller: Controller, findings: Findings) -> N
     increment = controller.machine.numbers.increment
     if increment is None:
         return
+    counts = controller.machine.reading.repeats if block.codes.get("motion") in CYCLES else ""
     for letter, number in block.values.items():
-        if letter in COORDINATES and not number.has_point and number.value != 0.0:
+        if (
+            letter in COORDINATES
+            and letter != counts
+            and not number.has_point
+            and number.value != 0.0
+        ):
             word = f"{letter}{number.text}"
             what = f"{word} without a decimal point counts in {increment.mm:g} mm"
             what = f"{what} or {increment.inch:g} inch"

@@ -363,7 +363,7 @@ class GcodeLinter:
         found = run_bytes(data, machine, bench)
         wanted = {finding.line for finding in found.findings}
         texts = {
-            number: line
+            number: line.removesuffix("\r").replace("\r", " ")
             for number, line in enumerate(_lines_of(data, machine), start=1)
             if number in wanted
         }

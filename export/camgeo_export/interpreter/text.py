@@ -31,7 +31,8 @@ def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bo
         findings.add(line, "line-length", what, allowed=f"at most {form.longest_line}")
         if long:
             return False
-    if text.isascii() and text.isprintable():
+    shown = text.removesuffix("\r")
+    if shown.isascii() and shown.isprintable():
         return True
     wrong = next((each for each in text if each not in "\t\r" and not " " <= each <= "~"), "")
     if wrong:
