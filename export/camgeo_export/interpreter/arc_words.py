@@ -18,7 +18,7 @@ from camgeo_export.interpreter.arcs import (
 )
 from camgeo_export.interpreter.block import ARMS, Block
 from camgeo_export.interpreter.controller import Controller
-from camgeo_export.interpreter.lengths import coordinate
+from camgeo_export.interpreter.quantities import coordinate
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import State
 

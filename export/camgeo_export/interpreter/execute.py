@@ -14,9 +14,8 @@ from camgeo_export.gcode.moves import Event
 from camgeo_export.interpreter.block import AXES, Block
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.decode import unused
-from camgeo_export.interpreter.dwells import dwell_of
-from camgeo_export.interpreter.lengths import feed
 from camgeo_export.interpreter.motion import Mover
+from camgeo_export.interpreter.quantities import dwell_of, feed
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import UNKNOWN, State
 

@@ -8,7 +8,7 @@ from typing import Final
 from camgeo_export.gcode.moves import Kind
 from camgeo_export.interpreter.block import Block
 from camgeo_export.interpreter.controller import Controller
-from camgeo_export.interpreter.lengths import coordinate
+from camgeo_export.interpreter.quantities import coordinate
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import State
 

@@ -20,7 +20,7 @@ from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.frame import Frame
 from camgeo_export.interpreter.hazards import Hazards
 from camgeo_export.interpreter.holes import CYCLES, HoleReader
-from camgeo_export.interpreter.lengths import coordinate
+from camgeo_export.interpreter.quantities import coordinate
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import RETRACTED, UNKNOWN, State
 

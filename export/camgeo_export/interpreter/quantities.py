@@ -1,15 +1,34 @@
-"""Dwells: how long a block waits, by the words that state it on its controller."""
+"""What the numbers of a block amount to: lengths, feeds and dwells."""
 
 from __future__ import annotations
 
 import math
 
 from camgeo_export.interpreter.block import Block
+from camgeo_export.interpreter.codes import COORDINATES
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.rules import Findings
 
 SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
 """Seconds that a dwell may reasonably take; others are in another unit, probably."""
+
+
+def coordinate(block: Block, letter: str, controller: Controller, unit: str) -> float:
+    """The value of a coordinate in units of the program, which are "mm" or "inch"."""
+    number = block.values[letter]
+    increment = controller.machine.numbers.increment
+    if increment is None or number.has_point or letter not in COORDINATES:
+        return number.value
+    return number.value * (increment.inch if unit == "inch" else increment.mm)
+
+
+def feed(block: Block, controller: Controller, unit: str) -> float:
+    """The value of F in units of the program a minute or a turn."""
+    number = block.values["F"]
+    increment = controller.machine.numbers.feed_increment
+    if increment is None or number.has_point:
+        return number.value
+    return number.value * (increment.inch if unit == "inch" else increment.mm)
 
 
 def dwell_of(
