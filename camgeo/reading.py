@@ -184,12 +184,12 @@ def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
     return FileError(f"{name}: has {found}; at most {allowed:,} are allowed in a {limits.kind}")
 
 
-def lines_of(data: bytes, encoding: str = "utf-8") -> Iterator[str]:
-    """The lines of a text one by one, without their ends: LF, CR or both.
+def lines_of(data: bytes, encoding: str = "utf-8", newline: str | None = None) -> Iterator[str]:
+    """The lines of a text one by one, without their ends: LF, CR or both, or `newline` alone.
 
     Bytes that `encoding` cannot decode become replacement characters; a byte order mark is dropped.
     """
-    text = io.TextIOWrapper(io.BytesIO(data), encoding, errors="replace", newline=None)
+    text = io.TextIOWrapper(io.BytesIO(data), encoding, errors="replace", newline=newline)
     for number, line in enumerate(text):
         kept = line.removesuffix("\n")
         yield kept.removeprefix("\N{BYTE ORDER MARK}") if number == 0 else kept

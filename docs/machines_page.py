@@ -6,12 +6,15 @@ The page is made from the schema of machine profiles and from the profiles of ca
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
 
 from camgeo.answers.machines import Listed, machines
 from camgeo.answers.machines.rendering import WORDS
 from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine_fields import EVIDENCE
+from camgeo.toolpath.machine_reading import RadiusDifference, Reading
 from camgeo.toolpath.machine_schema import EARLIER, schema
 
 PAGE: Final = Path(__file__).with_name("machines.md")
@@ -70,7 +73,8 @@ BLANK: Final = "–"
 def page() -> str:
     """The page."""
     listed = machines().listed or ()
-    parts = [HEAD, *_overview(listed), "", FRAME, *_keys(), "", *_evidence(listed)]
+    parts = [HEAD, *_overview(listed), "", *_reading(listed), "", FRAME, *_keys(), ""]
+    parts += _evidence(listed)
     return "\n".join(parts).rstrip() + "\n"
 
 
@@ -99,6 +103,53 @@ def _overview(listed: tuple[Listed, ...]) -> Iterator[str]:
         for name, value in rows.items():
             yield f"| {name} | {value(each.machine)} |"
         yield ""
+
+
+READING: Final = """\
+## What each takes
+
+Rules by which [camgeo lint](lint.md) reads a program of any origin, by control: the keys of
+`[reading]`, which are described [below](#keys), and what they rest on, of which the
+[evidence](#what-the-profiles-rest-on) says more. Where a profile says nothing (-) the default
+holds, which is what most controllers do or, in a limit, what is written for this one.
+"""
+
+
+def _reading(listed: tuple[Listed, ...]) -> Iterator[str]:
+    """The rules of reading, by control."""
+    yield READING
+    names = [each.profile for each in listed]
+    yield f"| rule | default | {' | '.join(names)} |"
+    yield "|---" * (len(names) + 2) + "|"
+    default = Reading()
+    for field in fields(Reading):
+        own = getattr(default, field.name)
+        cells = [_rule(each.machine, field.name, own) for each in listed]
+        yield f"| `{field.name}` | {_shown(own) or BLANK} | {' | '.join(cells)} |"
+
+
+def _rule(machine: Machine, key: str, default: object) -> str:
+    value = getattr(machine.reading, key)
+    if value == default:
+        return "-"
+    kinds = [each.kind for each in machine.evidence if f"reading.{key}" in each.about]
+    best = min(kinds, key=EVIDENCE.index)
+    return f"{_shown(value)}, {WORDS[best]}"
+
+
+def _shown(value: object) -> str:
+    """A value of a rule in a cell."""
+    if isinstance(value, RadiusDifference):
+        share = f", or {100.0 * value.relative:g} % of the radius" if value.relative else ""
+        return f"{value.mm:g} mm, in inches {value.inch:g} mm{share}"
+    if isinstance(value, tuple):
+        sets = [each for each in value if " " in each and each[0] in "GM"]
+        return f"{len(sets)} sets" if sets else ", ".join(value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g} mm"
+    return BLANK if value is None else f"{value}" or "none"
 
 
 def _decimals(machine: Machine) -> str:

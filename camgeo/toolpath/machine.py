@@ -6,7 +6,7 @@ import functools
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +18,7 @@ from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.toolpath.look_ahead import Dynamics
 from camgeo.toolpath.machine_fields import Text, WorkOffsets
 from camgeo.toolpath.machine_options import Compensation, Smoothing
+from camgeo.toolpath.machine_reading import Reading
 from camgeo.toolpath.machine_schema import faults_of
 from camgeo.toolpath.machine_tables import (
     ArcLimits,
@@ -85,6 +86,7 @@ class Machine:
     dwell: Dwell
     arcs: ArcLimits
     words: Words
+    reading: Reading = field(default_factory=Reading)
     evidence: Annotated[tuple[Evidence, ...], _evidence] = ()
     compensation: Compensation | None = None
     smoothing: Smoothing | None = None
@@ -186,18 +188,18 @@ def _build(kind: Any, table: Mapping[str, Any], faults: list[Fault]) -> Any:
     """An object of the dataclass `kind` from a table that fits the schema; None with `faults`."""
     hints = _hints(kind)
     values: dict[str, Any] = {}
-    for field in fields(kind):
-        if field.name not in table:
+    for own in fields(kind):
+        if own.name not in table:
             continue
-        given, hint = table[field.name], hints[field.name]
+        given, hint = table[own.name], hints[own.name]
         kinds = (hint, *get_args(hint))
         inner = next((each for each in kinds if is_dataclass(each)), None)
         if inner is not None and get_origin(hint) is tuple:
-            values[field.name] = tuple(_build(inner, each, faults) for each in given)
+            values[own.name] = tuple(_build(inner, each, faults) for each in given)
         elif inner is None:
-            values[field.name] = tuple(given) if isinstance(given, list) else given
+            values[own.name] = tuple(given) if isinstance(given, list) else given
         else:
-            values[field.name] = _build(inner, given, faults)
+            values[own.name] = _build(inner, given, faults)
     if faults:
         return None
     try:

@@ -29,14 +29,15 @@ EVIDENCE: Final = ("manual", "source code", "interpreter", "machine", "post", "n
 """What a statement of a profile rests on, the best first."""
 
 MEANINGS: Final = (
-    "rapid", "line", "clockwise arc", "counter-clockwise arc", "dwell", "plane XY", "plane ZX",
-    "plane YZ", "inch", "mm", "compensation off", "compensation left", "compensation right",
-    "length offset", "length offset off", "machine position", "home", "work offset",
-    "exact stop", "exact path", "continuous path", "cycle off", "absolute", "incremental",
-    "absolute centres", "incremental centres", "inverse time", "feed per minute",
-    "feed per revolution", "smoothing", "stop", "optional stop", "end", "spindle clockwise",
-    "spindle counter-clockwise", "spindle off", "tool change", "flood", "mist", "through",
-    "coolant off", "no effect", "not read",
+    "rapid", "line", "clockwise arc", "counter-clockwise arc", "holes", "bores", "dwell",
+    "plane XY", "plane ZX", "plane YZ", "inch", "mm", "compensation off", "compensation left",
+    "compensation right", "length offset", "length offset off", "machine position", "home",
+    "work offset", "exact stop", "exact path", "continuous path", "cycle off", "motion off",
+    "absolute", "incremental", "absolute centres", "incremental centres", "inverse time",
+    "feed per minute", "feed per revolution", "smoothing", "stop", "optional stop", "end",
+    "spindle clockwise", "spindle counter-clockwise", "spindle off", "return to start",
+    "return to R", "tool change", "flood", "mist", "through", "coolant off", "no effect",
+    "not read",
 )  # fmt: skip
 """Meanings of G and M words that a profile can give to a word of another common meaning; a word
 "not read" is accepted, but programs with it cannot be judged."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import check_fields, number, one_of, whole
@@ -27,6 +28,9 @@ from camgeo.toolpath.machine_fields import (
     blocks_with,
 )
 from camgeo.units import LengthUnit
+
+RANGE: Final = re.compile(r"([GM])(\d{1,4})-\1(\d{1,4})", re.ASCII)
+"""Words whose numbers follow each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,8 +336,8 @@ class Words:
     ----------
     g, m : codes.
     letters : that may begin a word.
-    names : of cycles and keywords of more than one letter, and %.
-    meaning : of words whose meaning is not the common one, one of `MEANINGS`.
+    names : of cycles and keywords of more than one letter.
+    meaning : of words whose meaning is not the common one, one of `MEANINGS`; see `own_meanings`.
     """
 
     g: Codes
@@ -345,9 +349,19 @@ class Words:
     def __post_init__(self) -> None:
         check_fields(self, "words.")
 
-    def meaning_of(self, word: str) -> str | None:
-        """That of a word, e.g. "G70", if it is not the common one."""
-        return None if self.meaning is None else self.meaning.get(word)
+    @property
+    def own_meanings(self) -> dict[str, str]:
+        """`meaning` by single words: its keys may be several, with blanks between, and ranges of
+        numbers, as in "M100-M199".
+        """
+        found: dict[str, str] = {}
+        for key, meaning in (self.meaning or {}).items():
+            for word in key.split():
+                words = [word]
+                if ends := RANGE.fullmatch(word):
+                    words = [f"{ends[1]}{k}" for k in range(int(ends[2]), int(ends[3]) + 1)]
+                found |= dict.fromkeys(words, meaning)
+        return found
 
 
 def filled(blocks: Iterable[str], **words: str) -> list[str]:

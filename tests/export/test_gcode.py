@@ -288,7 +288,7 @@ def test_a_moved_point_and_a_wrong_radius_are_found() -> None:
     text = WRITER.write(product, 0.001).data.decode()
     point = re.search(r"G2 X(\S+) Y(\S+) I(\S+) J(\S+)\n", text)
     assert point is not None
-    moved = text.replace(f"X{point[1]} Y{point[2]} ", f"X{float(point[1]) + 0.05:.5f} Y{point[2]} ")
+    moved = text.replace(f"X{point[1]} Y{point[2]} ", f"X{float(point[1]) + 0.5:.5f} Y{point[2]} ")
     with pytest.raises(FileError, match="radii of the arc differ"):
         WRITER.measure(product, moved.encode())
     larger = replace(product, scale=1.001)
@@ -402,7 +402,7 @@ def test_a_profile_without_dynamics_states_no_time(tmp_path: Path) -> None:
             "dynamics.acceleration = 0.0: must be a number, above 0",
         ),
         ("rapid_feed", "rapid_feed = 0", "must be a number, above 0"),
-        ("line_length", "line_length = 2", "must be a whole number from 3 to 255"),
+        ("line_length", "line_length = 2", "must be a whole number from 3 to 252"),
         ("end", 'end = ["M{two}"]', "end = 'M{two}': must hold no braces but {name}, {unit}"),
         ("rapid_feed", "", "dynamics.rapid_feed: is missing: Of each axis in traverses"),
         ("interpolation", "interpolation = -1", "must be a number, at least 0"),

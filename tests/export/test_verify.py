@@ -198,7 +198,7 @@ def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
     checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G17 G68 ").encode())
     assert re.search(r"line \d+: .*G68, a rotation; .*for LinuxCNC", checks["program", ""].note)
     checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G18 ").encode())
-    assert "only arcs in the plane XY are read" in checks["program", ""].note
+    assert "with an arc in the plane ZX" in checks["program", ""].note
 
 
 def test_text_stl_of_another_program(design: Design) -> None:

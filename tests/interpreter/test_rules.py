@@ -32,7 +32,7 @@ def test_every_rule_is_used() -> None:
 def test_most_rules_are_broken_by_a_foolish_program() -> None:
     broken = {change.rule for change in LINUXCNC + OTHERS}
     assert RULES.keys() - broken <= {
-        *("arc-size", "helix", "no-motion", "nothing", "number", "plane", "unknown-position"),
+        *("arc-sweep", "helix", "no-motion", "nothing", "number", "plane", "unknown-position"),
     }
 
 

@@ -2,11 +2,13 @@
 
 The program reads a milling program and prints a line for each thing that Grbl's parser hands on,
 the number of the line of the program first: `12 rapid X Y Z`, `12 line X Y Z F`, `12 arc cw X Y Z
-CX CY F` or `ccw`, and `12 error N`; it may print further lines.
+CX CY F A` or `ccw`, and `12 error N`. Of an arc CX and CY are its centre in its plane, and A is the
+place in XYZ of the plane's first axis, `axis_0` of mc_arc; without it the plane is XY.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 from pathlib import Path
@@ -28,19 +30,20 @@ def absent() -> str:
 def run(text: str) -> tuple[list[Leg], list[str]]:
     """The moves of a program, and the errors."""
     done = subprocess.run(
-        [os.environ[VARIABLE]], input=text, capture_output=True, text=True, check=True
+        [os.environ[VARIABLE]], input=text.encode(), capture_output=True, check=True
     )
     legs: list[Leg] = []
     errors: list[str] = []
-    for line in done.stdout.splitlines():
+    for line in done.stdout.decode().splitlines():
         number, what, *rest = line.split()
         if what == "error":
             errors.append(f"line {number}: error {rest[0]}")
         elif what in ("rapid", "line"):
-            x, y, z = map(float, rest[:3])
-            legs.append(Leg(int(number), what, (x, y, z)))
+            x, y, z, *speed = map(float, rest[:4])
+            legs.append(Leg(int(number), what, (x, y, z), feed=speed[0] if speed else math.nan))
         elif what == "arc":
-            x, y, z, u, v = map(float, rest[1:6])
+            x, y, z, u, v, feed = map(float, rest[1:7])
+            plane = ("XY", "YZ", "ZX")[int(rest[7])] if len(rest) > 7 else "XY"
             turn = 1 if rest[0] == "ccw" else -1
-            legs.append(Leg(int(number), what, (x, y, z), complex(u, v), turn))
+            legs.append(Leg(int(number), what, (x, y, z), complex(u, v), turn, plane, feed))
     return legs, errors

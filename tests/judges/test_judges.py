@@ -19,6 +19,7 @@ from camgeo.verifying.verification import Reading
 from camgeo_export.interpreter.run import run
 from camgeo_export.step.writer import WRITER as STEP_WRITER
 from camgeo_export.verify.step import VERIFIER as STEP
+from tests.draws.programs import compared, program
 from tests.judges import (
     bad,
     chromium,
@@ -116,6 +117,18 @@ def test_grbl_understands_random_programs_as_we_do(seed: int) -> None:
     assert errors == []
     # Centres of arcs by their radius move by more than the ends that single precision rounds.
     assert difference(run(text, load("grbl"), most=10_000), legs) <= 2e-3
+
+
+@linuxcnc
+@pytest.mark.parametrize("seed", range(examples(4, long=60)))
+def test_linuxcnc_refuses_and_runs_short_programs_as_we_say(seed: int) -> None:
+    assert compared(program(Random(seed), "linuxcnc"), "linuxcnc")[0] == ""
+
+
+@grbl_parser
+@pytest.mark.parametrize("seed", range(examples(20, long=300)))
+def test_grbl_refuses_and_runs_short_programs_as_we_say(seed: int) -> None:
+    assert compared(program(Random(seed), "grbl"), "grbl")[0] == ""
 
 
 @suite

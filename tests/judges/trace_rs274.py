@@ -2,8 +2,9 @@
 
 `HOME=FOLDER /usr/bin/python3 trace_rs274.py PROGRAM TOOL...` prints a JSON list for every canonical
 motion, in full precision: line, kind, end [mm], and centre and turns of arcs; the last one is the
-interpreter's verdict. The module needs a table of tools before it reads a T word, and a folder of
-its own for it.
+interpreter's verdict. Behind the end stands the feed [mm/min] and the plane; the end of an arc is
+that in the plane, and its height. The module needs a table of tools before it reads a T word, and a
+folder of its own for it.
 """
 
 from __future__ import annotations
@@ -28,12 +29,20 @@ class Canon:
 
     parameter_file = "rs274.var"
     line = 0
+    feed = 0.0
+    plane = 1
 
     def next_line(self, state: Any) -> None:
         self.line = state.sequence_number
 
     def put(self, kind: str, end: tuple[float, ...], *rest: object) -> None:
-        say(self.line, kind, [INCH * each for each in end], *rest)
+        say(self.line, kind, [INCH * each for each in end], INCH * self.feed, self.plane, *rest)
+
+    def set_feed_rate(self, feed: float) -> None:
+        self.feed = feed
+
+    def set_plane(self, plane: int) -> None:
+        self.plane = plane
 
     def straight_traverse(self, x: float, y: float, z: float, *rest: float) -> None:
         self.put("rapid", (x, y, z))

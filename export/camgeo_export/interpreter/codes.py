@@ -12,7 +12,7 @@ from typing import Final
 
 GROUPS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "motion": ("rapid", "line", "clockwise arc", "counter-clockwise arc"),
+        "motion": ("rapid", "line", "clockwise arc", "counter-clockwise arc", "holes", "bores"),
         "plane": ("plane XY", "plane ZX", "plane YZ"),
         "unit": ("inch", "mm"),
         "distance": ("absolute", "incremental"),
@@ -23,7 +23,8 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "work offset": ("work offset",),
         "path mode": ("exact stop", "exact path", "continuous path"),
         "smoothing": ("smoothing",),
-        "cycle": ("cycle off",),
+        "cycle": ("cycle off", "motion off"),
+        "return": ("return to start", "return to R"),
         "spindle": ("spindle clockwise", "spindle counter-clockwise", "spindle off"),
         "coolant": ("flood", "mist", "through", "coolant off"),
         "flow": ("stop", "optional stop", "end"),
@@ -58,7 +59,9 @@ COMMON: Final[Mapping[str, str]] = MappingProxyType(
         "G90": "absolute", "G91": "incremental",
         "G90.1": "absolute centres", "G91.1": "incremental centres",
         "G93": "inverse time", "G94": "feed per minute", "G95": "feed per revolution",
-        "G98": "no effect", "G99": "no effect",
+        "G81": "holes", "G85": "bores",
+        "G97": "no effect",
+        "G98": "return to start", "G99": "return to R",
         "M0": "stop", "M1": "optional stop", "M2": "end", "M30": "end",
         "M3": "spindle clockwise", "M4": "spindle counter-clockwise", "M5": "spindle off",
         "M6": "tool change",
@@ -79,9 +82,9 @@ KNOWN: Final[Mapping[str, str]] = MappingProxyType(
         **{f"G38.{number}": "a probe" for number in range(2, 6)},
         "G50": "a scale", "G51": "a scale", "G52": "a shifted zero",
         "G65": "a macro", "G66": "a macro", "G68": "a rotation", "G69": "a rotation",
-        **{f"G{number}": CYCLE for number in (73, 74, 76, *range(81, 90))},
+        **{f"G{number}": CYCLE for number in (73, 74, 76, 82, 83, 84, 86, 87, 88, 89)},
         "G92": "a shifted zero", "G92.1": "a shifted zero", "G92.2": "a shifted zero",
-        "G96": "a constant surface speed", "G97": "a constant speed",
+        "G96": "a constant surface speed",
         "M19": "an angle of the spindle", "M98": "a subprogram", "M99": "the end of a subprogram",
     }
 )  # fmt: skip

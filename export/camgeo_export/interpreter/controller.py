@@ -20,18 +20,19 @@ class Controller:
     Attributes
     ----------
     machine : the profile.
-    meanings : of every word that the controller accepts and that is read, e.g. {"G1": "line"}.
+    meanings : of every word that the controller accepts and that is read, e.g. {"G1": "line"}; of
+        names with more than one letter only those of the profile.
     accepted : every word that it accepts, also those that are not read.
     letters : that may begin a word.
     names : of commands and addresses of more than one letter.
     brackets : whether ( ) hold comments.
     extended : whether it has commands and addresses with an equals sign, as Sinumerik has.
     groups : modal groups of which it has words.
-    dwell_letter : of the word with the dwell in the profile's own form.
+    dwell_letters : of words with a dwell, the one of the profile's own form first.
     length_letter : "H", or "D" where that puts the tool's length into force by itself; else "".
     needs_length : whether a tool's length must be put into force.
     changes_tools : whether it has a word that changes tools.
-    takes_percent : whether % may stand around a program.
+    alone : sets of words of which a block may have one.
     """
 
     machine: Machine
@@ -42,11 +43,11 @@ class Controller:
     brackets: bool
     extended: bool
     groups: frozenset[str]
-    dwell_letter: str
+    dwell_letters: str
     length_letter: str
     needs_length: bool
     changes_tools: bool
-    takes_percent: bool
+    alone: tuple[frozenset[str], ...]
 
     def smoothing_letter(self, word: str) -> str:
         """Letter of the word with the deviation in the smoothing block that begins with `word`."""
@@ -64,7 +65,7 @@ def controller_of(machine: Machine) -> Controller:
     accepted = {normal("G", f"{code:g}") for code in words.g}
     accepted |= {normal("M", f"{code:g}") for code in words.m}
     meanings = {word: COMMON[word] for word in accepted if word in COMMON}
-    meanings |= dict(words.meaning or {})
+    meanings |= words.own_meanings
     meanings = {word: meaning for word, meaning in meanings.items() if meaning != "not read"}
     lengths = machine.tool_change.length_offset
     length_letter = ""
@@ -72,6 +73,7 @@ def controller_of(machine: Machine) -> Controller:
         length_letter = "H"
     elif any(re.match(r"D\d", block) for block in lengths):
         length_letter = "D"
+    own_dwells = machine.reading.dwell
     dwells = [re.search(r"([A-Z])\{dwell\}", block) for block in machine.dwell.blocks]
     return Controller(
         machine,
@@ -82,9 +84,9 @@ def controller_of(machine: Machine) -> Controller:
         machine.text.comment_open.strip().startswith("("),
         any(len(name) > 1 for name in words.names),
         frozenset(GROUP_OF[meaning] for meaning in meanings.values()),
-        next((found[1] for found in dwells if found), "P"),
+        "".join(dict.fromkeys(next((found[1] for found in dwells if found), "P") + own_dwells)),
         length_letter,
         bool(length_letter),
         "tool change" in meanings.values() or machine.dialect == "klartext",
-        "%" in words.names or any(line.startswith("%") for line in machine.program.start),
+        tuple(frozenset(each.split()) for each in machine.reading.alone),
     )

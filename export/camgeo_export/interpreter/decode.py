@@ -8,27 +8,40 @@ from typing import Final
 from camgeo_export.interpreter.block import Block, Number
 from camgeo_export.interpreter.codes import COORDINATES, CYCLE, GROUP_OF, KNOWN, normal
 from camgeo_export.interpreter.controller import ALONE, Controller
+from camgeo_export.interpreter.holes import CYCLES
 from camgeo_export.interpreter.iso import Words, shown
 from camgeo_export.interpreter.rules import Findings
 
-READ: Final = frozenset("DEFGHIJKMNOPQRSTXYZ")
+READ: Final = frozenset("DEFGHIJKLMNOPQRSTXYZ")
 """Letters whose words are read."""
 
-ADDRESSES: Final = {"CR": "R", "OFFN": "OFFN", "TURN": "TURN"}
+ADDRESSES: Final = {"CR": "R", "OFFN": "OFFN", "RND": "RND", "TURN": "TURN"}
 """Further addresses that are read, and the names of their values."""
 
-WHOLE: Final = frozenset("DHNT")
+FRAMES: Final = frozenset(
+    {"TRANS", "ATRANS", "ROT", "AROT", "SCALE", "ASCALE", "MIRROR", "AMIRROR"}
+)
+"""Commands that shift or turn the zero; without axes they delete what others have done."""
+
+WHOLE: Final = frozenset("DHLNT")
 """Words whose number must be whole."""
 
 
 def decode(words: Words, controller: Controller, findings: Findings) -> Block:
     """The block that `words` are; what cannot be run in it is found and left out."""
     block = Block(words.line)
-    for letter, number in words.words:
+    codes: list[str] = []
+    for place, (letter, number) in enumerate(words.words):
         if letter in ("G", "M"):
-            code(block, normal(letter, number.text), controller, findings)
-        else:
-            _value(block, letter, number, controller, findings)
+            codes.append(normal(letter, number.text))
+            code(block, codes[-1], controller, findings)
+            continue
+        if letter == "N" and place and controller.machine.reading.number_first:
+            what = f"N{number.text} behind other words"
+            findings.add(block.line, "line-number", what, allowed="at the start of the block")
+        _value(block, letter, number, controller, findings)
+    if len(codes) > 1:
+        _check_alone(block, codes, controller, findings)
     for address, way in words.ways.items():
         block.relative[address] = way == "IC"
     for name, arguments in words.commands:
@@ -39,6 +52,18 @@ def decode(words: Words, controller: Controller, findings: Findings) -> Block:
         block.names[address] = text
     _check_points(block, controller, findings)
     return block
+
+
+def _check_alone(
+    block: Block, codes: list[str], controller: Controller, findings: Findings
+) -> None:
+    """Find words of which a block may have one, that are not of one modal group."""
+    for words in controller.alone:
+        found = [word for word in dict.fromkeys(codes) if word in words]
+        if len(found) > 1:
+            what = f"{' and '.join(found)} exclude each other in a block"
+            findings.add(block.line, "conflict", what, allowed="one of them in a block")
+            return
 
 
 def code(block: Block, word: str, controller: Controller, findings: Findings) -> None:
@@ -75,8 +100,15 @@ def _value(
     block: Block, letter: str, number: Number, controller: Controller, findings: Findings
 ) -> None:
     if len(letter) > 1:
-        if letter not in controller.names or letter not in ADDRESSES:
-            findings.add(block.line, "unknown-word", f"the address {letter} is not read")
+        if letter not in controller.names:
+            what = f"{controller.machine.name} has no address {letter}"
+            findings.add(block.line, "unknown-word", what)
+            return
+        if controller.meanings.get(letter) == "no effect":
+            return
+        if letter not in ADDRESSES:
+            block.broken = True
+            findings.add(block.line, "unsupported", f"{letter}= is outside what is read")
             return
         letter = ADDRESSES[letter]
     elif letter not in controller.letters:
@@ -116,18 +148,19 @@ def _command(
     controller: Controller,
     findings: Findings,
 ) -> None:
-    meaning = controller.machine.words.meaning_of(name)
-    if name not in controller.names and meaning is None:
+    meaning = controller.meanings.get(name)
+    if name not in controller.names and (meaning is None or arguments is not None):
         word = name if arguments is None else f"{name}(...)"
         findings.add(block.line, "unknown-word", f"{controller.machine.name} has no {shown(word)}")
     elif name == "CYCLE832":
         _smoothing(block, arguments or "", findings)
+    elif meaning == "no effect" or (name in FRAMES and block.values.keys() <= {"N"}):
+        return
     elif name in ALONE or meaning == "machine position":
         block.actions["machine position"] = "machine position"
         block.words["machine position"] = name
-    elif meaning == "no effect" or name == "MSG":
-        return
     else:
+        block.broken = True
         findings.add(block.line, "unsupported", f"{name} is outside what is read")
 
 
@@ -157,8 +190,14 @@ def _check_points(block: Block, controller: Controller, findings: Findings) -> N
     increment = controller.machine.numbers.increment
     if increment is None:
         return
+    counts = controller.machine.reading.repeats if block.codes.get("motion") in CYCLES else ""
     for letter, number in block.values.items():
-        if letter in COORDINATES and not number.has_point and number.value != 0.0:
+        if (
+            letter in COORDINATES
+            and letter != counts
+            and not number.has_point
+            and number.value != 0.0
+        ):
             word = f"{letter}{number.text}"
             what = f"{word} without a decimal point counts in {increment.mm:g} mm"
             what = f"{what} or {increment.inch:g} inch"

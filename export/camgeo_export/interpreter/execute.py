@@ -14,13 +14,10 @@ from camgeo_export.gcode.moves import Event
 from camgeo_export.interpreter.block import AXES, Block
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.decode import unused
-from camgeo_export.interpreter.lengths import feed
 from camgeo_export.interpreter.motion import Mover
+from camgeo_export.interpreter.quantities import dwell_of, feed
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import UNKNOWN, State
-
-SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
-"""Seconds that a dwell may reasonably take; others are in another unit, probably."""
 
 EVENTS: Final = {
     "tool change": "tool",
@@ -39,7 +36,7 @@ MOTION: Final = frozenset({"motion"})
 TOOLS: Final = frozenset({"D", "H", "T", "OFFN"})
 """Words that do something without a G or M word."""
 
-SIMPLE: Final = ("plane", "distance", "centres", "cycle")
+SIMPLE: Final = ("plane", "distance", "centres", "cycle", "return")
 """Groups of which a word changes nothing but the mode."""
 
 
@@ -58,6 +55,7 @@ class Executor:
         self.state = state
         self.events: list[Event] = []
         self._controller = controller
+        self._reading = controller.machine.reading
         self._mover = mover
         self._findings = findings
         self._used: set[str] = set()
@@ -70,10 +68,14 @@ class Executor:
         self._used = set(ALWAYS)
         # Most blocks only move, and some set a feed.
         moving = block.codes.keys() <= MOTION and not block.actions
+        late = "unit" in block.codes and self._reading.feed_unit == "before"
+        if late:
+            self._feed_and_speed(block)
         if not moving:
-            self._check_ambiguous(block)
+            self._check_order(block)
             self._unit(block)
-        self._feed_and_speed(block)
+        if not late:
+            self._feed_and_speed(block)
         if not moving or not block.values.keys().isdisjoint(TOOLS):
             self._modes(block)
         self._used |= self._mover.move(block)
@@ -98,12 +100,15 @@ class Executor:
             self._spindle(block, off=True)
             self._coolant(block, off=True)
         self._dwell(block)
+        if block.codes.get("plane", "plane XY") != (self.state.mode("plane") or "plane XY"):
+            self._check_compensated(block, ("plane",))
         for group in SIMPLE:
             if group in block.codes:
                 self.state.modes[group] = block.codes[group]
         if "cycle" in block.codes:
-            self._mover.end_cycle()
+            self._mover.end_cycle(block)
         self._compensation(block)
+        self._check_compensated(block, ("length", "work offset", "path mode"))
         self._length(block)
         self._work_offset(block)
         self._path_mode(block)
@@ -111,7 +116,13 @@ class Executor:
     def _report(self, block: Block, rule: str, what: str, value: str = "", ok: str = "") -> None:
         self._findings.add(block.line, rule, what, value, ok)
 
-    def _check_ambiguous(self, block: Block) -> None:
+    def _check_compensated(self, block: Block, groups: tuple[str, ...]) -> None:
+        """Find what the controller does not change under compensation."""
+        for group in groups:
+            if self.state.side and group in block.codes and group in self._reading.compensated:
+                self._report(block, "compensation", f"{block.words[group]} under compensation")
+
+    def _check_order(self, block: Block) -> None:
         """Blocks that controllers run in different orders."""
         off = [
             block.words[group]
@@ -122,7 +133,12 @@ class Executor:
         moving = any(axis in block.values for axis in AXES)
         if off and moving and cutting and self._controller.machine.dialect != "klartext":
             what = f"{off[0]} in a block that cuts: controllers differ in what comes first"
-            self._report(block, "conflict", what, ok="a block of its own")
+            self._report(block, "order", what, ok="a block of its own")
+        unit = block.codes.get("unit", self.state.mode("unit"))
+        changes = "F" in block.values and unit != (self.state.mode("unit") or unit)
+        if changes and self._reading.feed_unit == "before":
+            what = f"F with {block.words['unit']}: it counts in the unit before, not in the new one"
+            self._report(block, "order", what, ok="F in the next block")
 
     # -- words, in the order of execution ---------------------------------------------------------
 
@@ -144,15 +160,17 @@ class Executor:
     def _feed_and_speed(self, block: Block) -> None:
         state = self.state
         mode = block.codes.get("feed mode")
-        if mode is not None and mode != state.mode("feed mode"):
-            if state.mode("feed mode"):
+        again = self._reading.feed_mode == "resets"
+        if mode is not None and (again or mode != state.mode("feed mode")):
+            if again or state.mode("feed mode"):
                 state.feed = 0.0  # in another unit from here on
             state.modes["feed mode"] = mode
             if mode == "inverse time":
                 self._report(block, "unsupported", f"{block.words['feed mode']} is not read")
-        if "S" in block.values and "dwell" not in block.actions:
+        timed = self._controller.dwell_letters if "dwell" in block.actions else ""
+        if "S" in block.values and "S" not in timed:
             state.speed = block.value("S")
-        if "F" in block.values and "dwell" not in block.actions:
+        if "F" in block.values and "F" not in timed:
             per_turn = state.mode("feed mode") == "feed per revolution"
             numbers = self._controller.machine.numbers
             unit = state.mode("unit")
@@ -231,39 +249,9 @@ class Executor:
     def _dwell(self, block: Block) -> None:
         if "dwell" not in block.actions:
             return
-        self._used |= set("PXFSU")
-        found = self._seconds(block)
-        if found is None:
-            what = f"{block.words['dwell']} without its time"
-            self._report(block, "missing-word", what, ok=self._controller.dwell_letter)
-            return
-        seconds, text = found
-        if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
-            form = self._controller.machine.dwell
-            what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
-            allowed = f"{SHORTEST_DWELL:g} to {LONGEST_DWELL:g} s"
-            self._report(block, "dwell", what, ok=allowed)
-        self._event(block, "dwell", seconds)
-
-    def _seconds(self, block: Block) -> tuple[float, str] | None:
-        """Time of a dwell, and its word; the words of a block that dwells are taken from it."""
-        controller = self._controller
-        letter = controller.dwell_letter
-        in_seconds = controller.machine.dwell.unit == "s"
-        for each in dict.fromkeys((letter, "P", "X", "F")):
-            number = block.values.get(each)
-            if number is None:
-                continue
-            block.values.pop(each)
-            if each != letter or in_seconds:
-                return number.value, f"{each}{number.text}"
-            if number.has_point and controller.machine.dwell.point_seconds:
-                return number.value, f"{each}{number.text}"
-            if number.has_point:
-                what = "a dwell in whole milliseconds takes no decimal point"
-                self._report(block, "number", what, f"{each}{number.text}")
-            return number.value / 1000.0, f"{each}{number.text}"
-        return None
+        seconds = dwell_of(block, self._controller, self.state.speed, self._findings)
+        if seconds is not None:
+            self._event(block, "dwell", seconds)
 
     def _compensation(self, block: Block) -> None:
         state = self.state

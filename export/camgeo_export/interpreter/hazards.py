@@ -68,8 +68,10 @@ class Hazards:
             add(move.line, "rapid-plunge", what, allowed=f"Z {bench.stock_top:g} mm or more")
 
     def _cut(self, move: CutterMove, state: State) -> None:
-        if cmath.isnan(move.start) or math.isnan(move.z_start) or math.isinf(move.z_start):
+        lost = cmath.isnan(move.start) or math.isnan(move.z_start) or math.isinf(move.z_start)
+        if lost and not state.lost:
             self._findings.add(move.line, "unknown-position", "a cut from an unknown position")
+        state.lost = lost
         self._once(move, "no-feed", move.feed > 0.0, "a cut without feed")
         self._once(move, "no-spindle", move.speed > 0.0, "a cut with the spindle off")
         controller = self._controller

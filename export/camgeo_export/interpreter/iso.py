@@ -25,7 +25,7 @@ WORD: Final = re.compile(rf"([A-Z])\s*+({NUMBER})", re.ASCII)
 
 TOKEN: Final = re.compile(
     rf"""\s*+(?:
-      (?P<command>[A-Z_][A-Z_0-9]*+)\s*+\((?P<arguments>[^()]*+)\)
+      (?P<command>[A-Z_][A-Z_0-9]*+)\s*+\((?P<arguments>(?:"[^"]*+"|[^()"]++)*+)\)
     | (?P<address>[A-Z]+\d*+)\s*+=\s*+(?:
           (?P<value>{NUMBER}) | (?P<way>AC|IC)\s*+\(\s*+(?P<inner>{NUMBER})\s*+\)
         | "(?P<name>[^"]*+)" )
@@ -67,9 +67,11 @@ class Words:
 
 
 def without_comments(
-    line: int, text: str, brackets: bool, findings: Findings
+    line: int, text: str, brackets: bool, findings: Findings, *, may_end: bool = False
 ) -> tuple[str, list[str]]:
-    """The block in a line, and its comments; `brackets` says whether ( ) hold some."""
+    """The block in a line, and its comments; `brackets` says whether ( ) hold some, which with
+    `may_end` may end with the line.
+    """
     if not brackets:
         block, mark, note = text.partition(";")
         return block, [note.strip()] if mark else []
@@ -90,9 +92,10 @@ def without_comments(
     if mark:
         notes.append(note.strip())
     for bracket in "()":
-        if bracket in block:
+        if bracket in block and not (bracket == "(" and may_end):
             what = "a comment does not end in its line" if bracket == "(" else "a bracket too many"
             findings.add(line, "comment", what, bracket)
+        if bracket in block:
             block = block.partition(bracket)[0] if bracket == "(" else block.replace(")", " ")
     return block, notes
 
@@ -108,6 +111,8 @@ def words_of(line: int, block: str, extended: bool, findings: Findings) -> Words
             if not _put(found, letter, text, findings):
                 return None
         return found
+    if not extended and PLAIN.fullmatch(joined := "".join(block.split())):
+        return words_of(line, joined, extended, findings)
     if FLOW.search(block):
         what = "parameters, expressions and control of flow are outside what is read"
         findings.add(line, "unsupported", what, shown(block))

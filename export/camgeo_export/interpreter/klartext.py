@@ -72,6 +72,9 @@ COMBINED: Final = {"M13": ("M3", "M8"), "M14": ("M4", "M8")}
 UNREAD: Final = re.compile(r"(APPR|DEP|RND|CHF|FN|LBL|CALL|FL|FC|FCT|FLT|Q|SEL|TCH|PLANE)\b")
 """First words of what is known, but not read."""
 
+STILL: Final = frozenset({"FN", "LBL", "Q", "SEL"})
+"""Those of them that move nothing."""
+
 Form = Callable[[int, re.Match[str]], list[Block]]
 """From a line and its text to blocks."""
 
@@ -253,6 +256,7 @@ class Klartext:
             found = WORD.match(text, at)
             if found is None:
                 self._refuse(line, text[at:].strip())
+                block.broken = True
                 break
             at = found.end()
             if found["sense"]:
@@ -305,6 +309,8 @@ class Klartext:
 
     def _refuse(self, line: int, text: str) -> None:
         unread = UNREAD.match(text)
+        if not (unread and unread[1] in STILL):
+            self._state.lose()
         if unread:
             what = f"{unread[1]} is outside what is read"
             self._findings.add(line, "unsupported", what, shown(text))

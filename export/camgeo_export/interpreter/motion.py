@@ -5,28 +5,30 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Set
+from dataclasses import replace
 from typing import Final
 
 from camgeo.numeric.arrays import phase
 from camgeo.verifying.linting import Bench
 from camgeo_export.gcode.moves import CutterMove, Kind
 from camgeo_export.interpreter.arc_words import ArcReader
-from camgeo_export.interpreter.arcs import Arc, about_pole, heading_after
+from camgeo_export.interpreter.arcs import PLANES, Arc, about_pole, chords, heading_after, rounded
 from camgeo_export.interpreter.block import ARMS, AXES, Block
 from camgeo_export.interpreter.codes import CYCLE
 from camgeo_export.interpreter.compensation import Compensator
 from camgeo_export.interpreter.controller import Controller
 from camgeo_export.interpreter.frame import Frame
 from camgeo_export.interpreter.hazards import Hazards
-from camgeo_export.interpreter.lengths import coordinate
+from camgeo_export.interpreter.holes import CYCLES, HoleReader
+from camgeo_export.interpreter.quantities import coordinate
 from camgeo_export.interpreter.rules import Findings
 from camgeo_export.interpreter.state import RETRACTED, UNKNOWN, State
 
 ARCS: Final = ("clockwise arc", "counter-clockwise arc")
 
-STRAIGHT: Final = frozenset({*AXES, "PR", "PA"})
+STRAIGHT: Final = frozenset({*AXES, "PR", "PA", "RND"})
 
-ROUND: Final = STRAIGHT | frozenset({*ARMS, "R", "P", "TURN"})
+ROUND: Final = STRAIGHT | frozenset({*ARMS, "R"})
 """Words that moves take."""
 
 
@@ -50,6 +52,8 @@ class Mover:
         self._frame = Frame(controller, findings)
         self._compensator = Compensator(findings)
         self._arcs = ArcReader(controller, state, findings)
+        self._holes = HoleReader(controller, state, findings)
+        self._reading = controller.machine.reading
         self._fine = False
         self._printed: set[tuple[int, float]] = set()
 
@@ -65,12 +69,13 @@ class Mover:
         if block.codes.get("motion") == CYCLE:  # each block with coordinates runs it again
             self._state.modes["motion"] = CYCLE
             self._state.at, _ = self._target(block)
-        elif any(axis in block.values for axis in AXES):
-            self._state.at, self._state.z = self._target(block)
+        else:
+            self._state.lose()
 
-    def end_cycle(self) -> None:
-        """Blocks with coordinates run a cycle no longer."""
-        if self._state.mode("motion") == CYCLE:
+    def end_cycle(self, block: Block) -> None:
+        """Blocks with coordinates run a cycle no longer, or nothing at all."""
+        ends = block.codes["cycle"] == "motion off" and "motion" not in block.codes
+        if ends or self._state.mode("motion") in (CYCLE, *CYCLES):
             self._state.modes["motion"] = ""
 
     def move(self, block: Block) -> Set[str]:
@@ -78,19 +83,22 @@ class Mover:
         state = self._state
         if block.codes.get("motion", "") and block.arc != "rapid":
             state.modes["motion"] = block.codes["motion"]
+            if block.codes["motion"] not in CYCLES:
+                state.cycle, state.hole, state.above = "", {}, math.nan
         if "home" in block.actions:
             return self._home(block)
         axes = [axis for axis in AXES if axis in block.values]
-        if block.words.get("length", "").endswith(".1"):
+        if block.words.get("length") in self._reading.takes_axes:
             return STRAIGHT  # Z is the length itself
         motion = "rapid" if block.arc == "rapid" else state.mode("motion")
         if motion == CYCLE:
             state.at, _ = self._target(block)
             return block.values.keys()
-        arms = any(arm in block.values for arm in (*ARMS, "R"))
+        circles = self._reading.circle == "modal" or "motion" in block.codes
+        arms = any(arm in block.values for arm in (*ARMS, "R")) and circles
         if block.arc in ("polar", "pole", "tangent"):
             axes = axes or ["pole"]
-        if not axes and not (arms and motion in ARCS and "motion" in block.codes):
+        if not axes and not (arms and motion in ARCS):
             self._check_bare(block)
             return frozenset()
         if not motion:
@@ -99,8 +107,11 @@ class Mover:
         self._check_unit(block)
         if "machine position" in block.actions:
             return self._machine_position(block, motion)
+        if motion in CYCLES:
+            self._make_holes(block)
+            return STRAIGHT | {"R", self._reading.repeats}
         self._run(block, motion)
-        return ROUND if motion in ARCS else STRAIGHT
+        return ROUND | {self._reading.turns} if motion in ARCS else STRAIGHT
 
     # -- kinds of moves ---------------------------------------------------------------------------
 
@@ -117,7 +128,58 @@ class Mover:
                 return
             end, arc = found
             kind = "line" if arc is None else "arc"
+            if arc is not None and state.mode("plane") not in ("", "plane XY"):
+                self._make_chords(block, end, z_end, arc)
+                return
+        if state.rounding:
+            self._round_corner(block, kind, end, z_end)
         self._make(block, kind, end, z_end, arc)
+        state.rounding = block.value("RND") * self._scale
+
+    def _round_corner(self, block: Block, kind: Kind, end: complex, z_end: float) -> None:
+        """Round the corner between the last move and one to `end`."""
+        state, before = self._state, self.moves[-1]
+        flat = before.z_start == before.z_end == z_end
+        found = None
+        if before.kind == kind == "line" and flat:
+            found = rounded(before.start, before.end, end, state.rounding)
+        if found is None:
+            what = "a rounding other than between two lines in the plane that have room for it"
+            self._findings.add(block.line, "unsupported", what)
+            return
+        first, last, arc = found
+        self.moves[-1] = replace(before, end=first)
+        state.at = first
+        self._make(block, "arc", last, z_end, arc)
+
+    def _make_chords(self, block: Block, end: complex, z_end: float, arc: Arc) -> None:
+        """Make an arc in another plane than XY, of lines."""
+        plane = PLANES[self._state.mode("plane")]
+        start, height = plane.drop(self._state.at, self._state.z)
+        finish, last = plane.drop(end, z_end)
+        places = chords(start, finish, arc)
+        for k, place in enumerate(places, start=1):
+            point = plane.lift(place, height + (last - height) * k / len(places))
+            self._make(block, "line", *point, None)
+
+    def _make_holes(self, block: Block) -> None:
+        """Make the holes of a block of a cycle."""
+        state = self._state
+        if state.mode("plane") not in ("", "plane XY"):
+            what = f"holes in the {state.mode('plane')}: only those along Z are read"
+            self._findings.add(block.line, "unsupported", what)
+            state.lose()
+            return
+        if state.side and "cycle of holes" in self._reading.compensated:
+            what = f"{block.words.get('motion', state.cycle)} under compensation"
+            self._findings.add(block.line, "compensation", what)
+        found = self._holes.read(block, self._target(block)[0], self._scale)
+        if found is None:
+            state.lose()
+            return
+        for kind, place, height in found:
+            if (place, height) != (state.at, state.z):
+                self._make(block, kind, place, height, None)
 
     def _target(self, block: Block) -> tuple[complex, float]:
         """End of the move [mm]; where it stays along an axis, the present position."""
@@ -176,16 +238,18 @@ class Mover:
         """To a position in the machine's own coordinates: Z is at its top there."""
         state, word = self._state, block.words["machine position"]
         add = self._findings.add
-        if motion != "rapid":
+        if motion != "rapid" and not (motion == "line" and "cut" in self._reading.machine_position):
             what = f"{word} with a cut: machine positions are for traverses"
             add(block.line, "conflict", what)
+            motion = "rapid"
         if state.side:
             add(block.line, "compensation", f"{word} under compensation")
-        if state.mode("distance") == "incremental" and not block.relative:
+        relative = state.mode("distance") == "incremental" and not block.relative
+        if relative and "incremental" not in self._reading.machine_position:
             add(block.line, "conflict", f"{word} while distances are incremental")
         at = UNKNOWN if {"X", "Y"} & block.values.keys() else state.at
         z = RETRACTED if "Z" in block.values else state.z
-        self._make(block, "rapid", at, z, None)
+        self._make(block, "rapid" if motion == "rapid" else "line", at, z, None)
         return STRAIGHT
 
     def _make(self, block: Block, kind: Kind, end: complex, z_end: float, arc: Arc | None) -> None:
@@ -254,9 +318,17 @@ class Mover:
     def _check_bare(self, block: Block) -> None:
         """A block without coordinates must not ask for a motion that needs them."""
         motion = block.codes.get("motion", "")
+        if motion == "line" and not self._state.feed > 0.0:
+            word = block.words["motion"]
+            self._findings.add(block.line, "no-feed", f"{word} without a feed F")
         if motion in ARCS:
             self._findings.add(block.line, "missing-word", "an arc without its end and its centre")
-        elif "machine position" in block.actions and block.words["machine position"] == "G53":
+        elif motion in CYCLES:
+            what = f"{block.words['motion']} without coordinates"
+            self._findings.add(block.line, "missing-word", what)
+        elif block.words.get("machine position") == "G53" and not (
+            motion or ("G53" in self._reading.bare and self._state.mode("motion") not in ARCS)
+        ):
             self._findings.add(block.line, "missing-word", "G53 without coordinates")
 
     def _compensate(self, move: CutterMove) -> None:

@@ -33,11 +33,11 @@ RULES: Final[Mapping[str, str]] = MappingProxyType(
         "unknown-position": PATH,
         # The form of the path.
         "unit-change": FORM,
+        "order": FORM,
         "decimal-point": FORM,
         "arc-radius": FORM,
         "arc-form": FORM,
         "arc-sweep": FORM,
-        "arc-size": FORM,
         "full-circle": FORM,
         "helix": FORM,
         "compensation": FORM,
@@ -64,6 +64,7 @@ RULES: Final[Mapping[str, str]] = MappingProxyType(
         "nothing": FRAME,
         # Limits of the controller.
         "line-length": LIMITS,
+        "line-end": LIMITS,
         "line-number": LIMITS,
         "characters": LIMITS,
         "decimals": LIMITS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -26,7 +26,7 @@ from camgeo_export.interpreter.klartext import Klartext
 from camgeo_export.interpreter.motion import Mover
 from camgeo_export.interpreter.rules import Enough, Findings
 from camgeo_export.interpreter.state import State
-from camgeo_export.interpreter.text import check_line, check_number
+from camgeo_export.interpreter.text import CARRIAGE_RETURNS, check_ends, check_line, check_number
 
 NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 """A comment in brackets, or one up to the end of the line, in whatever dialect."""
@@ -43,10 +43,12 @@ G_WORDS: Final = re.compile(r"(?:N\d++\s*+)?+[GOT]\s*+\d|[%(]", re.ASCII)
 CONVERSATIONAL: Final = re.compile(r"(?:\d++\s++)?+BEGIN\s++PGM\b", re.ASCII)
 """The first block of a program in Heidenhain's conversational format."""
 
-CONTROL: Final = re.compile(r"\s*+%")
-
-NAME: Final = re.compile(r"\s*+[O:]\s*+\d++\s*+", re.ASCII)
+NAME: Final = re.compile(r"(\S)\s*+\d++\s*+", re.ASCII)
 """A block with the number of a program."""
+
+
+ASSIGNMENT: Final = re.compile(r"(?:N\d++\s*+)?+(?:#|R\d++\s*+=)", re.ASCII)
+"""A block that gives a parameter its value, and moves nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,12 +161,18 @@ def run_bytes(
     program = _Program(machine, bench or Bench(), Findings(most, fatal))
     complete = True
     try:
-        for number, line in enumerate(lines_of(data), start=1):
+        program.read_ends(data)
+        for number, line in enumerate(_lines_of(data, machine), start=1):
             program.read(number, line)
         program.finish()
     except Enough:
         complete = False
     return program.result(complete)
+
+
+def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
+    """The lines of a program as the controller tells them apart."""
+    return lines_of(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
 def notes_of(text: str) -> list[str]:
@@ -194,24 +202,33 @@ class _Program:
         self._comments: list[str] = []
         self._before_block = 0
         self._percent = 0
+        self._first = 0
         self._blocks = 0
         self._said_after = False
         self._known: dict[str, Block] = {}  # sound ones by their text: depths repeat their path
 
+    def read_ends(self, data: bytes) -> None:
+        """Judge what lines do not show of the bytes of the program."""
+        check_ends(data, self._machine, self._findings)
+
     def read(self, number: int, line: str) -> None:
         """Read one line and run its block."""
         if not check_line(number, line, self._machine, self._findings):
+            self._state.lose()
             return
+        line = line.replace("\r", "")
+        self._first = self._first or (number if line.strip() else 0)
         klartext = self._machine.dialect == "klartext"
         brackets = self._controller.brackets and not klartext
-        text, notes = without_comments(number, line, brackets, self._findings)
+        may_end = self._machine.reading.open_comment
+        text, notes = without_comments(number, line, brackets, self._findings, may_end=may_end)
         block = text.strip().upper()
         alone = not block or (klartext and block.isdigit())
         for note in notes:
             self._note(note, alone)
         if alone:
             return
-        if not klartext and CONTROL.match(block):
+        if not klartext and block.startswith("%"):
             self._control(number, block)
             return
         if self._state.ended and klartext and self._klartext.is_end(block):
@@ -247,7 +264,8 @@ class _Program:
             for each in self._klartext.blocks(number, block):
                 self._executor.run(each)
             return
-        if NAME.fullmatch(block) and "O" in self._controller.letters:
+        named = NAME.fullmatch(block)
+        if named and named[1] in self._machine.reading.number_marks:
             return
         if block.startswith("/"):
             what = "a block that a switch of the controller skips"
@@ -259,8 +277,10 @@ class _Program:
         before = len(self._findings.found)
         words = words_of(number, block, self._controller.extended, self._findings)
         if words is None:
+            if not ASSIGNMENT.match(block):
+                self._state.lose()
             return
-        check_number(words, self._findings)
+        check_number(words, self._machine.reading.largest_number, self._findings)
         decoded = decode(words, self._controller, self._findings)
         if len(self._findings.found) == before and len(self._known) < KEPT:
             self._known[block] = decoded.at_line(number)
@@ -281,9 +301,16 @@ class _Program:
 
     def _control(self, number: int, block: str) -> None:
         """`%` begins a program, and ends it if it began one."""
-        if not self._controller.takes_percent:
-            name = self._machine.name
+        taken, name = self._machine.reading.percent, self._machine.name
+        if taken == "none":
             self._findings.add(number, "unknown-word", f"{name} does not take %")
+        elif (
+            taken == "first"
+            and not self._state.ended
+            and (block != "%" or not (self._percent or self._first == number))
+        ):
+            what = f"{name} takes % alone in the first line and the last, and not elsewhere"
+            self._findings.add(number, "unknown-word", what)
         elif self._percent and not self._state.ended and self._blocks:
             self._state.ended = True
             self._findings.add(number, "no-end", "% ends the program before M2 or M30 does")
@@ -336,7 +363,9 @@ class GcodeLinter:
         found = run_bytes(data, machine, bench)
         wanted = {finding.line for finding in found.findings}
         texts = {
-            number: line for number, line in enumerate(lines_of(data), start=1) if number in wanted
+            number: line.removesuffix("\r").replace("\r", " ")
+            for number, line in enumerate(_lines_of(data, machine), start=1)
+            if number in wanted
         }
         return Linted(found.findings, texts, len(found.moves), found.complete)
 

@@ -38,6 +38,11 @@ class State:
     ended : whether the program has ended.
     step : last printed decimal [mm].
     heading : of the last move, of length 1.
+    lost : whether it was told that a cut begins at an unknown position, and none began elsewhere.
+    rounding : radius of the corner at which the last move ends; 0 for a sharp one.
+    cycle : word of the cycle of holes that is active; empty if none is.
+    hole : words of the cycle of holes that is active [mm], which its blocks need not repeat.
+    above : height before the cycle of holes began; NaN outside one.
     z_before : last height that was known, in the lengths of its time.
     cut_blending, cut_naive_cam : largest ones during a cut; -1 before the first.
     cut_scale : mm in a unit at the first cut.
@@ -67,10 +72,19 @@ class State:
     ended: bool = False
     step: float = math.inf
     heading: complex = UNKNOWN
+    lost: bool = False
+    rounding: float = 0.0
+    cycle: str = ""
+    hole: dict[str, float] = field(default_factory=dict)
+    above: float = math.nan
     z_before: float = math.nan
     cut_blending: float = -1.0
     cut_naive_cam: float = 0.0
     cut_scale: float = math.nan
+
+    def lose(self) -> None:
+        """Go on from a block that cannot be read: nobody knows where it ends."""
+        self.at, self.z, self.heading = UNKNOWN, math.nan, UNKNOWN
 
     def mode(self, group: str) -> str:
         """The active meaning of a group; empty if it was never set."""
