@@ -15,13 +15,12 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from camgeo.accuracy.contours import Progress, reason
-from camgeo.contour.contour import Form
 from camgeo.design import Design
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
 from camgeo.formats.dxf import FORMAT
 from camgeo.lazy import Run
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import written_contour
 from camgeo.writing.write import Report
 
 Stage = Literal["evaluate", "fit", "prove", "write", "read"]
@@ -34,14 +33,6 @@ FITS: Final = ("arcs of ", "chords of ", "cubics of ", "distances from ")
 PROOFS: Final = ("proof of ",)
 WRITTEN, READ = " file", " file, measured"
 """What names of quantities of these stages begin with, or have in them."""
-
-ENTITIES: Final[dict[str, Form]] = {
-    "arcs": "arcs",
-    "lines-and-arcs": "arcs",
-    "polyline": "polyline",
-    "spline": "spline",
-}
-"""The form of the contour of each entity of a drawing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,9 +133,9 @@ def stage_of(name: str) -> Stage:
 def _pieces(design: Design, tolerance: float) -> int:
     """Of the flanks of all discs; where drawings were written, these are known."""
     output = design.scene.output
-    form = ENTITIES[output.options[FORMAT].entity]
+    form = output.options[FORMAT].form
     return sum(
-        len(fitted(each, form, output.fit, tolerance).contour)
+        len(written_contour(each, form, output.fit, tolerance).contour)
         for disc in design.discs
         for each in disc.drawn.part.boundaries
         if isinstance(each, CurveBoundary)

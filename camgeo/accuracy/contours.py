@@ -17,7 +17,7 @@ from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import HALF_TURN, written_contour
 from camgeo.product.product import Product
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import contour_time
@@ -81,7 +81,7 @@ def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
     """Compute what does not depend on a tolerance, so that its time is in no row."""
     for flank in flanks_of(design):
         try:
-            fitted(flank, form, effort, tolerance)
+            written_contour(flank, form, effort, tolerance)
         except (ToleranceError, GeometryError):  # which the row will state
             return
 
@@ -95,7 +95,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
     flanks = flanks_of(design)
     try:
         fits, seconds = timed(
-            lambda: [fitted(replace(each), form, effort, tolerance) for each in flanks]
+            lambda: [written_contour(replace(each), form, effort, tolerance) for each in flanks]
         )
         contours = [fit.contour for fit in fits]
         _, proof = timed(
@@ -109,7 +109,9 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
             count=Count(
                 pieces=sum(len(contour) for contour in contours),
                 # A polyline has no arcs: its limit also applies to dwells and turns.
-                forced=0 if form == "polyline" else sum(forced_pieces(f.path) for f in flanks),
+                forced=0
+                if form == "polyline"
+                else sum(forced_pieces(each.path, HALF_TURN) for each in flanks),
                 least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
                 deviation=max(fit.deviation for fit in fits),
                 fit_seconds=seconds,

@@ -28,11 +28,15 @@ from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Path
+from camgeo.units import TURN
 
 CHORD = 1.0 / 16.0
 ARC = math.sqrt(3.0) / 216.0
 CUBIC = 1.0 / 768.0
 """C of the three forms: the error on a span h is C |D| h^k."""
+
+ROUNDED = 1e-12
+"""Share of the widest arc by which rounding may make one wider."""
 
 CELLS = 4096
 """Cells a smooth piece over which is summed. The integrands have cube and fourth roots of zeros, so
@@ -62,13 +66,16 @@ def least_cubics(path: Path, tolerance: float) -> float:
     return total * math.sqrt(math.sqrt(CUBIC / tolerance))
 
 
-def forced_pieces(path: Path) -> int:
-    """Dwells and turns of `path`: each is one arc, whatever the tolerance."""
+def forced_pieces(path: Path, widest: float = TURN) -> int:
+    """Dwells and turns of `path`: each is one arc, or several of at most `widest` [rad], whatever
+    the tolerance.
+    """
     legs = legs_of(path)
-    turns = sum(isinstance(leg, TurnLeg) for leg in legs)
-    return turns + sum(
-        piece.is_arc for leg in legs if isinstance(leg, StretchLeg) for piece in leg.pieces
-    )
+    sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
+    for leg in legs:
+        if isinstance(leg, StretchLeg):
+            sweeps += [piece.end - piece.start for piece in leg.pieces if piece.is_arc]
+    return sum(max(1, math.ceil(sweep / widest - ROUNDED)) for sweep in sweeps)
 
 
 def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:

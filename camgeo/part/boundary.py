@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any, Protocol
+from dataclasses import replace
+from typing import Any, Final, Protocol
 
 from camgeo.contour.contour import Contour, Effort, Fit, Form
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import shown
 from camgeo.outline.moments import Moments, SecondMoments
+
+WRITTEN_SHARE: Final = 0.98
+"""Share of the tolerance that the fit of a written contour may use; the rest is for rounding to the
+nearest double and for the slack of the bound by which the file is measured."""
+
+HALF_TURN: Final = math.pi
+"""Widest arc of a written contour [rad], unless its format wants narrower ones."""
 
 
 class Boundary(Protocol):
@@ -88,12 +97,28 @@ class Boundary(Protocol):
         """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
 
 
-def fitted(boundary: Boundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
-    """The contour of `boundary` in one of the forms within `tolerance` [mm]; raises as `Boundary`
-    does.
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = HALF_TURN
+) -> Fit | SplineFit:
+    """The contour of `boundary` that is written into a file, counter-clockwise, with its proof.
+
+    The files that have it, what the follower does on it and what it costs are all of this one.
+
+    Parameters
+    ----------
+    form : of its pieces.
+    tolerance : of the file [mm]; the fit takes `WRITTEN_SHARE` of it.
+    widest : arc [rad]; wider ones are divided.
+
+    Raises
+    ------
+    ToleranceError, GeometryError
+        As `Boundary` does.
     """
-    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(boundary, form)  # a method for each
-    return fit(tolerance, effort)
+    make: Callable[[float, Effort], Fit | SplineFit] = getattr(boundary, form)  # a method for each
+    fit: Any = make(WRITTEN_SHARE * tolerance, effort)
+    found: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
+    return found
 
 
 def require_boundary(value: Any) -> None:

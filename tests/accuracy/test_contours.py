@@ -20,7 +20,7 @@ from camgeo.design import Design
 from camgeo.errors import ToleranceError
 from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import WRITTEN_SHARE, written_contour
 from camgeo.writing.writer import find_writer
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -76,8 +76,8 @@ def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
     for tolerance in TOLERANCES:
         row = found("arcs", effort, tolerance)
         assert row.count is not None
-        assert row.count.pieces == len(flank.arcs(tolerance, effort).contour)
-        assert row.count.forced == forced_pieces(flank.path)
+        assert row.count.pieces == len(written_contour(flank, "arcs", effort, tolerance).contour)
+        assert row.count.forced == forced_pieces(flank.path, math.pi)
 
 
 def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
@@ -85,7 +85,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
     (flank,) = flanks_of(load("setzhub"))
     # The controller sees 50 arcs ahead, which bend with more than 0.05 mm.
     for tolerance in TOLERANCES:
-        length = flank.arcs(tolerance, "fewest").contour.length
+        length = flank.arcs(WRITTEN_SHARE * tolerance, "fewest").contour.length
         seconds = found("arcs", "fewest", tolerance).round_seconds
         assert seconds is not None
         # An axis has 508 mm/s^2, a line at an angle up to sqrt(2) of it.
@@ -96,7 +96,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
 def test_the_ripple_is_that_of_the_replay() -> None:
     design = load("setzhub")
     (flank,) = flanks_of(design)
-    contour = flank.arcs(1e-3, "fewest").contour
+    contour = flank.arcs(WRITTEN_SHARE * 1e-3, "fewest").contour.split(math.pi)
     ripple = replay_contour(design.cam.disc.pitch_curve, contour).ripple
     assert found("arcs", "fewest", 1e-3).ripple == ripple
     assert found("spline", "fewest", 1e-3).ripple is None
@@ -119,11 +119,11 @@ def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.Monke
     def some(flank: Any, form: Any, effort: Any, tolerance: float) -> Any:
         if tolerance < 1e-2:
             raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
-        return fitted(flank, form, effort, tolerance)
+        return written_contour(flank, form, effort, tolerance)
 
     monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
     monkeypatch.setattr(measuring, "FORMS", ("arcs",))
-    monkeypatch.setattr(measuring, "fitted", some)
+    monkeypatch.setattr(measuring, "written_contour", some)
     made = contour_rows(load("ring"), TOLERANCES, ripple=False, progress=lambda _: None)
     assert [row.fault for row in made] == ["", "the arithmetic is too coarse"]
     assert made[0].count is not None

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from camgeo.accuracy import survey as surveys
-from camgeo.accuracy.bill import ENTITIES
 from camgeo.accuracy.knee import advice
 from camgeo.accuracy.survey import TOLERANCES, Survey
 from camgeo.answers.answer import Answer
@@ -61,7 +60,8 @@ class Accuracy(Answer):
     @property
     def form(self) -> Form:
         """Of the contour in the drawing of the scene."""
-        return ENTITIES[self.scene.output.options[FORMAT].entity]
+        form: Form = self.scene.output.options[FORMAT].form
+        return form
 
     @property
     def unit(self) -> str:
