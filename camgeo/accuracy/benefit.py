@@ -156,9 +156,9 @@ def benefit_rows(
         for tolerance in tolerances:
             progress(f"{form}, {tolerance:g} mm")
             bare = [BenefitRow(form, tolerance, speed) for speed in speeds]
-            writing = Writing(form, tolerance, design.scene.output.fit)
             try:
-                pair = _Pair(first, first.written_as(writing))
+                made = first.written_as(Writing(form, tolerance, design.scene.output.fit))
+                pair = _Pair(first, made)
                 rows += [pair.row(row, exact[row.speed]) for row in bare]
             except (ToleranceError, GeometryError, EffectError, SceneError) as error:
                 rows += [replace(row, fault=reason(error)) for row in bare]

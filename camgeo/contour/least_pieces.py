@@ -35,9 +35,6 @@ ARC = math.sqrt(3.0) / 216.0
 CUBIC = 1.0 / 768.0
 """C of the three forms: the error on a span h is C |D| h^k."""
 
-ROUNDED = 1e-12
-"""Share of the widest arc by which rounding may make one wider."""
-
 CELLS = 4096
 """Cells a smooth piece over which is summed. The integrands have cube and fourth roots of zeros, so
 the error falls with the power 5/4: some 3e-5 of a piece."""
@@ -72,10 +69,10 @@ def forced_pieces(path: Path, widest: float = TURN) -> int:
     """
     legs = legs_of(path)
     sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
-    for leg in legs:
-        if isinstance(leg, StretchLeg):
-            sweeps += [piece.end - piece.start for piece in leg.pieces if piece.is_arc]
-    return sum(max(1, math.ceil(sweep / widest - ROUNDED)) for sweep in sweeps)
+    stretches = [leg.pieces for leg in legs if isinstance(leg, StretchLeg)]
+    sweeps += [each.end - each.start for pieces in stretches for each in pieces if each.is_arc]
+    # As a contour is split: rounding makes no arc wider.
+    return sum(max(1, math.ceil(sweep / widest - 1e-12)) for sweep in sweeps)
 
 
 def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final, Protocol
 
@@ -115,8 +114,7 @@ def written_contour(
     ToleranceError, GeometryError
         As `Boundary` does.
     """
-    make: Callable[[float, Effort], Fit | SplineFit] = getattr(boundary, form)  # a method for each
-    fit: Any = make(WRITTEN_SHARE * tolerance, effort)
+    fit: Any = getattr(boundary, form)(WRITTEN_SHARE * tolerance, effort)  # a method for each form
     found: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
     return found
 
