@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 
 import pytest
 
@@ -72,11 +73,9 @@ def test_once_is_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert measured([0.001] * 9, monkeypatch, 1)[0] == 1
 
 
-def test_steps_of_one_name_are_one_and_waiting_is_none() -> None:
-    """CPU time: a step that waits takes nothing of it."""
+def test_steps_of_one_name_are_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticks = iter((1.0, 1.5, 2.0, 4.0))
+    monkeypatch.setattr(time, "process_time", lambda: next(ticks))
     clock = Clock()
-    for _ in range(2):
-        clock.step("wait", lambda: time.sleep(0.02))
-    assert list(clock.seconds) == ["wait"]
-    # In 0.04 s of waiting a hundredth of it at most is spent: ten times what calls of sleep take.
-    assert clock.seconds["wait"] < 0.01
+    assert [clock.step("proof", partial(abs, each)) for each in (7, -8)] == [7, 8]
+    assert clock.seconds == {"proof": 2.5}
