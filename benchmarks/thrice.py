@@ -9,6 +9,7 @@ run is printed as the last one has it, marked with "?".
 
 from __future__ import annotations
 
+import itertools
 import os
 import platform
 import re
@@ -44,8 +45,9 @@ def medians(outputs: list[list[str]]) -> list[str]:
             found.append(f"? {lines[-1]}")
             continue
         each = zip(*(NUMBER.findall(line) for line in lines), strict=True)
-        middle = iter([sorted(texts, key=value)[len(texts) // 2] for texts in each])
-        found.append(NUMBER.sub(lambda _, middle=middle: next(middle), lines[-1]))  # type: ignore[misc]
+        middle = [sorted(texts, key=value)[len(texts) // 2] for texts in each]
+        pairs = itertools.zip_longest(NUMBER.split(lines[-1]), middle, fillvalue="")
+        found.append("".join(itertools.chain.from_iterable(pairs)))
     return found
 
 
