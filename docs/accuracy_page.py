@@ -77,7 +77,7 @@ the ripple falls over the tolerance, with the advice marked in both.
 camgeo accuracy fixtures/scenes/setzhub.toml --tolerances 1e-1,1e-2,1e-3,1e-4,1e-5 --speed 600
 ```
 
-ends with a line for each form of the contour, for arcs
+ends with
 
 ```text
 at 600 rev/min: arcs within 0.0001 mm, the acceleration is off by up to 9.75 % of its peak;
@@ -92,8 +92,8 @@ scene names at that constant speed, whatever speed a motor would have, with the 
 scene; with one they are computed on contours of up to 500 pieces. What the tolerance costs is in
 the tables, and with `--bill` in the seconds of a build.
 
-Each row also has the octave of the cam's frequency in which most of the deviation of the
-acceleration is, and `--json` has all octaves.
+With `--all` it has such a line for each form of the contour, and each row has the octave of the
+cam's frequency in which most of the deviation of the acceleration is; `--json` has all octaves.
 
 Drawn with `-o FILE`, cost and benefit are in one panel for the form of the scene's drawing: costs
 as multiples of those at the loosest tolerance, rising; what is off in per cent of the exact

@@ -109,7 +109,6 @@ def survey(
         design, tolerances, ripple=ripple, progress=progress, forms=forms, efforts=efforts,
         programs=complete, timed=timed,
     )  # fmt: skip
-    bought = [row for row in benefits if row.form == form]
     effects: tuple[EffectRow, ...] = ()
     if complete and design.scene.effects:
         from camgeo.accuracy.effects import effect_rows  # few scenes name an effect
@@ -119,7 +118,11 @@ def survey(
         contours,
         solid_rows(design, tolerances, progress=progress) if complete else (),
         table_rows(design, steps, progress=progress) if complete else (),
-        knee_of(own_rows(design.scene, contours), bought, timed=timed),
+        knee_of(
+            own_rows(design.scene, contours),
+            [row for row in benefits if row.form == form],
+            timed=timed,
+        ),
         tuple(row for row in effects if not row.rounded),
         tuple(row for row in effects if row.rounded),
         bill_rows(design, tolerances, progress=progress) if bill else (),
