@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final, Literal
+from typing import Any, Final, Literal, cast
 
 from camgeo.accuracy.clock import Clock, repeated
 from camgeo.accuracy.contours import NOT_WRITTEN, Progress, reason
@@ -110,7 +110,7 @@ def _row(scene: Scene, row: BillRow) -> BillRow:
         return replace(row, fault=reason(error))
     return replace(
         row,
-        **timing.seconds,
+        **cast("Any", timing.seconds),
         spread=timing.spread,
         pieces=_pieces(design, row.tolerance),
         size=size,
@@ -118,9 +118,9 @@ def _row(scene: Scene, row: BillRow) -> BillRow:
     )
 
 
-def staged(runs: Iterable[Run], total: float) -> dict[Stage, float]:
+def staged(runs: Iterable[Run], total: float) -> dict[str, float]:
     """Seconds by stage of a build that took `total` seconds, in which `runs` were computed."""
-    found: dict[Stage, list[float]] = {stage: [] for stage in STAGES}
+    found: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for run in runs:
         found[stage_of(run.name)].append(run.own_seconds)
     spent = {stage: math.fsum(seconds) for stage, seconds in found.items()}

@@ -20,7 +20,7 @@ from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.boundary import HALF_TURN, written_contour
+from camgeo.part.boundary import written_contour
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import Machine, load
@@ -82,8 +82,12 @@ def contour_rows(
             _warm(drawn, form, effort, max(tolerances))
             for tolerance in tolerances:
                 progress(f"{form}, {effort}, {tolerance:g} mm")
-                bare = ContourRow(form, effort, tolerance)
-                rows.append(_row(drawn, bare, ripple=ripple, programs=programs, runs=runs))
+                rows.append(
+                    _row(
+                        drawn, ContourRow(form, effort, tolerance), ripple=ripple,
+                        programs=programs, runs=runs,
+                    )
+                )  # fmt: skip
     return tuple(rows)
 
 
@@ -127,7 +131,7 @@ def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs:
                 # A polyline has no arcs: its limit also applies to dwells and turns.
                 forced=0
                 if form == "polyline"
-                else sum(forced_pieces(flank.path, HALF_TURN) for flank in flanks),
+                else sum(forced_pieces(flank.path, math.pi) for flank in flanks),
                 least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
                 deviation=max(fit.deviation for fit in fits),
                 fit_seconds=timing.seconds["fit"],
@@ -146,8 +150,10 @@ def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs:
             )
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))
-        cost = file_cost(design.disc, DRAWING, tolerance, timing.seconds["fit"], runs)
-        row = replace(row, drawing=cost)
+        row = replace(
+            row,
+            drawing=file_cost(design.disc, DRAWING, tolerance, timing.seconds["fit"], runs),
+        )
         if programs and form == "arcs" and milled:
             row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance, runs=runs))
     except NOT_WRITTEN as error:
@@ -202,9 +208,8 @@ def file_cost(
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
     size = sum(len(each.data) for each in written)
-    write = (fit_seconds or 0.0) + timing.seconds["write"]
-    read = timing.seconds["read"]
-    return FileCost(size, deviation, write, read, written[0].facts, timing.spread)
+    seconds = ((fit_seconds or 0.0) + timing.seconds["write"], timing.seconds["read"])
+    return FileCost(size, deviation, *seconds, written[0].facts, timing.spread)
 
 
 def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool = False) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Final, Protocol
+from typing import Any, Final, Literal, Protocol, overload
 
 from camgeo.contour.contour import Contour, Effort, Fit, Form
 from camgeo.contour.spline import SplineContour, SplineFit
@@ -15,9 +15,6 @@ from camgeo.outline.moments import Moments, SecondMoments
 WRITTEN_SHARE: Final = 0.98
 """Share of the tolerance that the fit of a written contour may use; the rest is for rounding to the
 nearest double and for the slack of the bound by which the file is measured."""
-
-HALF_TURN: Final = math.pi
-"""Widest arc of a written contour [rad], unless its format wants narrower ones."""
 
 
 class Boundary(Protocol):
@@ -96,8 +93,20 @@ class Boundary(Protocol):
         """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
 
 
+@overload
 def written_contour(
-    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = HALF_TURN
+    boundary: Boundary,
+    form: Literal["arcs", "polyline"],
+    effort: Effort,
+    tolerance: float,
+    widest: float = ...,
+) -> Fit: ...
+@overload
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = ...
+) -> Fit | SplineFit: ...
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = math.pi
 ) -> Fit | SplineFit:
     """The contour of `boundary` that is written into a file, counter-clockwise, with its proof.
 

@@ -91,8 +91,8 @@ def _summary(answer: Accuracy) -> list[str]:
              for row in answer.own]  # fmt: skip
     rows = [(each, row.fault) for each, row in zip(cells, answer.own, strict=True)]
     builds = ["", *_columns(BILL, [_bill_cells(row) for row in bill])] if bill else []
-    notes = [SUMMARY_COLUMNS, BILL_COLUMNS] if bill else [SUMMARY_COLUMNS]
-    return [*_columns(SUMMARY[:count], rows), *builds, "", *notes]
+    notes = ["", SUMMARY_COLUMNS, BILL_COLUMNS][: 3 if bill else 2]
+    return [*_columns(SUMMARY[:count], rows), *builds, *notes]
 
 
 def _own_cells(row: ContourRow, off: float | None) -> list[str]:

@@ -22,7 +22,7 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour, strands_of
 from camgeo.formats.dxf import FORMAT, SINGLE
 from camgeo.numeric.arrays import phase
-from camgeo.part.boundary import HALF_TURN, WRITTEN_SHARE, Boundary, written_contour
+from camgeo.part.boundary import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.product.product import Product
 from camgeo.reading import DRAWING_LINES
 from camgeo.units import MM_PER
@@ -124,7 +124,7 @@ def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
 
 def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
     if not straight:
-        return product.drawn.pitch_contour(WRITTEN_SHARE * tolerance).contour.split(HALF_TURN)
+        return product.drawn.pitch_contour(WRITTEN_SHARE * tolerance).contour.split(math.pi)
     fit, chord = POLYLINE_SHARES
     points = product.drawn.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
     return Contour.polygon(points)
