@@ -7,7 +7,11 @@ scenes. They are called in turns, scene by scene, in alternating order from roun
 - "varied": the same after an edit by `with_values`, which makes the base circle or the roller a
   little larger each time, as a designer does who watches the findings. The edit counts;
 - "moved": the same after an edit of the motion, which makes each of its strokes a little longer, so
-  that nothing known of the old plan holds for the new one.
+  that nothing known of the old plan holds for the new one;
+- "curves": pitch curve with three derivatives, inner curve, transmission angle and curvature at
+  30,000 angles, none of which was asked for before; no findings.
+
+Without a scene, all fixture scenes of both trees are measured.
 
 The medians of the rounds and of their ratios are reported, with the geometric mean of the latter
 below the table. The findings are compared too: the largest difference of any value, relative to its
@@ -42,11 +46,12 @@ SCENES: Final = sorted(
     path for room in ("scenes", "effects") for path in (ROOT / "fixtures" / room).glob("*.toml")
 )
 
-WAYS: Final = ("again", "varied", "moved")
+WAYS: Final = ("again", "varied", "moved", "curves")
 
 WORKER: Final = """
 import json, sys, time
 import camgeo
+import numpy as np
 
 scenes, edits = {}, {}
 
@@ -60,12 +65,26 @@ def edited(scene, way, number):
     key = next(k for k in ("base_radius", "roller_radius", "arm") if k in follower)
     return scene.with_values({f"follower.{key}": float(follower[key]) * factor})
 
+def evaluated(scene, number):
+    disc = camgeo.Design(scene).cam.disc
+    phi = np.linspace(0.0, 2.0 * np.pi, 30_000, endpoint=False) + 1e-9 * number
+    curve, inner = disc.pitch_curve, disc.inner_curve
+    began = time.process_time()
+    curve.jet(phi), inner.point(phi), curve.transmission_angle(phi), curve.curvature(phi)
+    return time.process_time() - began
+
 for line in sys.stdin:
     path, way = json.loads(line)
     if path not in scenes:
         scenes[path] = camgeo.load(path).scene
         camgeo.Design(scenes[path]).findings
     scene = scenes[path]
+    if way == "curves":
+        edits[path] = edits.get(path, 0) + 1
+        roller = "roller_radius" in scene.values.get("follower", {})
+        took = evaluated(scene, edits[path]) if roller else None
+        print(json.dumps([took, []]), flush=True)
+        continue
     began = time.process_time()
     if way != "again":
         edits[path] = edits.get(path, 0) + 1
@@ -150,7 +169,7 @@ def difference(one: Told, other: Told) -> float:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scenes", nargs="*", type=Path, default=SCENES)
+    parser.add_argument("scenes", nargs="*", type=Path)
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--against", metavar="REV", required=True)
     arguments = parser.parse_args()
@@ -167,7 +186,9 @@ def main() -> None:
         workers = {"here": Worker(ROOT), "before": Worker(before)}
         for worker in workers.values():
             stack.callback(worker.close)
-        found = [measure(workers, path.resolve(), arguments.rounds) for path in arguments.scenes]
+        both = [path for path in SCENES if (before / path.relative_to(ROOT)).exists()]
+        scenes = [path.resolve() for path in arguments.scenes] or both
+        found = [measure(workers, path, arguments.rounds) for path in scenes]
     means = [
         statistics.geometric_mean(ratios[way] for ratios in found if way in ratios) for way in WAYS
     ]

@@ -191,12 +191,12 @@ class Design(Pickled, Displayed):
         """How the scene writes its contours: those of the drawing, in another form if [state] says
         so.
         """
-        from camgeo.formats.dxf import FORMAT, SINGLE
+        from camgeo.formats.dxf import FORMAT
         from camgeo.state.contours import Writing
 
         output = self.scene.output
-        entity = self.scene.contour or output.options[FORMAT].entity
-        return Writing("arcs" if entity == SINGLE else entity, output.tolerance, output.fit)
+        form = self.scene.contour or output.options[FORMAT].form
+        return Writing(form, output.tolerance, output.fit)
 
     def effect(self, name: str) -> Any:
         """The result of the effect `name`, see `camgeo.effects.effect.Result`.

@@ -54,6 +54,7 @@ class Ledger:
     ----------
     runs : one for each computation that has ended.
     lock : held by the thread that computes.
+    clock : seconds now; those that pass unless it is replaced.
     """
 
     def __init__(
@@ -69,12 +70,13 @@ class Ledger:
         self._open: list[str] = []
         self._inner: list[float] = []
         self._what = ""
+        self.clock = time.perf_counter
 
     def named(self, what: str) -> Ledger:
         """The same record for another owner, whose quantities have `what` behind their names."""
         made = Ledger(self._progress, self._cancelled, shared_with=self)
         made.runs, made._open, made._inner = self.runs, self._open, self._inner
-        made._what = what
+        made._what, made.clock = what, self.clock
         return made
 
     def __reduce__(self) -> tuple[type[Ledger], tuple[()]]:
@@ -124,12 +126,12 @@ class Ledger:
         self._open.append(name)
         self._inner.append(0.0)
         failed = True
-        start = time.perf_counter()
+        start = self.clock()
         try:
             value = make()
             failed = False
         finally:
-            seconds = time.perf_counter() - start
+            seconds = self.clock() - start
             self._open.pop()
             inner = self._inner.pop()
             if self._inner:

@@ -13,7 +13,7 @@ from typing import Final
 
 import camgeo
 from camgeo.accuracy.benefit import BenefitRow, benefit_rows
-from camgeo.accuracy.bill import ENTITIES, STAGES, BillRow, bill_rows
+from camgeo.accuracy.bill import STAGES, BillRow, bill_rows
 from camgeo.accuracy.spectrum import harmonics
 from camgeo.design import Design
 from camgeo.formats.dxf import FORMAT
@@ -93,7 +93,7 @@ def bought(name: str) -> tuple[BenefitRow, ...]:
     design = load(name)
     tolerances = ELASTIC if "vibration" in design.scene.effects else TOLERANCES
     speed = design.drive.speed or SPEED * RPM
-    form = ENTITIES[design.scene.output.options[FORMAT].entity]
+    form = design.scene.output.options[FORMAT].form
     return benefit_rows(design, tolerances, (speed,), forms=(form,))
 
 

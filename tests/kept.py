@@ -246,6 +246,7 @@ def called(
             contextlib.redirect_stdout(out),
             contextlib.redirect_stderr(err),
             mock.patch("time.perf_counter", lambda ticks=ticks: next(ticks)),
+            mock.patch("time.process_time", lambda ticks=ticks: next(ticks)),
         ):
             try:
                 code: object = camgeo([word.replace("{}", str(folder)) for word in line.split()])

@@ -118,11 +118,15 @@ def test_the_readme_is_short_and_links_pages_that_exist() -> None:
     assert pages - set(linked) == set()
 
 
-def test_every_figure_names_a_command_that_is_there() -> None:
+def test_every_figure_names_its_machine_and_a_command_that_is_there() -> None:
     page = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
-    rows = [row for row in page.splitlines() if row.startswith("| ") and "| what |" not in row]
+    head, *sections = page.split("\n## ")
+    machines = re.findall(r"^\| (\w[^|]*) \| ", head, flags=re.MULTILINE)[1:]
+    rows = [row for each in sections for row in each.splitlines() if row.startswith("| ")]
+    rows = [row for row in rows if not row.startswith("| what | found |")]
     assert rows
     for row in rows:
+        assert row.split("|")[-3].strip() in machines
         (script,) = re.findall(r"python (benchmarks/\w+\.py)[^|]*` \|$", row)
         assert (ROOT / script).is_file()
 

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.accuracy import contours
 from camgeo.accuracy.benefit import benefit_rows
 from camgeo.accuracy.enough import enough, words
 from camgeo.accuracy.rows import FORMS, ORDER
@@ -65,17 +64,13 @@ def test_a_cam_has_its_tolerances_and_its_advice(name: str) -> None:
     rows = re.findall(r"^\| ([\de.-]+) \|", section(name), re.MULTILINE)
     assert [float(tolerance) for tolerance in rows] == list(maker().TOLERANCES)
     paragraphs = section(name).split("\n\n")
-    for begin in ("Advice: ", "As a drawing alone: "):
-        (sentence,) = (each.strip() for each in paragraphs if each.startswith(begin))
-        assert re.search(r"\d pieces, .*;.*\.$", sentence, re.DOTALL)
+    (sentence,) = (each.strip() for each in paragraphs if each.startswith("Advice: "))
+    assert re.search(r"\d pieces, .*;.*\.$", sentence, re.DOTALL)
 
 
 @pytest.mark.long  # tests/accuracy/test_contours.py measures such rows
 @pytest.mark.parametrize("name", AGAIN)
-def test_figures_measured_again_are_those_of_the_page(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(contours, "RUNS", 1)  # no second of it is on the page
+def test_figures_measured_again_are_those_of_the_page(name: str) -> None:
     found = maker().by_key(maker().rows_of(name, COARSE))
     for tolerance in COARSE:
         made = maker().line(found, tolerance)

@@ -157,7 +157,8 @@ def benefit_rows(
             progress(f"{form}, {tolerance:g} mm")
             bare = [BenefitRow(form, tolerance, speed) for speed in speeds]
             try:
-                pair = _Pair(first, first.written_as(Writing(form, tolerance)))
+                made = first.written_as(Writing(form, tolerance, design.scene.output.fit))
+                pair = _Pair(first, made)
                 rows += [pair.row(row, exact[row.speed]) for row in bare]
             except (ToleranceError, GeometryError, EffectError, SceneError) as error:
                 rows += [replace(row, fault=reason(error)) for row in bare]

@@ -1,4 +1,4 @@
-"""The bill of a build: where its seconds go, from the build itself.
+"""The bill of a build: where its seconds of CPU time go, from the build itself.
 
 A new design is built into a folder of its own, and its ledger says what each quantity took without
 what it asked for. Each belongs to one stage; what no quantity took, the certificate and the disk,
@@ -11,17 +11,19 @@ import math
 import tempfile
 import time
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from functools import partial
+from typing import Any, Final, Literal, cast
 
-from camgeo.accuracy.contours import Progress, reason
-from camgeo.contour.contour import Form
+from camgeo.accuracy.clock import Clock, repeated
+from camgeo.accuracy.contours import NOT_WRITTEN, Progress, reason
 from camgeo.design import Design
-from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
 from camgeo.formats.dxf import FORMAT
 from camgeo.lazy import Run
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import written_contour
+from camgeo.scene.scene import Scene
 from camgeo.writing.write import Report
 
 Stage = Literal["evaluate", "fit", "prove", "write", "read"]
@@ -34,14 +36,6 @@ FITS: Final = ("arcs of ", "chords of ", "cubics of ", "distances from ")
 PROOFS: Final = ("proof of ",)
 WRITTEN, READ = " file", " file, measured"
 """What names of quantities of these stages begin with, or have in them."""
-
-ENTITIES: Final[dict[str, Form]] = {
-    "arcs": "arcs",
-    "lines-and-arcs": "arcs",
-    "polyline": "polyline",
-    "spline": "spline",
-}
-"""The form of the contour of each entity of a drawing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +51,7 @@ class BillRow:
     size : of all files, the certificate included [bytes].
     machining_seconds : estimated by the programs; None if there are none that know it.
     fault : why nothing was built; else empty.
+    spread : of the seconds, as `camgeo.accuracy.clock.Timing`.
     """
 
     tolerance: float
@@ -69,6 +64,7 @@ class BillRow:
     size: int | None = None
     machining_seconds: float | None = None
     fault: str = ""
+    spread: float = 1.0
 
     @property
     def stages(self) -> dict[Stage, float]:
@@ -88,39 +84,43 @@ def bill_rows(
     """One row per tolerance [mm]: the scene built within it, all its formats."""
     rows = []
     progress("build, to load what all builds use")
-    _row(Design(design.scene), BillRow(max(tolerances)))
+    with suppress(*NOT_WRITTEN):
+        _built(design.scene, max(tolerances), Clock())
     for tolerance in tolerances:
         progress(f"build, {tolerance:g} mm")
-        rows.append(_row(Design(design.scene), BillRow(tolerance)))
+        rows.append(_row(design.scene, BillRow(tolerance)))
     return tuple(rows)
 
 
-def _row(design: Design, row: BillRow) -> BillRow:
+def _built(scene: Scene, tolerance: float, clock: Clock) -> tuple[Design, Report, int]:
+    """The design built, what was written, and how many bytes, with the time of each stage."""
+    design, build = Design(scene), Clock()
+    design.ledger.clock = time.process_time
     with tempfile.TemporaryDirectory() as folder:
-        start = time.perf_counter()
-        try:
-            report = design.write(folder, tolerance=row.tolerance)
-        except (ToleranceError, GeometryError, SceneError, FileError) as error:
-            return replace(row, fault=reason(error))
-        total = time.perf_counter() - start
+        report = build.step("build", lambda: design.write(folder, tolerance=tolerance))
         size = sum(path.stat().st_size for path in report.paths)
-    spent = staged(design.ledger.runs, total)
+    clock.seconds.update(staged(design.ledger.runs, build.seconds["build"]))
+    return design, report, size
+
+
+def _row(scene: Scene, row: BillRow) -> BillRow:
+    try:
+        (design, report, size), timing = repeated(partial(_built, scene, row.tolerance))
+    except NOT_WRITTEN as error:
+        return replace(row, fault=reason(error))
     return replace(
         row,
-        evaluate=spent["evaluate"],
-        fit=spent["fit"],
-        prove=spent["prove"],
-        write=spent["write"],
-        read=spent["read"],
+        **cast("Any", timing.seconds),
+        spread=timing.spread,
         pieces=_pieces(design, row.tolerance),
         size=size,
         machining_seconds=_machining(report),
     )
 
 
-def staged(runs: Iterable[Run], total: float) -> dict[Stage, float]:
+def staged(runs: Iterable[Run], total: float) -> dict[str, float]:
     """Seconds by stage of a build that took `total` seconds, in which `runs` were computed."""
-    found: dict[Stage, list[float]] = {stage: [] for stage in STAGES}
+    found: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for run in runs:
         found[stage_of(run.name)].append(run.own_seconds)
     spent = {stage: math.fsum(seconds) for stage, seconds in found.items()}
@@ -142,9 +142,9 @@ def stage_of(name: str) -> Stage:
 def _pieces(design: Design, tolerance: float) -> int:
     """Of the flanks of all discs; where drawings were written, these are known."""
     output = design.scene.output
-    form = ENTITIES[output.options[FORMAT].entity]
+    form = output.options[FORMAT].form
     return sum(
-        len(fitted(each, form, output.fit, tolerance).contour)
+        len(written_contour(each, form, output.fit, tolerance).contour)
         for disc in design.discs
         for each in disc.drawn.part.boundaries
         if isinstance(each, CurveBoundary)

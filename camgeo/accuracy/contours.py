@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from typing import Final, TypeVar
+from functools import partial
+from typing import Final
 
+from camgeo.accuracy.clock import MOST_RUNS, Clock, repeated
 from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow, Count, FileCost
-from camgeo.contour.contour import Contour, Effort, Form
+from camgeo.contour.contour import Contour, Effort, Fit, Form
 from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
+from camgeo.contour.spline import SplineFit
 from camgeo.design import Design
 from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
 from camgeo.formats import gcode
 from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
-from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.boundary import fitted
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.boundary import written_contour
 from camgeo.product.product import Product
+from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import Machine, load
 from camgeo.toolpath.machining_time import contour_time
-from camgeo.writing.writer import find_writer, pieces_of
+from camgeo.writing.writer import Written, find_writer, pieces_of
 
 Progress = Callable[[str], None]
-
-Result = TypeVar("Result")
 
 Least = Callable[[Path, float], float]
 
@@ -35,16 +37,12 @@ LEAST: Final[dict[Form, Least]] = {
     "spline": least_cubics,
 }
 
-RUNS: Final = 3
-"""Most runs, of which the fastest counts: other load on a machine only adds time."""
-
-PATIENCE: Final = 0.01
-"""Time [s] after which nothing is run again: longer work differs little from run to run, and all
-that is long would take several times as long."""
-
 DRAWING: Final = "dxf"
 PROGRAM: Final = "gcode"
 """Names of the writers."""
+
+NOT_WRITTEN: Final = (ToleranceError, GeometryError, SceneError, FileError)
+"""Errors that say why there is no contour or no file; a row states them."""
 
 
 def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
@@ -55,20 +53,41 @@ def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
 
 
 def contour_rows(
-    design: Design, tolerances: Sequence[float], *, ripple: bool, progress: Progress
+    design: Design,
+    tolerances: Sequence[float],
+    *,
+    ripple: bool,
+    progress: Progress,
+    forms: Sequence[Form] = FORMS,
+    efforts: Sequence[Effort] = EFFORTS,
+    programs: bool = True,
+    timed: bool = True,
 ) -> tuple[ContourRow, ...]:
     """One row per form, effort and tolerance [mm], in this order.
 
-    A row states what cannot be reached.
+    A row states what cannot be reached. The first use of what all rows use is in none of them.
+
+    Parameters
+    ----------
+    ripple : whether the contours are also replayed.
+    progress : called with the name of each row.
+    programs : whether those of arcs are written too, if the scene asks for milling.
+    timed : whether seconds of computing matter; else everything is done once.
     """
+    runs = MOST_RUNS if timed else 1
     rows = []
-    for form in FORMS:
-        for effort in EFFORTS:
+    for form in forms:
+        for effort in efforts:
             drawn = drawn_as(design, form, effort)
             _warm(drawn, form, effort, max(tolerances))
             for tolerance in tolerances:
                 progress(f"{form}, {effort}, {tolerance:g} mm")
-                rows.append(_row(drawn, ContourRow(form, effort, tolerance), ripple=ripple))
+                rows.append(
+                    _row(
+                        drawn, ContourRow(form, effort, tolerance), ripple=ripple,
+                        programs=programs, runs=runs,
+                    )
+                )  # fmt: skip
     return tuple(rows)
 
 
@@ -79,42 +98,47 @@ def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
 
 def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
     """Compute what does not depend on a tolerance, so that its time is in no row."""
-    for flank in flanks_of(design):
-        try:
-            fitted(flank, form, effort, tolerance)
-        except (ToleranceError, GeometryError):  # which the row will state
-            return
+    with suppress(*NOT_WRITTEN):  # which the row will state
+        for flank in flanks_of(design):
+            written_contour(flank, form, effort, tolerance)
+        file_cost(design.disc, DRAWING, tolerance, runs=1)
 
 
-def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
+def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs: int) -> ContourRow:
     """The row with all values that exist."""
     form, effort, tolerance = row.form, row.effort, row.tolerance
     # Machine of the scene, or the default; without a tool there is no feed, and no time.
     spec = design.disc.options[gcode.FORMAT]
     machine = load(spec.machine)
-    flanks = flanks_of(design)
+    flanks, milled = flanks_of(design), not gcode.FORMAT.lacking(design.disc.values)
+
+    def fitted_and_proved(clock: Clock) -> list[Fit | SplineFit]:
+        forget(design.disc, tolerance)
+        fits = clock.step(
+            "fit", lambda: [written_contour(each, form, effort, tolerance) for each in flanks]
+        )
+        for flank, fit in zip(flanks, fits, strict=True):
+            clock.step("proof", partial(replace(flank).deviation, fit.contour))
+        return fits
+
     try:
-        fits, seconds = timed(
-            lambda: [fitted(replace(each), form, effort, tolerance) for each in flanks]
-        )
+        fits, timing = repeated(fitted_and_proved, runs)
         contours = [fit.contour for fit in fits]
-        _, proof = timed(
-            lambda: [
-                replace(flank).deviation(contour)
-                for flank, contour in zip(flanks, contours, strict=True)
-            ]
-        )
         row = replace(
             row,
             count=Count(
                 pieces=sum(len(contour) for contour in contours),
                 # A polyline has no arcs: its limit also applies to dwells and turns.
-                forced=0 if form == "polyline" else sum(forced_pieces(f.path) for f in flanks),
+                forced=0
+                if form == "polyline"
+                else sum(forced_pieces(flank.path, math.pi) for flank in flanks),
                 least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
                 deviation=max(fit.deviation for fit in fits),
-                fit_seconds=seconds,
-                proof_seconds=proof,
+                fit_seconds=timing.seconds["fit"],
+                proof_seconds=timing.seconds["proof"],
+                spread=timing.spread,
             ),
+            decimals=machine.decimals(design.scene.unit, tolerance) if milled else None,
         )
         plain = [contour for contour in contours if isinstance(contour, Contour)]
         if design.scene.milling is not None:
@@ -126,10 +150,13 @@ def _row(design: Design, row: ContourRow, *, ripple: bool) -> ContourRow:
             )
         if plain and ripple:
             row = replace(row, ripple=_ripple(design, flanks, plain))
-        row = replace(row, drawing=file_cost(design.disc, DRAWING, tolerance))
-        if form == "arcs" and not gcode.FORMAT.lacking(design.disc.values):
-            row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance))
-    except (ToleranceError, GeometryError, SceneError) as error:
+        row = replace(
+            row,
+            drawing=file_cost(design.disc, DRAWING, tolerance, timing.seconds["fit"], runs),
+        )
+        if programs and form == "arcs" and milled:
+            row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance, runs=runs))
+    except NOT_WRITTEN as error:
         return replace(row, fault=reason(error))
     return row
 
@@ -147,54 +174,62 @@ def _round(
     )
 
 
-def timed(work: Callable[[], Result]) -> tuple[Result, float]:
-    """The result of `work`, and its time [s]."""
-    start = time.perf_counter()
-    result, best, total = work(), float("inf"), 0.0
-    for run in range(RUNS):
-        if run:
-            start = time.perf_counter()
-            result = work()
-        elapsed = time.perf_counter() - start
-        best, total = min(best, elapsed), total + elapsed
-        if total > PATIENCE:
-            break
-    return result, best
-
-
-def file_cost(product: Product, format: str, tolerance: float) -> FileCost:  # noqa: A002 - its name
+def file_cost(
+    product: Product,
+    format: str,  # noqa: A002 - its name
+    tolerance: float,
+    fit_seconds: float | None = None,
+    runs: int = MOST_RUNS,
+) -> FileCost:
     """The file of one format, or all of its files, written and read back; facts of the first.
 
-    Raises ToleranceError if its tolerance cannot be reached.
+    `fit_seconds` are those of fits that are known, and counted for writing; it is done `runs` times
+    at most.
+
+    Raises
+    ------
+    ToleranceError
+        If its tolerance cannot be reached.
     """
     writer = find_writer(format)
     pieces = pieces_of(writer, product)
-    written, write = timed(
-        lambda: [writer.write(without_fits(each, tolerance), tolerance) for each in pieces]
-    )
-    found, read = timed(
-        lambda: [
-            writer.measure(without_fits(each, tolerance), file.data)
-            for each, file in zip(pieces, written, strict=True)
-        ]
-    )
+
+    def written_and_read(clock: Clock) -> tuple[list[Written], list[float | None]]:
+        for piece in pieces:
+            forget(piece, tolerance, fits=fit_seconds is None, plans=format == PROGRAM)
+        written = clock.step("write", lambda: [writer.write(each, tolerance) for each in pieces])
+        for piece in pieces:
+            forget(piece, tolerance, fits=False)
+        read = zip(pieces, written, strict=True)
+        return written, clock.step("read", lambda: [writer.measure(a, b.data) for a, b in read])
+
+    (written, found), timing = repeated(written_and_read, runs)
     deviation = max((each for each in found if each is not None), default=None)
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
     size = sum(len(each.data) for each in written)
-    return FileCost(size, deviation, write, read, written[0].facts)
+    seconds = ((fit_seconds or 0.0) + timing.seconds["write"], timing.seconds["read"])
+    return FileCost(size, deviation, *seconds, written[0].facts, timing.spread)
 
 
-def without_fits(product: Product, tolerance: float) -> Product:
-    """The same design without computed fits and proofs, but those looser than `tolerance` [mm]: the
-    polygons by which contours are told apart are the same for all files.
+def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool = False) -> None:
+    """Make what was computed for a file be computed again: proofs, and if asked for fits and plans.
+
+    Fits looser than `tolerance` [mm] are kept: the polygons by which contours are told apart are
+    the same for all files.
     """
-    for boundary in product.drawn.part.boundaries:
-        if isinstance(boundary, CurveBoundary):
+    boundaries = list(product.drawn.part.boundaries)
+    if plans:
+        for milled in filter(None, (product.milled, product.milled.whole)):
+            milled.kept.clear()
+        boundaries += [cut.centre for cut in product.milled.cuts if isinstance(cut, ContourCut)]
+    for boundary in boundaries:
+        if isinstance(boundary, CurveBoundary | ExactBoundary):
             known = boundary.known
-            for key in [key for key in known if isinstance(key, bytes) or key[1] <= tolerance]:
+            for key in [
+                each for each in known if isinstance(each, bytes) or (fits and each[1] <= tolerance)
+            ]:
                 del known[key]
-    return product
 
 
 def reason(error: ToleranceError | GeometryError | EffectError | SceneError | FileError) -> str:
@@ -212,10 +247,10 @@ def _ripple(
     """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
     roller drops off an edge.
     """
-    found = []
-    for flank, contour in zip(flanks, contours, strict=True):
-        side = Flank.OUTER if flank.hole else Flank.INNER
-        ripple = replay_contour(design.cam.disc.pitch_curve, contour, side).ripple
-        if ripple is not None:
-            found.append(ripple)
-    return max(found, default=None)
+    found = (
+        replay_contour(
+            design.cam.disc.pitch_curve, contour, Flank.OUTER if flank.hole else Flank.INNER
+        ).ripple
+        for flank, contour in zip(flanks, contours, strict=True)
+    )
+    return max((ripple for ripple in found if ripple is not None), default=None)

@@ -13,7 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.accuracy.contours import Progress, reason, timed
+from camgeo.accuracy.clock import repeated
+from camgeo.accuracy.contours import Progress, reason
 from camgeo.accuracy.rows import EffectRow
 from camgeo.design import Design
 from camgeo.effects.effect import Bound, Column, Result
@@ -129,10 +130,14 @@ def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Result
     """A row without its difference, and the result."""
     row = EffectRow(name, tolerance)
     try:
-        result, seconds = timed(lambda: _result(design, name, tolerance))
+        result, timing = repeated(
+            lambda clock: clock.step(name, lambda: _result(design, name, tolerance))
+        )
     except (EffectError, GeometryError, ToleranceError) as error:
         return replace(row, fault=reason(error)), None
-    return replace(row, seconds=seconds, error=result.error), result
+    return replace(
+        row, seconds=timing.seconds[name], error=result.error, spread=timing.spread
+    ), result
 
 
 def _compared(row: EffectRow, result: Result, reference: Result) -> EffectRow:

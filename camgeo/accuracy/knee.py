@@ -1,46 +1,52 @@
-"""The knee: among what was measured, the tolerance beyond which more cost gains nothing.
+"""The knee: among the contours of one form, the tolerance beyond which more cost gains nothing.
 
 Each decade of accuracy multiplies the pieces by 10^(1/k), k = 2, 3, 4 for chords, arcs and cubics;
-a power law has no knee. The benefit of the pieces has one: the knee is where the first of their
-benefits ends.
+a power law has no knee. What the pieces are for has some, and the knee is where the first of these
+ends:
 
-Milling (the scene has a program, its machine an acceleration). Of all contours that a controller
-accepts, lines and arcs, the fastest round is the cost of a coarse contour. The knee is the
-tightest tolerance
-
-- at which a contour is milled in at most 5 % more time than that: beyond it, blocks become too
-  short for the feed, which costs minutes of machining;
-- and whose program is printed with no more decimals than the loosest one: a program has at least
-  the controller's number of decimals, and beyond that the printed numbers set the limit, not the
+- time: a contour is milled in at most 5 % more time than the quickest one; beyond it, blocks become
+  too short for the feed, which costs minutes of machining;
+- decimals: its program has no more decimals than the loosest one: a program has at least the
+  controller's number of decimals, and beyond that the printed numbers set the limit, not the
   contour;
-- and up to which the ripple of the replay, if requested, falls by at least 5 %: beyond it the
-  follower runs no smoother.
+- ripple: the error of the acceleration in a replay, if it was requested, falls by at least 5 %, or
+  benefit: at a speed of the cam, if one was asked for, a tighter contour changes one of the figures
+  of `camgeo.accuracy.enough` by more than 5 %;
+- cost, where none of these two is known: what a contour costs, the geometric mean of its pieces, of
+  the bytes of its drawing and of the seconds to fit, prove, write and read that, is at most two
+  steps of a factor 1.5 above the cheapest. Bytes and seconds have a constant part, and while that
+  is the larger one, accuracy adds little to them; beyond it, each decade multiplies everything.
 
-Files only. A drawing has a constant part, header and layers, and a part that grows by the power
-above. While the growing part is the smaller one, accuracy adds little; beyond that, each decade
-multiplies the whole file. The knee of a form is the tightest tolerance whose drawing is at most
-twice its smallest one, that of the design the tightest of the three.
-
-Of several contours at the knee the one with the fewest pieces is recommended, among those with the
-least ripple if it was requested.
+Where none of them ends within the tolerances that were measured, that is said: the end of a range
+is no knee.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
-from camgeo.accuracy.rows import FORMS, ContourRow
+from camgeo.accuracy.rows import ContourRow, FileCost
 from camgeo.contour.contour import Form
 from camgeo.wording import counted
+
+if TYPE_CHECKING:
+    from camgeo.accuracy.benefit import BenefitRow
 
 SLACK: Final = 1.05
 """Machining times and ripples up to this factor of the best count as the best: feed override and
 rounding of a plan change them more."""
 
-DOUBLE: Final = 2.0
-"""Largest drawing relative to the smallest: the growing part is no larger than the constant one."""
+STEP: Final = 1.5
+"""Factor by which costs must differ to be told apart: two runs on a busy machine differ by less."""
+
+STEPS: Final = 2
+"""Of that factor by which a contour may cost more than the cheapest one."""
+
+LEAST_TIME: Final = 5e-4
+"""Difference of computing times [s] below which there is none."""
 
 NAMES: Final[dict[Form, str]] = {
     "polyline": "straight pieces",
@@ -48,7 +54,17 @@ NAMES: Final[dict[Form, str]] = {
     "spline": "a spline",
 }
 
-End = Literal["time", "decimals", "ripple", "size", "reach", "range"]
+End = Literal["time", "decimals", "ripple", "benefit", "cost", "reach", "range"]
+
+BEYOND: Final[dict[End, str]] = {
+    "time": "tighter contours are milled more slowly, their blocks are too short for the feed",
+    "ripple": "tighter contours run no smoother",
+    "benefit": "tighter ones change what the follower does by at most 5 %",
+    "cost": f"tighter ones cost more than {STEP**STEPS:g} times as much as the cheapest",
+    "reach": "tighter tolerances cannot be reached",
+    "range": "that is the end of what was tried, not a knee",
+}
+"""What is said of tighter tolerances; of decimals, it is how many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,46 +74,93 @@ class Knee:
     Attributes
     ----------
     row : the recommended contour.
-    end : what a tighter tolerance loses: "time", "decimals", "ripple" or, without milling, "size";
-        "reach" if it cannot be reached, "range" if none was measured.
+    end : what a tighter tolerance loses, see above; "reach" if it cannot be reached, "range" if
+        none was measured.
     quick : with milling the tightest tolerance [mm] that is milled in at most 5 % more than the
         least time; None without.
-    next : the same contour one tolerance tighter, if there is one.
+    step : the same contour at two tolerances, the last step up to the knee, or the first one beyond
+        it if there is none; empty if there is no other.
+    bought : by which share of the peak of the acceleration the second of them is less off than the
+        first; None if that is not known.
     """
 
     row: ContourRow
     end: End
     quick: float | None
-    next: ContourRow | None
+    step: tuple[ContourRow, ...] = ()
+    bought: float | None = None
 
 
-def knee_of(rows: Sequence[ContourRow]) -> Knee | None:
-    """The knee of the measured rows; None if nothing could be reached."""
-    milled = [row for row in _valid(rows) if row.round_seconds is not None]
-    if any(row.program is not None for row in milled):
-        return _milling(rows, milled)
-    return drawing_knee(rows)
+def knee_of(
+    rows: Sequence[ContourRow], benefits: Sequence[BenefitRow] = (), *, timed: bool = True
+) -> Knee | None:
+    """The knee of `rows` of one form and effort, the loosest first; None if nothing can be reached.
+
+    Parameters
+    ----------
+    benefits : of that form at one speed of the cam, if they are known.
+    timed : whether seconds of computing count, which are those of one machine.
+    """
+    known = [row for row in rows if row.count is not None and row.drawing is not None]
+    if not known:
+        return None
+    milled = any(row.decimals is not None for row in known)
+    rounds = {row.tolerance: row.round_seconds for row in known if milled}
+    quick = _tightest(rounds, SLACK)
+    limits: list[tuple[float | None, End]] = [
+        (quick, "time"),
+        (_tightest({row.tolerance: row.decimals for row in known}, 1.0), "decimals"),
+    ]
+    ripples = {row.tolerance: row.ripple for row in known if row.ripple is not None}
+    off = {row.tolerance: row.ripple for row in benefits if row.ripple is not None} or ripples
+    if ripples:
+        least = min(ripples.values())
+        limits.append((max(t for t, each in ripples.items() if each <= SLACK * least), "ripple"))
+    if benefits:
+        from camgeo.accuracy.enough import enough  # a survey without a speed needs none
+
+        found = enough(benefits)
+        limits.append((None if found is None else found.row.tolerance, "benefit"))
+    if not off:
+        costs = {row.tolerance: _cost(row, timed=timed) for row in known}
+        limits.append((_tightest(costs, STEP**STEPS), "cost"))
+    tightest, end = max(
+        ((limit, name) for limit, name in limits if limit is not None), key=lambda pair: pair[0]
+    )
+    number = max(k for k, row in enumerate(known) if row.tolerance >= tightest)
+    if number == len(known) - 1:
+        end = "reach" if rows[-1].tolerance < known[-1].tolerance else "range"
+    step = tuple(known[number - 1 : number + 1] if number else known[:2])
+    ends = [off[row.tolerance] for row in step if row.tolerance in off]
+    bought = ends[0] - ends[1] if len(ends) > 1 else None
+    return Knee(known[number], end, quick, step if len(step) > 1 else (), bought)
 
 
-def drawing_knee(rows: Sequence[ContourRow]) -> Knee | None:
-    """The knee of the drawing, whether it is milled or not; None if nothing could be reached."""
-    return _files(rows, _valid(rows))
+def _tightest(costs: Mapping[float, float | None], factor: float) -> float | None:
+    """The tightest tolerance whose cost is at most `factor` times the least one; None if costs are
+    not known.
+    """
+    known = {tolerance: cost for tolerance, cost in costs.items() if cost is not None}
+    if not known:
+        return None
+    most = factor * min(known.values())
+    return min(tolerance for tolerance, cost in known.items() if cost <= most)
 
 
-def _valid(rows: Sequence[ContourRow]) -> list[ContourRow]:
-    return [row for row in rows if row.count is not None and row.drawing is not None]
+def _cost(row: ContourRow, *, timed: bool) -> float:
+    """The geometric mean of what a contour costs; only ratios of it mean something."""
+    costs = [_pieces(row), _drawing(row).size, *([_drawing(row).seconds] if timed else [])]
+    return math.prod(costs) ** (1.0 / len(costs))
 
 
 def advice(knee: Knee | None) -> str:
-    """The sentence for a knee; for None, that none can be reached."""
+    """The sentence for a knee, without seconds of computing; for None, that none can be reached."""
     if knee is None:
         return "none of these tolerances can be reached"
     row = knee.row
     head = f"{NAMES[row.form]} ({row.effort}) within {row.tolerance:g} mm"
-    costs = [counted(_pieces(row), "piece")]
-    if row.drawing is not None:
-        costs.append(f"drawing of {counted(row.drawing.size, 'byte')}")
-    if knee.quick is not None:
+    costs = [counted(_pieces(row), "piece"), f"drawing of {counted(_drawing(row).size, 'byte')}"]
+    if knee.quick is not None and row.round_seconds is not None:
         costs.append(f"milled round in {row.round_seconds:.1f} s")
     if row.ripple is not None:
         costs.append(f"ripple {100.0 * row.ripple:.2g} %")
@@ -106,122 +169,47 @@ def advice(knee: Knee | None) -> str:
 
 def _beyond(knee: Knee) -> str:
     """What a tighter tolerance costs, or why there is none."""
-    if knee.end == "range":
-        return "no tighter tolerance was tried"
-    if knee.end == "reach":
-        return "tighter tolerances cannot be reached"
-    if knee.end == "time":
-        return "tighter contours are milled more slowly, their blocks are too short for the feed"
-    if knee.end == "ripple":
-        return "tighter contours run no smoother"
-    if knee.end == "decimals":
-        program = knee.row.program
-        decimals = "" if program is None else f" than {program.facts['decimals']}"
-        return (
-            f"tighter programs are no slower down to {knee.quick:g} mm, but need more decimals"
-            f"{decimals}, which the machine is not known to resolve"
-        )
-    return f"up to there a drawing is at most twice its smallest size{_growth(knee)}"
-
-
-def _growth(knee: Knee) -> str:
-    after = knee.next
-    if after is None or after.drawing is None or knee.row.drawing is None:
-        return ""
-    factor = after.drawing.size / knee.row.drawing.size
-    return f", {after.tolerance:g} mm makes it {factor:.1f} times as large"
-
-
-def _milling(measured: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee:
-    quickest = min(_seconds(row) for row in rows)
-    allowed = [row for row in rows if _seconds(row) <= SLACK * quickest]
-    quick = tightest = min(row.tolerance for row in allowed)
-    end = _end(measured, rows, tightest, "time")
-    limits: tuple[tuple[float | None, End], ...] = (
-        (_decimals(rows), "decimals"),
-        (_ripple(rows), "ripple"),
+    if knee.end != "decimals":
+        return BEYOND[knee.end]
+    down = "" if knee.quick is None else f" are no slower down to {knee.quick:g} mm, but"
+    return (
+        f"tighter programs{down} need more decimals than {knee.row.decimals}, which the machine is"
+        " not known to resolve"
     )
-    for limit, name in limits:
-        if limit is not None and limit > tightest:
-            tightest, end = limit, name
-    at_knee = _smoothest([row for row in allowed if row.tolerance == tightest])
-    return _knee(rows, at_knee, end, quick)
 
 
-def _smoothest(rows: Sequence[ContourRow]) -> Sequence[ContourRow]:
-    """Those with the least ripple; all of them where it was not requested."""
-    ripples = [row.ripple for row in rows if row.ripple is not None]
-    if not ripples:
-        return rows
-    limit = SLACK * min(ripples)
-    return [row for row in rows if row.ripple is not None and row.ripple <= limit]
+def step_sentence(knee: Knee | None) -> str:
+    """What the step of a knee costs and buys, in words; empty if there is none."""
+    if knee is None or not knee.step:
+        return ""
+    loose, tight = knee.step
+    pieces, size = _pieces(tight) - _pieces(loose), _drawing(tight).size - _drawing(loose).size
+    seconds = _drawing(tight).seconds - _drawing(loose).seconds
+    parts = [counted(pieces, "piece"), "no time" if seconds < LEAST_TIME else _time(seconds)]
+    text = f"{', '.join(parts)} and {_digits(size / 1e3)} kB"
+    if loose.round_seconds is not None and tight.round_seconds is not None:
+        longer = tight.round_seconds - loose.round_seconds
+        same = abs(longer) <= (SLACK - 1.0) * loose.round_seconds
+        more = f"{abs(longer):.1f} s {'longer' if longer > 0.0 else 'shorter'}"
+        text += f", machining {'the same' if same else more}"
+    if knee.bought is not None:
+        share = f"{100.0 * knee.bought:.2g} %" if knee.bought > 0.0 else "nothing"
+        text += f", and buys {share} of the acceleration"
+    return f"from {loose.tolerance:g} mm to {tight.tolerance:g} mm costs {text}"
 
 
-def _files(measured: Sequence[ContourRow], rows: Sequence[ContourRow]) -> Knee | None:
-    knees: list[ContourRow] = []
-    for form in FORMS:
-        own = [row for row in rows if row.form == form]
-        if own:
-            smallest = min(_size(row) for row in own)
-            allowed = [row for row in own if _size(row) <= DOUBLE * smallest]
-            tightest = min(row.tolerance for row in allowed)
-            knees += [row for row in allowed if row.tolerance == tightest]
-    if not knees:
-        return None
-    tightest = min(row.tolerance for row in knees)
-    at_knee = [row for row in knees if row.tolerance == tightest]
-    return _knee(rows, at_knee, _end(measured, rows, tightest, "size"), None)
+def _time(seconds: float) -> str:
+    return f"{_digits(1e3 * seconds)} ms" if seconds < 1.0 else f"{_digits(seconds)} s"
 
 
-def _end(
-    measured: Sequence[ContourRow], rows: Sequence[ContourRow], tightest: float, price: End
-) -> End:
-    """Why it is not the next tighter tolerance: its cost, if any."""
-    forms = {row.form for row in rows}
-    tighter = [row.tolerance for row in measured if row.form in forms and row.tolerance < tightest]
-    if not tighter:
-        return "range"
-    return price if any(row.tolerance == max(tighter) for row in rows) else "reach"
+def _digits(value: float) -> str:
+    """Two digits, the units at least."""
+    return f"{value:,.0f}" if abs(value) >= 9.95 else f"{value:.2g}"
 
 
-def _decimals(rows: Sequence[ContourRow]) -> float | None:
-    """Tightest tolerance whose program has no more decimals than the loosest."""
-    counts = {row.tolerance: row.program.facts["decimals"] for row in rows if row.program}
-    if not counts:
-        return None
-    least = counts[max(counts)]
-    return min(tolerance for tolerance, count in counts.items() if count == least)
-
-
-def _ripple(rows: Sequence[ContourRow]) -> float | None:
-    """Loosest tolerance at which a contour has the least ripple there is."""
-    ripples = [(row.ripple, row.tolerance) for row in rows if row.ripple is not None]
-    if not ripples:
-        return None
-    least, _ = min(ripples)
-    return max(tolerance for ripple, tolerance in ripples if ripple <= SLACK * least)
-
-
-def _knee(
-    rows: Sequence[ContourRow], at_knee: Sequence[ContourRow], end: End, quick: float | None
-) -> Knee:
-    best = min(at_knee, key=_pieces)
-    tighter = [
-        row
-        for row in rows
-        if (row.form, row.effort) == (best.form, best.effort) and row.tolerance < best.tolerance
-    ]
-    return Knee(best, end, quick, max(tighter, key=lambda row: row.tolerance, default=None))
-
-
-def _seconds(row: ContourRow) -> float:
-    assert row.round_seconds is not None  # checked before
-    return row.round_seconds
-
-
-def _size(row: ContourRow) -> int:
+def _drawing(row: ContourRow) -> FileCost:
     assert row.drawing is not None  # checked before
-    return row.drawing.size
+    return row.drawing
 
 
 def _pieces(row: ContourRow) -> int:

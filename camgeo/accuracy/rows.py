@@ -29,6 +29,7 @@ class Count:
     deviation : proved [mm], the largest.
     fit_seconds, proof_seconds : of the fits with their own proof, and of proofs repeated from
         the finished contours alone.
+    spread : of both, as `camgeo.accuracy.clock.Timing`.
     """
 
     pieces: int
@@ -37,6 +38,7 @@ class Count:
     deviation: float
     fit_seconds: float
     proof_seconds: float
+    spread: float = 1.0
 
     @property
     def ratio(self) -> float | None:
@@ -54,6 +56,7 @@ class FileCost:
     deviation : proved for the file as read back [mm]; None if it has none.
     write_seconds, read_seconds : of writing it, fits included, and of reading it back and proving.
     facts : what its writer reports about it.
+    spread : of these seconds without the fits of a drawing, as `camgeo.accuracy.clock.Timing`.
     """
 
     size: int
@@ -61,6 +64,12 @@ class FileCost:
     write_seconds: float
     read_seconds: float
     facts: dict[str, int | float | str]
+    spread: float = 1.0
+
+    @property
+    def seconds(self) -> float:
+        """Of writing and reading it."""
+        return self.write_seconds + self.read_seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,13 +81,14 @@ class ContourRow:
     form, effort, tolerance : as requested; the tolerance in mm.
     count : of the contours; None if there are none.
     drawing : the DXF with that entity; None if there is none.
-    program : the G-code, for arcs only and if the scene asks for milling.
+    program : the G-code, if it was asked for, for arcs only and if the scene asks for milling.
     round_seconds : estimated time of milling once along the flanks; None for splines, and where the
         machine's acceleration is not known.
     ripple : largest error of the acceleration in a replay, relative to its prescribed peak; None if
         it was not requested, and for splines.
     shortest_seconds : time of the round at the largest feed that the controller can hold.
     fault : why something is missing; empty if nothing is.
+    decimals : of a program within that tolerance; None if the scene does not ask for one.
     """
 
     form: Form
@@ -91,6 +101,12 @@ class ContourRow:
     ripple: float | None = None
     shortest_seconds: float | None = None
     fault: str = ""
+    decimals: int | None = None
+
+    @property
+    def spread(self) -> float:
+        """Of what the drawing takes: the larger one of its fits and of its file."""
+        return max((each.spread for each in (self.count, self.drawing) if each), default=1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +129,7 @@ class TableRow:
     rows, size : of the table, and of its CSV file in bytes.
     seconds : of computing it.
     error : bound on the error of the lift interpolated linearly between rows [mm or rad].
+    spread : of the seconds, as `camgeo.accuracy.clock.Timing`.
     """
 
     step: Decimal
@@ -120,6 +137,7 @@ class TableRow:
     size: int
     seconds: float
     error: float
+    spread: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +156,7 @@ class EffectRow:
     figure : name of the finding or column with this difference; empty if it is 0.
     rounded : whether estimate and difference are those of rounding. The effect then has no further
         rows, as no tolerance changes it.
+    spread : of the seconds, as `camgeo.accuracy.clock.Timing`.
     """
 
     effect: str
@@ -148,6 +167,7 @@ class EffectRow:
     fault: str = ""
     figure: str = ""
     rounded: bool = False
+    spread: float = 1.0
 
 
 def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:

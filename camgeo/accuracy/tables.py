@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from decimal import Decimal
+from functools import partial
 from typing import Final
 
 import numpy as np
 
-from camgeo.accuracy.contours import Progress, timed
+from camgeo.accuracy.clock import Clock, repeated
+from camgeo.accuracy.contours import Progress
 from camgeo.accuracy.rows import TableRow
 from camgeo.design import Design
 from camgeo.motion.motion import Motion
@@ -33,7 +35,12 @@ by the change of s'' over half of it: some thousandths of the peak of a law of 4
 def table_rows(
     design: Design, steps: Sequence[Decimal], *, progress: Progress
 ) -> tuple[TableRow, ...]:
-    """One row per step [degrees]; the lift is that of the motion plan."""
+    """One row per step [degrees]; the lift is that of the motion plan.
+
+    The effects that columns are of are computed before, as no step changes them.
+    """
+    if steps:
+        design.tabulated.table(max(steps))
     rows = []
     for step in steps:
         progress(f"value table, {step} degrees")
@@ -42,9 +49,9 @@ def table_rows(
             table = design.tabulated.table(step)
             return len(table.values), len(table.encoded())
 
-        (count, size), seconds = timed(made)
+        (count, size), timing = repeated(partial(Clock.step, name="table", work=made))
         error = interpolation_error(design.scene.plan, np.radians(cam_angles(step)))
-        rows.append(TableRow(step, count, size, seconds, error))
+        rows.append(TableRow(step, count, size, timing.seconds["table"], error, timing.spread))
     return tuple(rows)
 
 

@@ -28,6 +28,7 @@ EXAMPLE: Final = (
     "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
     "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"
     "  camgeo accuracy my-cam.toml --speed 600\n"
+    "  camgeo accuracy my-cam.toml --all\n"
     "  camgeo accuracy my-cam.toml --bill --ripple -o my-cam-bill.svg\n"
     "  camgeo accuracy my-cam.toml --json"
 )
@@ -41,6 +42,12 @@ def options(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         type=_tolerances,
         help="comma-separated, in mm; default 1e-1 to 1e-6, one per decade; finer ones take long",
+    )
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="measure all forms and fits of the contour, solids, value tables and effects too; so"
+        " does --json",
     )
     parser.add_argument(
         "--ripple",
@@ -73,6 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         design,
         arguments.tolerances or TOLERANCES,
         ripple=arguments.ripple or None,
+        complete=arguments.all or arguments.json,
         bill=arguments.bill,
         speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,

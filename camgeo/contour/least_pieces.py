@@ -28,6 +28,7 @@ from camgeo.curve.pieces import Piece
 from camgeo.curve.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.outline.path import Path
+from camgeo.units import TURN
 
 CHORD = 1.0 / 16.0
 ARC = math.sqrt(3.0) / 216.0
@@ -62,13 +63,16 @@ def least_cubics(path: Path, tolerance: float) -> float:
     return total * math.sqrt(math.sqrt(CUBIC / tolerance))
 
 
-def forced_pieces(path: Path) -> int:
-    """Dwells and turns of `path`: each is one arc, whatever the tolerance."""
+def forced_pieces(path: Path, widest: float = TURN) -> int:
+    """Dwells and turns of `path`: each is one arc, or several of at most `widest` [rad], whatever
+    the tolerance.
+    """
     legs = legs_of(path)
-    turns = sum(isinstance(leg, TurnLeg) for leg in legs)
-    return turns + sum(
-        piece.is_arc for leg in legs if isinstance(leg, StretchLeg) for piece in leg.pieces
-    )
+    sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
+    stretches = [leg.pieces for leg in legs if isinstance(leg, StretchLeg)]
+    sweeps += [each.end - each.start for pieces in stretches for each in pieces if each.is_arc]
+    # As a contour is split: rounding makes no arc wider.
+    return sum(max(1, math.ceil(sweep / widest - 1e-12)) for sweep in sweeps)
 
 
 def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:

@@ -16,7 +16,7 @@ Method = TypeVar("Method", bound=Callable[..., NDArray[Any]])
 
 BLOCK = 8192
 """Points per block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and
-the overhead of numpy's calls is spread over many points (benchmarks/evaluate.py shows both)."""
+the overhead of numpy's calls is spread over many points."""
 
 
 def in_blocks(method: Method) -> Method:

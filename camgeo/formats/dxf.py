@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
 from camgeo.numeric.checked import instance, one_of
+
+if TYPE_CHECKING:
+    from camgeo.contour.contour import Form
 
 SINGLE: Final = "lines-and-arcs"
 
@@ -35,6 +38,11 @@ class DxfSpec:
     def __post_init__(self) -> None:
         one_of("output.dxf.entity", self.entity, ENTITIES)
         instance("output.dxf.auxiliary", self.auxiliary, bool, "true or false")
+
+    @property
+    def form(self) -> Form:
+        """Of the contours: single lines and arcs are the arcs of a polyline."""
+        return "arcs" if self.entity == SINGLE else self.entity
 
 
 def parse(table: Mapping[str, Any]) -> DxfSpec:

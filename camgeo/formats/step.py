@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from camgeo.declared import schema_beside
 from camgeo.formats.format import Format
@@ -25,7 +25,7 @@ class StepSpec:
         dwells and turns stay cylinders).
     """
 
-    walls: str = "arcs"
+    walls: Literal["arcs", "spline"] = "arcs"
 
     def __post_init__(self) -> None:
         one_of("output.step.walls", self.walls, WALLS)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Protocol
+import math
+from dataclasses import replace
+from typing import Any, Final, Literal, Protocol, overload
 
 from camgeo.contour.contour import Contour, Effort, Fit, Form
 from camgeo.contour.spline import SplineContour, SplineFit
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import shown
 from camgeo.outline.moments import Moments, SecondMoments
+
+WRITTEN_SHARE: Final = 0.98
+"""Share of the tolerance that the fit of a written contour may use; the rest is for rounding to the
+nearest double and for the slack of the bound by which the file is measured."""
 
 
 class Boundary(Protocol):
@@ -88,12 +93,39 @@ class Boundary(Protocol):
         """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
 
 
-def fitted(boundary: Boundary, form: Form, effort: Effort, tolerance: float) -> Fit | SplineFit:
-    """The contour of `boundary` in one of the forms within `tolerance` [mm]; raises as `Boundary`
-    does.
+@overload
+def written_contour(
+    boundary: Boundary,
+    form: Literal["arcs", "polyline"],
+    effort: Effort,
+    tolerance: float,
+    widest: float = ...,
+) -> Fit: ...
+@overload
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = ...
+) -> Fit | SplineFit: ...
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = math.pi
+) -> Fit | SplineFit:
+    """The contour of `boundary` that is written into a file, counter-clockwise, with its proof.
+
+    The files that have it, what the follower does on it and what it costs are all of this one.
+
+    Parameters
+    ----------
+    form : of its pieces.
+    tolerance : of the file [mm]; the fit takes `WRITTEN_SHARE` of it.
+    widest : arc [rad]; wider ones are divided.
+
+    Raises
+    ------
+    ToleranceError, GeometryError
+        As `Boundary` does.
     """
-    fit: Callable[[float, Effort], Fit | SplineFit] = getattr(boundary, form)  # a method for each
-    return fit(tolerance, effort)
+    fit: Any = getattr(boundary, form)(WRITTEN_SHARE * tolerance, effort)  # a method for each form
+    found: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
+    return found
 
 
 def require_boundary(value: Any) -> None:

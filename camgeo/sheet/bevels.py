@@ -8,12 +8,13 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.contour.contour import Effort
 from camgeo.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.bands import Bevel
-from camgeo.part.boundary import Boundary
+from camgeo.part.boundary import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.sheet.marks import Chain, Hatched, Mark, line
-from camgeo.sheet.shape import COARSE, SHARE, Shape, crossings
+from camgeo.sheet.shape import COARSE, Shape, crossings
 
 NEAR: Final = 30.0 * COARSE
 """Share of the size of a part within which places of a section are the same."""
@@ -40,14 +41,13 @@ class Corner:
         return abs(point - self.sharp) <= near
 
 
-def edges_above(shape: Shape, tolerance: float, effort: str) -> Iterator[Chain]:
+def edges_above(shape: Shape, tolerance: float, effort: Effort) -> Iterator[Chain]:
     """The edges of chamfers on faces that look up, each a wide line within `tolerance` [mm]."""
     for bevel in shape.part.bevels:
         if bevel.upper:
-            fit = bevel.edge.arcs(SHARE * tolerance, "fast" if effort == "fast" else "fewest")
-            contour = fit.contour.split(np.pi)
+            contour = written_contour(bevel.edge, "arcs", effort, tolerance).contour
             yield Chain(contour.vertices, contour.sweeps, "EDGES", closed=True)
-            yield from _mitres(bevel, SHARE * tolerance)
+            yield from _mitres(bevel, WRITTEN_SHARE * tolerance)
 
 
 def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:

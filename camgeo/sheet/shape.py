@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
+from camgeo.contour.contour import Contour, Effort
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.part.boundary import written_contour
 from camgeo.part.engraving import text_of
 from camgeo.part.part import Boundary, Layer, Part
-
-SHARE = 0.98
-"""Of the tolerance that fits may use, as in a DXF for cutting: it has the same contours."""
 
 COARSE = 1e-5
 """Of the size of a part, by which chords may leave its arcs where it is only asked what is seen."""
@@ -116,12 +114,9 @@ class Shape:
         return tuple(self.edge(each).contour for each in layer.boundaries)
 
 
-def shape_of(part: Part, tolerance: float, effort: str) -> Shape:
-    """The part with contours within `tolerance` [mm]."""
-    fits = [
-        each.arcs(SHARE * tolerance, "fast" if effort == "fast" else "fewest").contour.split(np.pi)
-        for each in part.boundaries
-    ]
+def shape_of(part: Part, tolerance: float, effort: Effort) -> Shape:
+    """The part with contours within `tolerance` [mm], those of a DXF for cutting."""
+    fits = [written_contour(each, "arcs", effort, tolerance).contour for each in part.boundaries]
     found = {each.name: fit for each, fit in zip(part.boundaries, fits, strict=True)}
     coarse = COARSE * max(float(np.max(np.abs(fit.vertices))) for fit in fits)
     chords = {name: fit.points(coarse) for name, fit in found.items()}

@@ -11,6 +11,7 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.formats.drawing import DrawingSpec
+from camgeo.part.boundary import WRITTEN_SHARE
 from camgeo.product.product import Product
 from camgeo.sheet import dimensions, front, section_dimensions
 from camgeo.sheet.bevels import bevelled, edges_above
@@ -20,7 +21,7 @@ from camgeo.sheet.lettering import width_of
 from camgeo.sheet.marks import Label, Mark, Round, arc, arrow, line, moved
 from camgeo.sheet.placing import CLEAR, Options, cleared, settled
 from camgeo.sheet.section import section
-from camgeo.sheet.shape import SHARE, Shape, extreme, shape_of
+from camgeo.sheet.shape import Shape, extreme, shape_of
 from camgeo.sheet.symbols import CELL, frame_width, texture, tolerance_frame
 from camgeo.units import MM_PER, LengthUnit
 
@@ -88,7 +89,7 @@ def drawn_of(product: Product, tolerance: float) -> Drawn:
         return Drawn(shape, None, None, cut, product.unit, edges)
     pitch = None
     if drawn.has_pitch_curve:
-        pitch = drawn.pitch_contour(SHARE * tolerance).contour
+        pitch = drawn.pitch_contour(WRITTEN_SHARE * tolerance).contour
     return Drawn(shape, pitch, drawn.base_radius, cut, product.unit, edges)
 
 

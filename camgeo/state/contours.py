@@ -24,7 +24,7 @@ from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import replay_contour
 from camgeo.outline.replay_result import Replay, extreme_play
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import written_contour
 from camgeo.state.state import FIRST, SECOND
 from camgeo.state.written import KEY, MODEL, Written
 
@@ -65,15 +65,15 @@ class Pressed:
     Attributes
     ----------
     cam : whose flank it is.
+    contour : that is written.
     replay : of the contour.
     deviation : proved, of the contour from the exact curve [mm].
-    pieces : of the contour.
     """
 
     cam: Cam
+    contour: Contour | SplineContour
     replay: Replay
     deviation: float
-    pieces: int
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Contours:
             )
         sense = self.sense if self.is_held_both_ways else cam.contact.push
         return Written(
-            cam, found.replay, found.deviation, found.pieces, sense, cam.drive.time_course,
+            cam, found.contour, found.replay, found.deviation, sense, cam.drive.time_course,
             touches=cam is found.cam,
         )  # fmt: skip
 
@@ -158,10 +158,9 @@ class Contours:
             name = f"{flank} flank"
         (boundary,) = (each for each in disc.part.boundaries if each.name == name)
         writing = self.writing
-        fit = fitted(boundary, writing.form, writing.effort, writing.tolerance)
-        contour = fit.contour
-        replay = _replayed(disc.cam.disc.pitch_curve, contour, flank)
-        return Pressed(disc.cam, replay, fit.deviation, len(contour))
+        fit = written_contour(boundary, writing.form, writing.effort, writing.tolerance)
+        replay = _replayed(disc.cam.disc.pitch_curve, fit.contour, flank)
+        return Pressed(disc.cam, fit.contour, replay, fit.deviation)
 
 
 def _replayed(pitch: PitchCurve, contour: Contour | SplineContour, flank: Flank) -> Replay:

@@ -15,6 +15,8 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.cam.drive import smooth_angles
+from camgeo.contour.contour import Contour
+from camgeo.contour.spline import SplineContour
 from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.motion.kept import Answers
 from camgeo.motion.motion import FULL_ORDER, Dwell, Jet, Motion
@@ -120,18 +122,18 @@ class Written:
     Attributes
     ----------
     cam : that sees the motion.
+    contour : as files have it.
     replay : of the contour; the lift does not jump.
     deviation : proved, of the contour from the exact curve [mm].
-    pieces : of the contour.
     sense : see `State`.
     course : how the cam turns; None if that is not known.
     touches : whether it is this cam's contour, not that of the other disc of a pair.
     """
 
     cam: Cam
+    contour: Contour | SplineContour
     replay: Replay
     deviation: float
-    pieces: int
     sense: int
     course: TimeCourse | None
     touches: bool = True

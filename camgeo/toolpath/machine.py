@@ -35,11 +35,19 @@ from camgeo.toolpath.machine_tables import (
     Words,
 )
 from camgeo.toolpath.tool import COMPUTED
+from camgeo.units import MM_PER, LengthUnit
 
 KEY: Final = "output.gcode.machine"
 """Key of the scene that names the profile."""
 
 DIALECTS: Final = ("iso", "klartext")
+
+ROUNDING_SHARE: Final = 0.3
+"""Share of the tolerance for printed numbers; it decides the number of decimals: four at 1 um."""
+
+ROUNDING_UNITS: Final = 3.0
+"""Deviation by rounding, in units of the last decimal: end points and centre each move by at most
+half a diagonal, 0.71, and the radii at an arc's two ends then differ by at most 1.42."""
 
 
 def _evidence(key: str, given: Any) -> tuple[Evidence, ...]:
@@ -113,6 +121,14 @@ class Machine:
     def compensations(self) -> tuple[str, ...]:
         """Those of `camgeo.toolpath.spec.COMPENSATIONS` that it allows, "computed" first."""
         return (COMPUTED, *(self.compensation.modes if self.compensation else ()))
+
+    def decimals(self, unit: LengthUnit, tolerance: float) -> int:
+        """Of the coordinates in a program within `tolerance` [mm]: as many as the controller
+        writes, more where that needs them, and no more than it resolves.
+        """
+        finest = ROUNDING_SHARE * tolerance / (ROUNDING_UNITS * MM_PER[unit])
+        numbers, needed = self.numbers, math.ceil(-math.log10(finest))
+        return min(max(numbers.decimals.of(unit), needed), numbers.most_decimals.of(unit))
 
     def smoothed(self, tolerance: float, most: float = math.inf) -> float | None:
         """By how much the controller may leave the path within `tolerance` [mm], `most` at most;

@@ -30,8 +30,9 @@ def row(
     """A row; with `decimals` a program of so many."""
     program = None if decimals is None else file(500, decimals=decimals)
     return ContourRow(
-        form, effort, tolerance, count(pieces, tolerance), file(size), program, seconds, ripple
-    )
+        form, effort, tolerance, count(pieces, tolerance), file(size), program, seconds, ripple,
+        decimals=decimals,
+    )  # fmt: skip
 
 
 def missing(form: Form, tolerance: float) -> ContourRow:

@@ -20,7 +20,7 @@ from camgeo.design import Design
 from camgeo.errors import ToleranceError
 from camgeo.formats.dxf import FORMAT
 from camgeo.outline.replay import replay_contour
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import WRITTEN_SHARE, written_contour
 from camgeo.writing.writer import find_writer
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -36,9 +36,9 @@ def load(name: str) -> Design:
 
 @cache
 def rows() -> tuple[ContourRow, ...]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measuring, "RUNS", 1)  # durations are not tested
-        return contour_rows(load("setzhub"), TOLERANCES, ripple=True, progress=lambda _: None)
+    return contour_rows(
+        load("setzhub"), TOLERANCES, ripple=True, progress=lambda _: None, timed=False
+    )
 
 
 def found(form: str, effort: str, tolerance: float) -> ContourRow:
@@ -68,6 +68,15 @@ def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> No
     assert 0.7 < row.count.ratio < 4.0
     assert min(row.count.fit_seconds, row.count.proof_seconds) > 0.0
     assert (row.program is not None) == (form == "arcs")
+    # Of the boundaries of the part only the bore is no flank.
+    facts = row.drawing.facts
+    entities = int(facts.get("cubics", 0)) + int(facts["arcs"]) + int(facts["lines"])
+    (bore,) = (each for each in load("setzhub").disc.drawn.part.boundaries if each.name == "bore")
+    own: Any = (form, effort, tolerance)
+    assert entities == row.count.pieces + len(written_contour(bore, *own).contour)
+    assert row.decimals == 4
+    if row.program is not None:
+        assert row.program.facts["decimals"] == row.decimals
 
 
 @pytest.mark.parametrize("effort", EFFORTS)
@@ -76,8 +85,8 @@ def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
     for tolerance in TOLERANCES:
         row = found("arcs", effort, tolerance)
         assert row.count is not None
-        assert row.count.pieces == len(flank.arcs(tolerance, effort).contour)
-        assert row.count.forced == forced_pieces(flank.path)
+        assert row.count.pieces == len(written_contour(flank, "arcs", effort, tolerance).contour)
+        assert row.count.forced == forced_pieces(flank.path, math.pi)
 
 
 def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
@@ -85,7 +94,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
     (flank,) = flanks_of(load("setzhub"))
     # The controller sees 50 arcs ahead, which bend with more than 0.05 mm.
     for tolerance in TOLERANCES:
-        length = flank.arcs(tolerance, "fewest").contour.length
+        length = flank.arcs(WRITTEN_SHARE * tolerance, "fewest").contour.length
         seconds = found("arcs", "fewest", tolerance).round_seconds
         assert seconds is not None
         # An axis has 508 mm/s^2, a line at an angle up to sqrt(2) of it.
@@ -96,7 +105,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
 def test_the_ripple_is_that_of_the_replay() -> None:
     design = load("setzhub")
     (flank,) = flanks_of(design)
-    contour = flank.arcs(1e-3, "fewest").contour
+    contour = flank.arcs(WRITTEN_SHARE * 1e-3, "fewest").contour.split(math.pi)
     ripple = replay_contour(design.cam.disc.pitch_curve, contour).ripple
     assert found("arcs", "fewest", 1e-3).ripple == ripple
     assert found("spline", "fewest", 1e-3).ripple is None
@@ -106,11 +115,10 @@ def test_the_ripple_is_that_of_the_replay() -> None:
     assert ripples[1] < ripples[0]
 
 
-def test_no_ripple_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
-    monkeypatch.setattr(measuring, "FORMS", ("arcs",))
+def test_no_ripple_unless_it_is_asked_for() -> None:
+    only: dict[str, Any] = {"forms": ("arcs",), "efforts": ("fast",), "timed": False}
     reported: list[str] = []
-    made = contour_rows(load("ring"), (1e-2,), ripple=False, progress=reported.append)
+    made = contour_rows(load("ring"), (1e-2,), ripple=False, progress=reported.append, **only)
     assert [row.ripple for row in made] == [None]
     assert reported == ["arcs, fast, 0.01 mm"]
 
@@ -119,12 +127,11 @@ def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.Monke
     def some(flank: Any, form: Any, effort: Any, tolerance: float) -> Any:
         if tolerance < 1e-2:
             raise ToleranceError("the arithmetic is too coarse", tolerance, 1.0)
-        return fitted(flank, form, effort, tolerance)
+        return written_contour(flank, form, effort, tolerance)
 
-    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
-    monkeypatch.setattr(measuring, "FORMS", ("arcs",))
-    monkeypatch.setattr(measuring, "fitted", some)
-    made = contour_rows(load("ring"), TOLERANCES, ripple=False, progress=lambda _: None)
+    only: dict[str, Any] = {"forms": ("arcs",), "efforts": ("fast",), "timed": False}
+    monkeypatch.setattr(measuring, "written_contour", some)
+    made = contour_rows(load("ring"), TOLERANCES, ripple=False, progress=lambda _: None, **only)
     assert [row.fault for row in made] == ["", "the arithmetic is too coarse"]
     assert made[0].count is not None
     assert made[1].count is None
@@ -132,13 +139,12 @@ def test_what_cannot_be_reached_is_reported_in_the_row(monkeypatch: pytest.Monke
 
 
 def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_: object, __: object, tolerance: float) -> None:
+    def refuse(_: object, __: object, tolerance: float, *___: object, **____: object) -> None:
         raise ToleranceError("a program is too coarse", tolerance, 1.0)
 
-    monkeypatch.setattr(measuring, "EFFORTS", ("fast",))
-    monkeypatch.setattr(measuring, "FORMS", ("polyline",))
+    only: dict[str, Any] = {"forms": ("polyline",), "efforts": ("fast",), "timed": False}
     monkeypatch.setattr(measuring, "file_cost", refuse)
-    (row,) = contour_rows(load("ring"), (1e-2,), ripple=False, progress=lambda _: None)
+    (row,) = contour_rows(load("ring"), (1e-2,), ripple=False, progress=lambda _: None, **only)
     assert row.count is not None
     assert row.round_seconds is not None
     assert row.drawing is None

@@ -339,16 +339,18 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_table(found: Found, capsys: Capture) -> None:
-    assert call(SETZHUB) == 0
+    assert call(SETZHUB, "--all") == 0
     captured = capsys.readouterr()
     *_, rows, sentences, _ = captured.out.split("\n\n")
     head, first, second, third = rows.splitlines()
-    assert head.split() == ["effect", "tolerance", "computed", "estimate", "off", "figure"]
-    assert first.split() == [
-        "vibration", "0.01", "0.012", "0.0032", "0.00044", "vibration", "deflection",
+    assert head.split() == [
+        "effect", "tolerance", "computed", "spread", "estimate", "off", "figure",
     ]  # fmt: skip
-    assert second.split() == ["vibration", "0.0001", "0.5", "1.2e-05", "-", "-"]
-    assert third.split() == ["balance", "0.01", "-", "-", "-", "-", "there", "is", "no", "disc"]
+    assert first.split() == [
+        "vibration", "0.01", "0.012", "1.00", "0.0032", "0.00044", "vibration", "deflection",
+    ]  # fmt: skip
+    assert second.split() == ["vibration", "0.0001", "0.5", "1.00", "1.2e-05", "-", "-"]
+    assert third.split() == ["balance", "0.01", *["-"] * 5, "there", "is", "no", "disc"]
     assert sentences.splitlines() == [
         "drive-torque: rounding at any tolerance (estimate 3.3e-15, off 0), computed in 0.022 s",
         "lift-off: rounding at any tolerance (it is exact, off 0), computed in 0.5 s",
@@ -364,27 +366,35 @@ def test_json_has_the_same(found: Found, capsys: Capture) -> None:
     document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert document["effects"] == [
         {
-            "effect": "vibration", "tolerance": 0.01, "seconds": 0.0123, "error": 3.2e-3,
+            "effect": "vibration", "tolerance": 0.01, "spread": 1.0, "seconds": 0.0123,
+            "error": 3.2e-3,
             "difference": 4.44e-4, "figure": "vibration deflection", "fault": "",
         },
         {
-            "effect": "vibration", "tolerance": 1e-4, "seconds": 0.5, "error": 1.2e-5,
+            "effect": "vibration", "tolerance": 1e-4, "spread": 1.0, "seconds": 0.5,
+            "error": 1.2e-5,
             "difference": None, "figure": "", "fault": "",
         },
         {
-            "effect": "balance", "tolerance": 0.01, "seconds": None, "error": None,
+            "effect": "balance", "tolerance": 0.01, "spread": 1.0, "seconds": None, "error": None,
             "difference": None, "figure": "", "fault": "there is no disc",
         },
     ]  # fmt: skip
     assert document["effects_at_rounding"] == [
-        {"effect": "drive-torque", "seconds": 0.0222, "error": 3.3e-15, "difference": 0.0},
-        {"effect": "lift-off", "seconds": 0.5, "error": None, "difference": 0.0},
+        {
+            "effect": "drive-torque",
+            "spread": 1.0,
+            "seconds": 0.0222,
+            "error": 3.3e-15,
+            "difference": 0.0,
+        },
+        {"effect": "lift-off", "spread": 1.0, "seconds": 0.5, "error": None, "difference": 0.0},
     ]
 
 
 def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) -> None:
     found += [(), ()]
-    call(SETZHUB)
+    call(SETZHUB, "--all")
     assert "effect" not in capsys.readouterr().out
     call(SETZHUB, "--json")
     assert json.loads(capsys.readouterr().out)["effects"] == []

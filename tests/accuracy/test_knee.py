@@ -1,114 +1,148 @@
-"""The knee: where machining time, decimals, ripple or size end the benefit of accuracy."""
+"""The knee: where machining time, decimals, ripple, benefit or cost end what accuracy gains."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from camgeo.accuracy.knee import DOUBLE, SLACK, End, advice, knee_of
+from camgeo.accuracy.benefit import BenefitRow
+from camgeo.accuracy.knee import SLACK, End, advice, knee_of, step_sentence
 from camgeo.accuracy.rows import ContourRow
-from tests.accuracy.rows import missing, row
+from tests.accuracy.rows import file, missing, row
 
 
-def milled(*times: tuple[float, float, float, int]) -> list[ContourRow]:
-    """Rows of (tolerance, seconds with chords, seconds with arcs, decimals)."""
-    rows = []
-    for number, (tolerance, chords, arcs, decimals) in enumerate(times):
-        rows.append(row("polyline", tolerance, 40 * 4**number, seconds=chords))
-        rows.append(row("arcs", tolerance, 10 * 2**number, seconds=arcs, decimals=decimals))
-    return rows
+def milled(*times: tuple[float, float, int]) -> list[ContourRow]:
+    """Rows of (tolerance, seconds of a round, decimals)."""
+    return [
+        row("arcs", tolerance, 10 + number, seconds=seconds, decimals=decimals)
+        for number, (tolerance, seconds, decimals) in enumerate(times)
+    ]
+
+
+def costing(*costs: tuple[int, int, float]) -> list[ContourRow]:
+    """Rows of (pieces, bytes, seconds), a decade apart."""
+    return [
+        replace(
+            row("spline", 10.0**-number, pieces),
+            drawing=replace(file(size), write_seconds=0.75 * seconds, read_seconds=0.25 * seconds),
+        )
+        for number, (pieces, size, seconds) in enumerate(costs, start=1)
+    ]
 
 
 def test_the_tightest_tolerance_that_is_still_milled_quickly() -> None:
-    rows = milled((1e-2, 50, 50, 4), (1e-3, 50, 50.1, 4), (1e-4, 80, 53, 4), (1e-5, 99, 60, 4))
+    rows = milled((1e-2, 50, 4), (1e-3, 50.1, 4), (1e-4, 53, 4), (1e-5, 60, 4))
     knee = knee_of(rows)
     assert knee is not None
-    assert (knee.row.form, knee.row.tolerance, knee.end) == ("arcs", 1e-3, "time")
-    assert knee.quick == 1e-3
-    assert knee.next is rows[5]
+    assert (knee.row, knee.end, knee.quick) == (rows[1], "time", 1e-3)
+    assert knee.step == (rows[0], rows[1])
     assert "more slowly" in advice(knee)
 
 
 @pytest.mark.parametrize("over", [-1e-9, 1e-9])
 def test_five_per_cent_are_the_border(over: float) -> None:
-    rows = milled((1e-2, 60, 50, 4), (1e-3, 80, 50 * (SLACK + over), 4))
-    knee = knee_of(rows)
+    knee = knee_of(milled((1e-2, 50, 4), (1e-3, 50 * (SLACK + over), 4)))
     assert knee is not None
     assert knee.row.tolerance == (1e-2 if over > 0.0 else 1e-3)
 
 
-def test_chords_are_enough_where_arcs_are_slower() -> None:
-    rows = milled((1e-2, 50, 80, 4), (1e-3, 50, 80, 4))
-    knee = knee_of(rows)
-    assert knee is not None
-    assert knee.row.form == "polyline"
-    assert knee.end == "range"
-    assert advice(knee).endswith("no tighter tolerance was tried")
-
-
 def test_more_decimals_than_the_controller_asks_for_buy_nothing() -> None:
-    rows = milled((1e-2, 50, 50, 4), (1e-3, 50, 50, 4), (1e-4, 50, 50, 5), (1e-5, 90, 50, 6))
-    knee = knee_of(rows)
+    knee = knee_of(milled((1e-2, 50, 4), (1e-3, 50, 4), (1e-4, 50, 5), (1e-5, 50, 6)))
     assert knee is not None
     assert (knee.row.tolerance, knee.end, knee.quick) == (1e-3, "decimals", 1e-5)
     text = advice(knee)
-    assert text.startswith("arcs (fewest) within 0.001 mm: 20 pieces")
+    assert text.startswith("arcs (fewest) within 0.001 mm: 11 pieces")
     assert "no slower down to 1e-05 mm, but need more decimals than 4" in text
 
 
-def test_a_ripple_that_falls_no_more_is_an_end() -> None:
+def test_a_spline_is_milled_by_no_round_but_has_decimals() -> None:
+    rows = [row("spline", 1e-2, 5, decimals=4), row("spline", 1e-3, 6, decimals=5)]
+    knee = knee_of(rows)
+    assert knee is not None
+    assert (knee.row, knee.end, knee.quick) == (rows[0], "decimals", None)
+    assert "tighter programs need more decimals than 4" in advice(knee)
+
+
+def test_a_ripple_that_falls_no_more_is_an_end_and_cost_is_none_then() -> None:
     ripples = {1e-2: 0.2, 1e-3: 0.1, 1e-4: 0.098, 1e-5: 0.099}
     rows = [
-        row("arcs", tolerance, 10 * number, seconds=50.0, decimals=4, ripple=ripple)
+        row("arcs", tolerance, 10**number, seconds=50.0, decimals=4, ripple=ripple)
         for number, (tolerance, ripple) in enumerate(ripples.items(), start=1)
     ]
     knee = knee_of(rows)
     assert knee is not None
     assert (knee.row.tolerance, knee.end) == (1e-3, "ripple")
+    assert knee.bought == pytest.approx(0.1)
     assert "ripple 10 %" in advice(knee)
+    assert step_sentence(knee).endswith("machining the same, and buys 10 % of the acceleration")
 
 
-def test_chords_of_fewer_pieces_do_not_win_where_they_run_rougher() -> None:
-    rows = [
-        row("polyline", 1e-3, 10, seconds=50.0, ripple=6.0),
-        row("arcs", 1e-3, 20, seconds=50.0, decimals=4, ripple=0.1),
-        row("arcs", 1e-3, 30, effort="fast", seconds=50.0, decimals=4, ripple=0.102),
-    ]
-    knee = knee_of(rows)
+def benefits(*off: float) -> list[BenefitRow]:
+    """Of a motion whose acceleration has the peak 1, a decade apart."""
+    return [BenefitRow("spline", 10.0**-k, 1.0, each, 1.0) for k, each in enumerate(off, start=1)]
+
+
+def test_where_the_benefit_is_known_it_decides_and_not_the_cost() -> None:
+    rows = costing((10, 10, 1.0), (100, 100, 10.0), (1000, 1000, 100.0), (10**4, 10**4, 1e3))
+    knee = knee_of(rows, benefits(0.8, 0.4, 0.1, 0.06))
     assert knee is not None
-    assert knee.row is rows[1]
+    assert (knee.row, knee.end, knee.step) == (rows[2], "benefit", (rows[1], rows[2]))
+    assert knee.bought == pytest.approx(0.3)
+    assert advice(knee).endswith("at most 5 %")
+    cheap = knee_of(rows, [replace(each, acceleration=None) for each in benefits(0.8, 0.4)])
+    assert cheap is not None
+    assert (cheap.row, cheap.end) == (rows[0], "cost")
 
 
-def test_fewer_pieces_win_at_the_knee() -> None:
-    rows = [
-        row("arcs", 1e-3, 20, seconds=50.0, decimals=4),
-        row("arcs", 1e-3, 30, effort="fast", seconds=50.0, decimals=4),
-    ]
-    assert (knee := knee_of(rows)) is not None
-    assert knee.row is rows[0]
-    assert (knee := knee_of(rows[::-1])) is not None
-    assert knee.row is rows[0]
-
-
-def test_without_milling_the_size_of_the_drawing_decides() -> None:
-    rows = [
-        *(row("polyline", t, 9, size=s) for t, s in ((1e-2, 10_000), (1e-3, 40_000))),
-        *(row("arcs", t, 8, size=s) for t, s in ((1e-2, 9_000), (1e-3, 18_000), (1e-4, 30_000))),
-        *(row("spline", t, 7, size=s) for t, s in ((1e-2, 9_500), (1e-3, 18_000), (1e-4, 19_001))),
-    ]
-    knee = knee_of(rows)
+@pytest.mark.parametrize(
+    ("last", "tolerance"),
+    [
+        ((2_249, 2_249, 2.249), 1e-2),
+        ((2_251, 2_251, 2.251), 1e-1),
+        # Seconds of two runs that differ by a third change the mean by a tenth.
+        ((2_000, 2_000, 2.8), 1e-2),
+        ((2_000, 2_000, 2.9), 1e-1),
+    ],
+)
+def test_two_steps_of_a_half_more_are_the_border_of_what_all_costs_together(
+    last: tuple[int, int, float], tolerance: float
+) -> None:
+    """1.5^2 = 2.25, of the geometric mean: 2000^2 * 2.8475 is 2250^2 * 2.25."""
+    knee = knee_of(costing((1_000, 1_000, 1.0), last, (10**6, 10**6, 1e3)))
     assert knee is not None
-    assert DOUBLE * 9_000 == 18_000
-    assert (knee.row.form, knee.row.tolerance, knee.end) == ("spline", 1e-3, "size")
-    assert knee.quick is None
-    assert advice(knee).endswith("0.0001 mm makes it 1.1 times as large")
+    assert knee.row.tolerance == pytest.approx(tolerance)
+    assert knee.end == "cost"
+    assert advice(knee).endswith("tighter ones cost more than 2.25 times as much as the cheapest")
 
 
-def test_times_without_a_program_are_no_milling() -> None:
-    rows = [row("arcs", 1e-2, 5, size=9, seconds=10.0), row("arcs", 1e-3, 9, size=18, seconds=90.0)]
-    knee = knee_of(rows)
+def test_seconds_of_a_machine_count_only_if_asked_for() -> None:
+    rows = costing((10, 10, 1.0), (15, 15, 50.0), (100, 100, 100.0))
+    for timed, tolerance in ((True, 1e-1), (False, 1e-2)):
+        knee = knee_of(rows, timed=timed)
+        assert knee is not None
+        assert knee.row.tolerance == tolerance
+
+
+def test_the_end_of_a_range_is_no_knee() -> None:
+    knee = knee_of(costing((10, 10, 1.0), (11, 10, 1.0), (12, 10, 1.0)))
     assert knee is not None
-    assert knee.row is rows[1]
-    assert knee.quick is None
+    assert (knee.row.tolerance, knee.end) == (1e-3, "range")
+    assert advice(knee).endswith("that is the end of what was tried, not a knee")
+
+
+def test_a_step_in_words() -> None:
+    """Of the last one up to the knee, or of the first one beyond it."""
+    rows = costing((10, 10_000, 0.06), (20, 19_400, 0.0724), (200, 10**6, 9.0))
+    knee = knee_of(rows)
+    assert step_sentence(knee) == "from 0.1 mm to 0.01 mm costs 10 pieces, 12 ms and 9.4 kB"
+    first = knee_of([rows[0], rows[2]])
+    assert step_sentence(first) == "from 0.1 mm to 0.001 mm costs 190 pieces, 8.9 s and 990 kB"
+    slower = knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4)))
+    assert step_sentence(slower) == (
+        "from 0.01 mm to 0.001 mm costs 1 piece, no time and 0 kB, machining 20.0 s longer"
+    )
+    assert step_sentence(knee_of(rows[:1])) == step_sentence(None) == ""
 
 
 @pytest.mark.parametrize(
@@ -116,10 +150,9 @@ def test_times_without_a_program_are_no_milling() -> None:
     [
         ([row("arcs", 1e-2, 5)], "range"),
         ([row("arcs", 1e-2, 5), missing("arcs", 1e-3)], "reach"),
-        ([row("arcs", 1e-2, 5), missing("spline", 1e-3)], "range"),
         (
-            [row("arcs", 1e-2, 5), missing("spline", 1e-3), row("arcs", 1e-3, 9, size=99_999)],
-            "size",
+            [row("arcs", 1e-2, 5), missing("arcs", 1e-3), row("arcs", 1e-4, 99, size=999_999)],
+            "cost",
         ),
     ],
 )

@@ -59,7 +59,8 @@ def made_up() -> Survey:
         SolidRow("stl", 1e-6, None, "the numbers are too coarse"),
     )
     tables = (TableRow(Decimal("0.5"), 720, 249_114, 0.0131, 1.7e-3),)
-    return Survey(tuple(contours), solids, tables, knee_of(contours))
+    own = [each for each in contours if each.form == "arcs"]
+    return Survey(tuple(contours), solids, tables, knee_of(own))
 
 
 @pytest.fixture
@@ -86,7 +87,7 @@ def test_it_is_a_command() -> None:
 
 
 def test_the_tables(found: list[dict[str, Any]], capsys: Capture) -> None:
-    assert call(SETZHUB, "--ripple") == 0
+    assert call(SETZHUB, "--ripple", "--all") == 0
     captured = capsys.readouterr()
     assert captured.err == ""
     blocks = captured.out.split("\n\n")
@@ -95,12 +96,14 @@ def test_the_tables(found: list[dict[str, Any]], capsys: Capture) -> None:
     assert len(rows) == 7
     assert rows[2].split() == [
         "arcs", "fewest", "0.01", "1,200", "1.111", "0.0098", "23,456", "500", "0.01", "0.005",
-        "0.1", "0.05", "47.9", "-", "22.1", "%",
+        "0.1", "0.05", "1.00", "47.9", "-", "22.1", "%",
     ]  # fmt: skip
-    assert rows[-1].split() == ["spline", "fewest", "0.0001", *["-"] * 12, *missing_words()]
+    assert rows[-1].split() == ["spline", "fewest", "0.0001", *["-"] * 13, *missing_words()]
     assert blocks[2].splitlines()[1].split()[:5] == ["stl", "0.01", "904", "0.0001", "45,284"]
     assert blocks[2].splitlines()[2].endswith("-  the numbers are too coarse")
-    assert blocks[3].splitlines()[1].split() == ["0.5", "720", "249,114", "0.013", "0.0017"]
+    assert blocks[3].splitlines()[1].split() == [
+        "0.5", "720", "249,114", "0.013", "1.00", "0.0017",
+    ]  # fmt: skip
     assert blocks[3].splitlines()[0].endswith("error [mm]")
     last = captured.out.splitlines()[-1]
     assert last.startswith("advice: arcs (fewest) within 0.001 mm: 2,400 pieces, ")
@@ -110,8 +113,28 @@ def missing_words() -> list[str]:
     return missing("spline", 1e-4).fault.split()
 
 
+def test_the_rows_that_a_designer_reads(found: list[dict[str, Any]], capsys: Capture) -> None:
+    """Of the scene's own form and fit, and the step in words; seconds and ripple of `made_up`."""
+    assert call(SETZHUB, "--ripple") == 0
+    assert found[-1]["complete"] is False
+    title, rows, notes = capsys.readouterr().out.split("\n\n")
+    assert title == "setzhub: what accuracy costs, in mm, bytes and seconds"
+    head, *cells = rows.splitlines()
+    heads = ["tolerance", "pieces", "bytes", "seconds", "spread", "machining"]
+    assert head.split() == [*heads, "acceleration", "off"]
+    assert [each.split() for each in cells] == [
+        ["0.01", "1,200", "23,456", "0.15", "1.00", "47.9", "22.1", "%"],
+        ["0.001", "2,400", "23,456", "0.15", "1.00", "47.9", "10.5", "%"],
+    ]
+    assert notes.splitlines()[-2] == (
+        "from 0.01 mm to 0.001 mm costs 1,200 pieces, no time and 0 kB, machining the same, and"
+        " buys 12 % of the acceleration"
+    )
+    assert notes.splitlines()[-1].startswith("advice: arcs (fewest) within 0.001 mm")
+
+
 def test_columns_are_aligned(found: list[dict[str, Any]], capsys: Capture) -> None:
-    call(SETZHUB)
+    call(SETZHUB, "--all")
     lines = capsys.readouterr().out.split("\n\n")[1].splitlines()
     assert "ripple" not in lines[0]
     assert len({len(line) for line in lines[:-1]}) == 1
@@ -134,6 +157,12 @@ def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None
         "contour": "arcs", "fit": "fewest", "tolerance_mm": 0.001, "end": "range",
     }  # fmt: skip
     assert document["advice"].startswith("arcs (fewest) within 0.001 mm")
+    assert found[-1]["complete"] is True
+    assert document["step"].startswith("from 0.01 mm to 0.001 mm costs 1,200 pieces")
+    assert arcs["decimals"] == 4
+    assert {arcs["count"]["spread"], arcs["dxf"]["spread"], document["tables"][0]["spread"]} == {
+        1.0
+    }
 
 
 def test_angles_are_stated_in_degrees(found: list[dict[str, Any]], capsys: Capture) -> None:
@@ -298,7 +327,7 @@ def test_what_is_bought_is_in_text_and_json(
     splines = replace(at_speed()[1], form="spline")
     rows = (heard, at_speed()[1], fault, splines)
     monkeypatch.setattr(benefit, "benefit_rows", lambda *_, **__: rows)
-    call(SETZHUB, "--speed", "600")
+    call(SETZHUB, "--speed", "600", "--all")
     lines = capsys.readouterr().out.splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("written  "))
     cells = ["arcs", "0.01", "50", "50", "%", "16", "1", "716", "2-3", "30"]

@@ -18,8 +18,8 @@ from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.formats.dxf import DxfSpec
 from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.boundary import WRITTEN_SHARE
 from camgeo.part.part import Layer, Part
-from camgeo_export.drawn import FIT_SHARE
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.dxf.writer import WRITER
@@ -97,7 +97,7 @@ def test_ezdxf_reads_the_same_curves(product: FlankProduct) -> None:
 def test_facts_state_what_is_drawn() -> None:
     product = FlankProduct()
     written = WRITER.write(product, TOLERANCE)
-    outline = product.part.boundaries[0].spline(FIT_SHARE * TOLERANCE).contour
+    outline = product.part.boundaries[0].spline(WRITTEN_SHARE * TOLERANCE).contour
     assert written.facts == {
         "boundaries": 2,
         "splines": 5,

@@ -24,7 +24,7 @@ from camgeo.errors import SceneError
 from camgeo.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.outline.replay_lift import PlayedLift
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import written_contour
 from camgeo.state.contours import Contours
 from camgeo.state.state import FIRST, SECOND
 from camgeo.state.written import Written
@@ -72,7 +72,7 @@ def side_of(made: Design, flank: str) -> tuple[Contour, Any]:
     name = "outline" if flank in ("main", "return") else f"{flank} flank"
     (boundary,) = (each for each in disc.drawn.part.boundaries if each.name == name)
     writing = contours_of(made).writing
-    found = fitted(boundary, writing.form, writing.effort, writing.tolerance).contour
+    found = written_contour(boundary, writing.form, writing.effort, writing.tolerance).contour
     assert isinstance(found, Contour)
     return found, disc.drawn.cam
 

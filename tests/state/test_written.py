@@ -23,7 +23,7 @@ from camgeo.design import Design
 from camgeo.effects.results import CONTACT_FORCE
 from camgeo.errors import SceneError
 from camgeo.numeric.arrays import SIDES
-from camgeo.part.boundary import fitted
+from camgeo.part.boundary import written_contour
 from camgeo.scene.load import load_scene
 from camgeo.state.written import Written
 from tests.effects.scenes import design
@@ -55,7 +55,7 @@ def contour_of(made: Design) -> Contour:
     assert contours is not None
     writing = contours.writing
     (outline,) = (each for each in made.disc.drawn.part.boundaries if each.name == "outline")
-    found = fitted(outline, writing.form, writing.effort, writing.tolerance).contour
+    found = written_contour(outline, writing.form, writing.effort, writing.tolerance).contour
     assert isinstance(found, Contour)
     return found
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from camgeo.accuracy import survey as surveys
-from camgeo.accuracy.bill import ENTITIES
-from camgeo.accuracy.knee import advice
-from camgeo.accuracy.survey import TOLERANCES, Survey
+from camgeo.accuracy.knee import advice, step_sentence
+from camgeo.accuracy.rows import FORMS, ContourRow
+from camgeo.accuracy.survey import TOLERANCES, Survey, own_contour, own_rows
 from camgeo.answers.answer import Answer
 from camgeo.contour.contour import Form
 from camgeo.design import Design
-from camgeo.formats.dxf import FORMAT
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, RPM
 
@@ -32,6 +31,7 @@ class Accuracy(Answer):
     survey : what was measured.
     ripple : whether contours were replayed too.
     turns : whether the positions of the motion are angles.
+    complete : whether not only the contour that the scene asks for was measured.
     benefits : what each form does at one speed; empty if none was asked for.
     """
 
@@ -41,12 +41,23 @@ class Accuracy(Answer):
     survey: Survey
     ripple: bool
     turns: bool
+    complete: bool = True
     benefits: tuple[BenefitRow, ...] = ()
 
     @property
     def advice(self) -> str:
         """What is recommended, in words."""
         return advice(self.survey.knee)
+
+    @property
+    def step(self) -> str:
+        """What the last step of accuracy up to there costs and buys, in words."""
+        return step_sentence(self.survey.knee)
+
+    @property
+    def own(self) -> tuple[ContourRow, ...]:
+        """The rows of the contour that the scene asks for."""
+        return own_rows(self.scene, self.survey.contours)
 
     @property
     def enough(self) -> tuple[str, ...]:
@@ -61,7 +72,7 @@ class Accuracy(Answer):
     @property
     def form(self) -> Form:
         """Of the contour in the drawing of the scene."""
-        return ENTITIES[self.scene.output.options[FORMAT].entity]
+        return own_contour(self.scene)[0]
 
     @property
     def unit(self) -> str:
@@ -81,6 +92,7 @@ class Accuracy(Answer):
                 "rows": row.rows,
                 "bytes": row.size,
                 "seconds": row.seconds,
+                "spread": row.spread,
                 "interpolation_error": self.shown(row.error),
                 "unit": self.unit,
             }
@@ -129,6 +141,7 @@ def accuracy(
     tolerances: Sequence[float] = TOLERANCES,
     *,
     ripple: bool | None = None,
+    complete: bool = True,
     bill: bool = False,
     speed: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
@@ -140,6 +153,8 @@ def accuracy(
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
     speed : of the cam [rad/s] at which contours are judged by what they do; None for not.
+    complete : whether all forms and fits of the contour are measured, and all other files, value
+        tables and effects; else the contour that the scene asks for.
     bill : whether the scene is also built within each of them.
     progress : called with the name of each step.
 
@@ -150,10 +165,14 @@ def accuracy(
     """
     if ripple is None:
         ripple = design.scene.output.accuracy_ripple
-    found = surveys.survey(design, tolerances, ripple=ripple, bill=bill, progress=progress)
     benefits: tuple[BenefitRow, ...] = ()
     if speed is not None:
         from camgeo.accuracy.benefit import benefit_rows  # a survey without a speed needs none
 
-        benefits = benefit_rows(design, tolerances, (speed,), progress=progress)
-    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", benefits)
+        forms = FORMS if complete else own_contour(design.scene)[:1]
+        benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
+    found = surveys.survey(
+        design, tolerances, ripple=ripple, complete=complete, bill=bill, benefits=benefits,
+        progress=progress,
+    )  # fmt: skip
+    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", complete, benefits)

@@ -6,19 +6,27 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from camgeo.accuracy.bill import STAGES, BillRow
-from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow
+from camgeo.accuracy.rows import ContourRow, EffectRow, SolidRow, TableRow, in_length
 from camgeo.accuracy.spectrum import harmonics
 from camgeo.answers.accuracy import Accuracy
 from camgeo.figure import accuracy
 from camgeo.figure.model import Figure
 from camgeo.units import MM_PER, LengthUnit
 
+SUMMARY_COLUMNS: Final = """\
+pieces, bytes: of the contour in the drawing of the scene, and of that file; seconds: of CPU time on
+    this machine to fit, prove, write and read it, the median of some runs; spread: the ratio of
+    the upper quartile of these to the lower one; machining: seconds to mill once along the flanks;
+    --all has all other forms and files"""
+"""The columns of the few rows, explained below them."""
+
 COLUMNS: Final = """\
 pieces: in the contours of the flanks; of least: pieces other than dwells and turns, as a multiple
     of the least number possible for small tolerances
 deviation: proved, both ways and for every point
-fit, proof, write, read: seconds of computing on this machine: the fit with its proof, the proof
-    again from the finished contour alone, the drawing written with all its curves, and read back
+fit, proof, write, read: seconds of CPU time on this machine: the fit with its proof, the proof
+    again from the finished contour alone, the drawing written with all its curves, and read back;
+    spread: of them, the ratio of the upper quartile of some runs to the lower one
 round, shortest: seconds to mill once along the flanks at the feed of the scene, and as fast as the
     controller can run these pieces, by its look-ahead, corners and accelerations
 ripple: largest error of the acceleration in a replay, as a share of its demanded peak
@@ -47,13 +55,16 @@ effects: tolerance, estimate and off are shares of the scale of a figure, e.g. t
     that it is in; estimate and off are the largest of all values and columns"""
 """The same for the table of effects."""
 
+SUMMARY: Final = (
+    "tolerance", "pieces", "bytes", "seconds", "spread", "machining", "acceleration off",
+)  # fmt: skip
 CONTOURS: Final = (
     "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
-    "proof", "write", "read", "round", "shortest",
+    "proof", "write", "read", "spread", "round", "shortest",
 )  # fmt: skip
-BILL: Final = ("build", *STAGES, "total", "pieces", "bytes", "machining")
-SOLIDS: Final = ("solid", "tolerance", "faces", "deviation", "bytes", "write", "read")
-EFFECTS: Final = ("effect", "tolerance", "computed", "estimate", "off", "figure")
+BILL: Final = ("build", *STAGES, "total", "spread", "pieces", "bytes", "machining")
+SOLIDS: Final = ("solid", "tolerance", "faces", "deviation", "bytes", "write", "read", "spread")
+EFFECTS: Final = ("effect", "tolerance", "computed", "spread", "estimate", "off", "figure")
 """Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
 
 NONE: Final = "-"
@@ -61,12 +72,42 @@ NONE: Final = "-"
 
 
 def text(answer: Accuracy) -> str:
-    """A table each of contours, solids, builds, benefits, value tables and effects; the advice."""
+    """What the contour of the scene costs, or with all that was measured a table of each kind; the
+    step up to what is advised, and the advice.
+    """
+    name, unit = answer.scene.name, answer.scene.unit
+    lines = [f"{name}: what accuracy costs, in {unit}, bytes and seconds", ""]
+    lines += _tables(answer) if answer.complete else _summary(answer)
+    lines += [answer.step] if answer.step else []
+    return "\n".join([*lines, f"advice: {answer.advice}", *answer.enough])
+
+
+def _summary(answer: Accuracy) -> list[str]:
+    """The rows that a designer reads, and the table of builds if it was asked for."""
+    mm, bill = MM_PER[answer.scene.unit], answer.survey.in_length(answer.scene.unit).bill
+    off = {row.tolerance: row.ripple for row in answer.benefits if row.form == answer.form}
+    count = len(SUMMARY) if off or answer.ripple else len(SUMMARY) - 1
+    cells = [_own_cells(in_length(row, mm), off.get(row.tolerance, row.ripple))[:count]
+             for row in answer.own]  # fmt: skip
+    rows = [(each, row.fault) for each, row in zip(cells, answer.own, strict=True)]
+    builds = ["", *_columns(BILL, [_bill_cells(row) for row in bill])] if bill else []
+    notes = ["", SUMMARY_COLUMNS, BILL_COLUMNS][: 3 if bill else 2]
+    return [*_columns(SUMMARY[:count], rows), *builds, *notes]
+
+
+def _own_cells(row: ContourRow, off: float | None) -> list[str]:
+    cells = dict(zip(CONTOURS, _contour_cells(row, ripple=False)[0], strict=True))
+    seconds = _seconds(None if row.drawing is None else row.drawing.seconds)
+    sizes = [cells[name] for name in ("tolerance", "pieces", "DXF")]
+    return [*sizes, seconds, cells["spread"], cells["round"], _percent(off)]
+
+
+def _tables(answer: Accuracy) -> list[str]:
+    """A table each of contours, solids, builds, benefits, value tables and effects."""
     length = answer.scene.unit
     found, ripple = answer.survey.in_length(length), answer.ripple
-    lines = [f"{answer.scene.name}: what accuracy costs, in {length}, bytes and seconds", ""]
     heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
-    lines += _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
+    lines = _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
     if found.solids:
         lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
     if found.bill:
@@ -76,7 +117,7 @@ def text(answer: Accuracy) -> str:
             "",
             *_columns(_benefits(answer), [_benefit_cells(row, length) for row in answer.written]),
         ]
-    heads = ["step [deg]", "rows", "bytes", "made", f"error [{answer.unit}]"]
+    heads = ["step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]"]
     lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
     if found.effects:
         lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
@@ -84,9 +125,7 @@ def text(answer: Accuracy) -> str:
         lines += ["", *map(_rounded, found.rounded)]
     lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
     lines += [BENEFIT_COLUMNS] if answer.benefits else []
-    lines += [EFFECT_COLUMNS] if found.effects else []
-    lines.append(f"advice: {answer.advice}")
-    return "\n".join([*lines, *answer.enough])
+    return [*lines, *([EFFECT_COLUMNS] if found.effects else [])]
 
 
 def figure(answer: Accuracy) -> Figure:
@@ -131,27 +170,29 @@ def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:
         _seconds(None if count is None else count.proof_seconds),
         _seconds(None if drawing is None else drawing.write_seconds),
         _seconds(None if drawing is None else drawing.read_seconds),
-        NONE if row.round_seconds is None else f"{row.round_seconds:.1f}",
-        NONE if row.shortest_seconds is None else f"{row.shortest_seconds:.1f}",
+        NONE if count is None else f"{row.spread:.2f}",
+        _tenths(row.round_seconds),
+        _tenths(row.shortest_seconds),
     ]
     if ripple:
-        cells.append(NONE if row.ripple is None else f"{100.0 * row.ripple:.3g} %")
+        cells.append(_percent(row.ripple))
     return cells, row.fault
 
 
 def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
     file, cells = row.file, [row.format, f"{row.tolerance:g}"]
     if file is None:
-        return [*cells, *[NONE] * 5], row.fault
+        return [*cells, *[NONE] * 6], row.fault
     faces = file.facts.get("triangles") or file.facts["faces"]
     cells += [f"{faces:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
-    cells += [_seconds(file.write_seconds), _seconds(file.read_seconds)]
+    cells += [_seconds(file.write_seconds), _seconds(file.read_seconds), f"{file.spread:.2f}"]
     return cells, row.fault
 
 
 def _bill_cells(row: BillRow) -> tuple[list[str], str]:
     seconds = [row.stages.get(stage) for stage in STAGES]
     cells = [f"{row.tolerance:g}", *map(_seconds, (*seconds, row.total))]
+    cells.append(f"{row.spread:.2f}" if row.stages else NONE)
     cells += [NONE if each is None else f"{each:,}" for each in (row.pieces, row.size)]
     return [*cells, _seconds(row.machining_seconds)], row.fault
 
@@ -163,13 +204,12 @@ def _benefits(answer: Accuracy) -> list[str]:
 
 
 def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], str]:
-    ripple = row["ripple"]
     figures = (row["force_N"], row["lowest_force_N"], row["lift_off_rpm"])
     cells = [
         row["contour"],
         f"{row['tolerance_mm'] / MM_PER[length]:.6g}",
         _three(row["acceleration"]),
-        NONE if ripple is None else f"{100.0 * ripple:.3g} %",
+        _percent(row["ripple"]),
         *map(_three, figures),
     ]
     octaves = row["octaves"]
@@ -187,12 +227,20 @@ def _three(value: float | None) -> str:
 
 def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
     error = f"{answer.shown(row.error):.2g}"
-    return [f"{row.step}", f"{row.rows:,}", f"{row.size:,}", _seconds(row.seconds), error], ""
+    return [
+        f"{row.step}",
+        f"{row.rows:,}",
+        f"{row.size:,}",
+        _seconds(row.seconds),
+        f"{row.spread:.2f}",
+        error,
+    ], ""
 
 
 def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
-    cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), _share(row.error)]
-    return [*cells, _share(row.difference), row.figure or NONE], row.fault
+    spread = NONE if row.seconds is None else f"{row.spread:.2f}"
+    cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), spread]
+    return [*cells, _share(row.error), _share(row.difference), row.figure or NONE], row.fault
 
 
 def _rounded(row: EffectRow) -> str:
@@ -202,6 +250,14 @@ def _rounded(row: EffectRow) -> str:
         f"{row.effect}: rounding at any tolerance ({estimate}, off {_share(row.difference)}),"
         f" computed in {_seconds(row.seconds)} s"
     )
+
+
+def _percent(share: float | None) -> str:
+    return NONE if share is None else f"{100.0 * share:.3g} %"
+
+
+def _tenths(seconds: float | None) -> str:
+    return NONE if seconds is None else f"{seconds:.1f}"
 
 
 def _share(value: float | None) -> str:

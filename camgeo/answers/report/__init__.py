@@ -238,10 +238,10 @@ def _prices(design: Design, progress: Progress) -> Survey:
     """Of contours alone, with what is the same on every machine."""
     from camgeo.accuracy.contours import contour_rows
     from camgeo.accuracy.knee import knee_of
-    from camgeo.accuracy.survey import Survey
+    from camgeo.accuracy.survey import Survey, own_rows
 
-    rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress)
-    return Survey(tuple(rows), (), (), knee_of(rows))
+    rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress, timed=False)
+    return Survey(rows, (), (), knee_of(own_rows(design.scene, rows), timed=False))
 
 
 def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[str, bytes]:

@@ -22,13 +22,12 @@ from camgeo.contour.contour import Contour
 from camgeo.contour.spline import CubicSpline, SplineContour, strands_of
 from camgeo.formats.dxf import FORMAT, SINGLE
 from camgeo.numeric.arrays import phase
-from camgeo.part.part import Boundary
+from camgeo.part.boundary import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.product.product import Product
 from camgeo.reading import DRAWING_LINES
 from camgeo.units import MM_PER
 from camgeo.wording import counted
 from camgeo.writing.writer import Written
-from camgeo_export.drawn import FIT_SHARE, curve_of
 from camgeo_export.dxf.curves import Curve
 from camgeo_export.dxf.file import INSUNITS, MEASUREMENT, bytes_of, describe, fixed_metadata
 from camgeo_export.dxf.measure import measure
@@ -102,9 +101,9 @@ def _cut(boundary: Boundary, product: Product, tolerance: float) -> Curve:
     """A boundary as drawn; a drawing of splines or of single lines and arcs has no bulges, not even
     in the bore.
     """
-    entity = product.options[FORMAT].entity
-    curve = curve_of(boundary, entity, product, tolerance)
-    return strands_of(curve) if entity == SINGLE and isinstance(curve, Contour) else curve
+    drawing = product.options[FORMAT]
+    curve = written_contour(boundary, drawing.form, product.drawn.effort, tolerance).contour
+    return strands_of(curve) if drawing.entity == SINGLE and isinstance(curve, Contour) else curve
 
 
 def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
@@ -125,7 +124,7 @@ def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
 
 def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
     if not straight:
-        return product.drawn.pitch_contour(FIT_SHARE * tolerance).contour.split(math.pi)
+        return product.drawn.pitch_contour(WRITTEN_SHARE * tolerance).contour.split(math.pi)
     fit, chord = POLYLINE_SHARES
     points = product.drawn.pitch_contour(fit * tolerance).contour.points(chord * tolerance)
     return Contour.polygon(points)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from camgeo.errors import ToleranceError
-from camgeo.toolpath.machine import Machine
+from camgeo.toolpath.machine import ROUNDING_SHARE, ROUNDING_UNITS, Machine
 from camgeo.units import MM_PER, LengthUnit
 
 FEED_DECIMALS = 4
@@ -50,13 +50,6 @@ def number(value: float, decimals: int = FEED_DECIMALS) -> str:
     """A feed or a speed with as many digits as it has, but at most `decimals` behind the point."""
     return f"{value:.{decimals}f}".rstrip("0").rstrip(".")
 
-
-ROUNDING_SHARE = 0.3
-"""Share of the tolerance for printed numbers; it decides the number of decimals: four at 1 um."""
-
-ROUNDING_UNITS = 3.0
-"""Deviation by rounding, in units of the last decimal: end points and centre each move by at most
-half a diagonal, 0.71, and the radii at an arc's two ends then differ by at most 1.42."""
 
 CHORD_SHARE = 0.05
 """Share of the tolerance for arcs that are written as chords: nearly straight ones, and those whose
@@ -106,9 +99,7 @@ class Budget:
 
 def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
     """The shares of `tolerance` [mm] on `machine`."""
-    finest = ROUNDING_SHARE * tolerance / (ROUNDING_UNITS * MM_PER[unit])
-    decimals = max(machine.numbers.decimals.of(unit), math.ceil(-math.log10(finest)))
-    decimals = min(decimals, machine.numbers.most_decimals.of(unit))
+    decimals = machine.decimals(unit, tolerance)
     step = 10.0**-decimals
     rounding = ROUNDING_UNITS * step * MM_PER[unit]
     interpolation = machine.arcs.interpolation

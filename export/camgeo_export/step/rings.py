@@ -12,10 +12,10 @@ from camgeo.contour.spline import Arc, CubicSpline, SplineContour, strands_of
 from camgeo.errors import ToleranceError
 from camgeo.formats.step import FORMAT
 from camgeo.part.bands import Bevel
+from camgeo.part.boundary import written_contour
 from camgeo.part.part import Boundary
 from camgeo.product.drawn import TOPOLOGY_TOLERANCE
 from camgeo.product.product import Product
-from camgeo_export.drawn import curve_of
 from camgeo_export.step.frame import UNCERTAINTY
 from camgeo_export.step.geometry import Strand
 from camgeo_export.step.shell import Ring
@@ -35,7 +35,8 @@ def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
     Raises ToleranceError if an arc is so flat that the ends miss its circle by more than the
     uncertainty that the file states.
     """
-    curve = curve_of(boundary, product.options[FORMAT].walls, product, tolerance)
+    form, effort = product.options[FORMAT].walls, product.drawn.effort
+    curve = written_contour(boundary, form, effort, tolerance).contour
     if isinstance(curve, Contour):
         contour = _without_flattest(curve, tolerance)
         strands = strands_of(contour).strands

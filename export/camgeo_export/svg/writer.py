@@ -16,6 +16,7 @@ import numpy as np
 from camgeo.contour.contour import Contour
 from camgeo.formats.plain import CUT_SVG
 from camgeo.part.boundaries import largest_radius
+from camgeo.part.boundary import written_contour
 from camgeo.product.product import Product, title_of
 from camgeo.reading import SVG_PIECES
 from camgeo.wording import counted
@@ -23,10 +24,6 @@ from camgeo.writing.writer import Written
 from camgeo_export.errors import FileError
 from camgeo_export.layers import CUT, layered
 from camgeo_export.svg.measure import measure
-
-FIT_SHARE: Final = 0.98
-"""Share of the tolerance that the fit may use; the rest is for rounding, and for the slack of the
-bound by which the file is measured."""
 
 WIDEST: Final = 0.5 * math.pi
 """Widest arc [rad]: an arc is given by its ends and its radius, from which the centre of one near
@@ -52,9 +49,12 @@ class CutSvgWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The drawing in mm, whatever the unit of the scene; all of it within `tolerance` [mm]."""
-        share, effort = FIT_SHARE * tolerance, product.drawn.effort
-        layers = {
-            name: [each.arcs(share, effort).contour.split(WIDEST) for each in boundaries]
+        effort = product.drawn.effort
+        layers: dict[str, list[Contour]] = {
+            name: [
+                written_contour(each, "arcs", effort, tolerance, WIDEST).contour
+                for each in boundaries
+            ]
             for name, boundaries in layered(product).items()
         }
         curves = [contour for contours in layers.values() for contour in contours]
