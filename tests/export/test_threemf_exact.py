@@ -224,8 +224,8 @@ def test_what_is_no_xml_may_hold_anything() -> None:
 
 def model(*objects: str, items: str = '<item objectid="1"/>') -> dict[str, bytes]:
     resources = "".join(objects)
-    return {"3D/m.model": f"<model><resources>{resources}</resources><build>{items}</build></model>"
-            .encode()}  # fmt: skip
+    whole = f"<resources>{resources}</resources><build>{items}</build>"
+    return {"3D/m.model": f'<model xmlns="{CORE[1:-1]}">{whole}</model>'.encode()}
 
 
 def of_facets(number: int, name: int = 1, inner: str = "") -> str:

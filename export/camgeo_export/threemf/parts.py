@@ -35,6 +35,7 @@ from camgeo.reading import (
 )
 from camgeo.wording import counted
 from camgeo_export.errors import FileError
+from camgeo_export.threemf.writer import CORE
 
 NAME: Final = "the package"
 
@@ -70,6 +71,12 @@ PRODUCTION: Final = "http://schemas.microsoft.com/3dmanufacturing/production/201
 
 PATH: Final = f"{{{PRODUCTION}}}path"
 """Attribute that says in which part the object of a component or an item is."""
+
+VERTEX: Final = f"{{{CORE}}}vertex"
+"""Those of extensions, as of slices, have other coordinates."""
+
+TRANSFORM: Final = 12
+"""Numbers of a transform (3.3 of the 3MF core specification)."""
 
 Key = tuple[str, str]
 """Part and id of an object."""
@@ -203,11 +210,16 @@ def _objects(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Ke
             continue
         if tag == "triangle":
             facets += 1
-        elif tag == "vertex":
+        elif item.tag == VERTEX:
             _check_numbers((item.get("x"), item.get("y"), item.get("z")), "a vertex")
         elif tag in ("component", "item"):
             if "transform" in item.attrib:
-                _check_numbers(item.get("transform", "").split(" "), f"the transform of a {tag}")
+                numbers, what = item.get("transform", "").split(), f"the transform of a {tag}"
+                _check_numbers(numbers, what)
+                if len(numbers) != TRANSFORM:
+                    raise FileError(
+                        f"{what} has {counted(len(numbers), 'number')}, not {TRANSFORM}"
+                    )
             path = posixpath.normpath(item.get(PATH, name)).removeprefix("/")
             inner.append((path, item.get("objectid", "")))
             if tag == "item":
@@ -221,6 +233,6 @@ def _objects(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Ke
 
 def _check_numbers(texts: Collection[str | None], what: str) -> None:
     for text in texts:
-        if text != "" and (text is None or number_of(text) is None):
+        if text is None or number_of(text) is None:
             found = "nothing" if text is None else repr(text[:40])
             raise FileError(f"{what} has {found}, which is not a number of at most {COORDINATE:g}")

@@ -1,16 +1,16 @@
-"""Whether other programs can read a 3MF package: its parts, how they refer to each other, and what
-the model holds.
+"""Whether other programs can read a 3MF package: its parts, and how they refer to each other; that
+one of camgeo's holds what it should.
 
 The rules are those of the Open Packaging Conventions (ECMA-376, part 2) and of the 3MF core
-specification, as strict readers like lib3mf apply them. The mesh itself is compared elsewhere.
+specification, as strict readers like lib3mf apply them; `verify.model` has those of the model.
 """
 
 from __future__ import annotations
 
-import io
 import posixpath
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 from xml.etree import ElementTree as ET
 
@@ -18,11 +18,9 @@ from camgeo.product.plate import Piece
 from camgeo.reading import number_of
 from camgeo.verifying.verification import Check, failed
 from camgeo_export.errors import FileError
-from camgeo_export.threemf.parts import PATH, PRODUCTION
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES,
     CONTENT_TYPES_PATH,
-    CORE,
     MODEL_PATH,
     MODEL_RELATION,
     MODEL_TYPE,
@@ -30,31 +28,7 @@ from camgeo_export.threemf.writer import (
     RELATIONSHIPS,
     RELATIONSHIPS_PATH,
 )
-
-LANGUAGE: Final = "{http://www.w3.org/XML/1998/namespace}lang"
-
-READ_EXTENSIONS: Final = (PRODUCTION,)
-"""Namespaces of the extensions that a model may require: they only spread it over several files."""
-
-ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
-    "model": ("unit", LANGUAGE, "requiredextensions", "recommendedextensions", "thumbnail"),
-    "metadata": ("name", "preserve", "type"),
-    "metadatagroup": (),
-    "resources": (),
-    "basematerials": ("id",),
-    "base": ("name", "displaycolor"),
-    "object": ("id", "type", "name", "partnumber", "pid", "pindex", "thumbnail"),
-    "mesh": (),
-    "vertices": (),
-    "vertex": ("x", "y", "z"),
-    "triangles": (),
-    "triangle": ("v1", "v2", "v3", "p1", "p2", "p3", "pid"),
-    "components": (),
-    "component": ("objectid", "transform"),
-    "build": (),
-    "item": ("objectid", "transform", "partnumber"),
-}
-"""Elements of the core specification, each with its attributes."""
+from camgeo_export.verify.model import LANGUAGE, core, fault, model_of
 
 OUR_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
     "model": ("unit", LANGUAGE),
@@ -80,16 +54,31 @@ PLATE_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
 }
 """Those of our packages with a plate."""
 
-TYPES: Final = ("model", "solidsupport", "support", "surface", "other")
-"""Types of objects."""
-
-METADATA: Final = (
-    "Title", "Designer", "Description", "Copyright", "LicenseTerms", "Rating", "CreationDate",
-    "ModificationDate", "Application",
-)  # fmt: skip
-"""Names of metadata without a namespace."""
-
 IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
+
+SCHEME: Final = re.compile(r"[A-Za-z][\w+.-]*:")
+"""How an address outside the package begins."""
+
+THUMBNAIL: Final = f"{RELATIONSHIPS}/metadata/thumbnail"
+PRINT_TICKET: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/printticket"
+TEXTURE: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dtexture"
+"""Types of relationships."""
+
+PICTURES: Final = (THUMBNAIL, TEXTURE)
+"""Those by which an object's thumbnail is named, the second one in older files."""
+
+NEEDED: Final = (MODEL_RELATION, PRINT_TICKET, *PICTURES)
+"""Those whose target must be in the package."""
+
+ONCE: Final = {False: (MODEL_RELATION, THUMBNAIL), True: (PRINT_TICKET,)}
+"""Those that a package has once, and those that a model has."""
+
+TYPE_OF: Final[Mapping[str, Collection[str]]] = {
+    MODEL_RELATION: (MODEL_TYPE,),
+    THUMBNAIL: ("image/png", "image/jpeg"),
+    PRINT_TICKET: ("application/vnd.ms-printing.printticket+xml",),
+}
+"""Content types of what relationships lead to (2.1.3 and appendix C)."""
 
 
 def package_checks(
@@ -102,37 +91,70 @@ def package_checks(
         path = model_path(parts)
         if ours:
             _require_our_parts(parts, path)
-        content = parts[path]
+        pictures = [f"/{each.target}" for each in _relations(parts, path) if each.type in PICTURES]
     except (SyntaxError, ValueError) as error:
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
     try:
-        _check_model(content, ours, name, plate)
+        _check_model(parts[path], pictures, ours, name, plate)
     except (SyntaxError, ValueError) as error:
         return [*checks, failed("model", str(error))]
     return [*checks, Check("model", "", "valid", ok=True)]
 
 
 def model_path(parts: Mapping[str, bytes]) -> str:
-    """The part that holds the model; raises FileError unless the package leads to it."""
+    """The part that holds the model; raises FileError unless the package leads to it, and all that
+    it and the model refer to is there.
+    """
     for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
         if name not in parts:
             raise FileError(f"it has no {name}: other programs do not read it")
-    relations = _children(parts, RELATIONSHIPS_PATH, RELATIONSHIPS, "Relationships")
+    found = _relations(parts, "")
+    models = [each.target for each in found if each.type == MODEL_RELATION]
+    if len(models) != 1:
+        raise FileError(f"{RELATIONSHIPS_PATH}: {len(models)} models are named, not one")
+    types = _types(parts)
+    for each in (*found, *_relations(parts, models[0])):
+        _check_type(types, each.target, TYPE_OF.get(each.type, ()))
+    _check_type(types, RELATIONSHIPS_PATH, (RELATIONSHIP_TYPE,))
+    return models[0]
+
+
+@dataclass(frozen=True, slots=True)
+class _Relation:
+    """A relationship: its type, and the part that it leads to."""
+
+    type: str
+    target: str
+
+
+def _relations(parts: Mapping[str, bytes], source: str) -> list[_Relation]:
+    """The relationships of a part, or of the package, whose name is empty.
+
+    By OPC (ECMA-376-2, 9.3) each has an identifier of its own. By 2.1.1 of the core specification
+    none leads out of the package, no two of a type lead to one part, and what must be there is; by
+    2.1.2 to 2.1.4 there is one at most of the types in `ONCE`.
+    """
+    folder, name = posixpath.split(source)
+    path = posixpath.join(folder, "_rels", f"{name}.rels")
     seen: set[str] = set()
-    for relation in relations:
-        key = relation.get("Id", "")
+    found: dict[_Relation, _Relation] = {}  # by what there may be once
+    for element in _children(parts, path, RELATIONSHIPS, "Relationships") if path in parts else ():
+        key, kind, target = (element.get(word, "") for word in ("Id", "Type", "Target"))
         if not IDENTIFIER.fullmatch(key) or key in seen:
-            raise FileError(f"{RELATIONSHIPS_PATH}: the Id {key!r} is not valid, or appears twice")
+            raise FileError(f"{path}: the Id {key!r} is not valid, or appears twice")
         seen.add(key)
-    targets = [each.get("Target", "") for each in relations if each.get("Type") == MODEL_RELATION]
-    if len(targets) != 1:
-        raise FileError(f"{RELATIONSHIPS_PATH}: {len(targets)} models are named, not one")
-    path = targets[0].removeprefix("/")
-    if not targets[0].startswith("/") or path not in parts:
-        raise FileError(f"{RELATIONSHIPS_PATH}: the model {targets[0]!r} is not in the package")
-    _check_types(parts, path)
-    return path
+        if not target or element.get("TargetMode") == "External" or SCHEME.match(target):
+            raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
+        whole = target if kind == MODEL_RELATION else posixpath.join("/", folder, target)
+        relation = _Relation(kind, posixpath.normpath(whole).removeprefix("/"))
+        if kind in NEEDED and (whole[0] != "/" or relation.target not in parts):
+            raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
+        once = replace(relation, target="") if kind in ONCE[bool(source)] else relation
+        if once in found:
+            raise fault("2.1", f"{path}: it has two relationships of the type {kind}")
+        found[once] = relation
+    return list(found.values())
 
 
 def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) -> list[ET.Element]:
@@ -146,8 +168,8 @@ def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) 
     return list(found)
 
 
-def _check_types(parts: Mapping[str, bytes], path: str) -> None:
-    """The content types of the model and of the relationships are stated."""
+def _types(parts: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
+    """The content types that are stated, by extension or by part."""
     types: dict[tuple[str, str], str] = {}
     for each in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
         kind = each.tag.rpartition("}")[2]
@@ -157,14 +179,18 @@ def _check_types(parts: Mapping[str, bytes], path: str) -> None:
                 f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or appears twice"
             )
         types[kind, key] = each.get("ContentType", "")
-    for part, wanted in ((path, MODEL_TYPE), (RELATIONSHIPS_PATH, RELATIONSHIP_TYPE)):
-        extension = posixpath.splitext(part.lower())[1].removeprefix(".")
-        extension = extension or posixpath.basename(part).removeprefix(".")
-        by_extension = types.get(("Default", extension), "")
-        found = types.get(("Override", f"/{part.lower()}"), by_extension)
-        if found != wanted:
-            what = f"the type of {part} is {found or 'not stated'}"
-            raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {wanted}")
+    return types
+
+
+def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collection[str]) -> None:
+    """That the content type of a part is one of those that its kind may have, if there are any."""
+    extension = posixpath.splitext(part.lower())[1].removeprefix(".")
+    extension = extension or posixpath.basename(part).removeprefix(".")
+    by_extension = types.get(("Default", extension), "")
+    found = types.get(("Override", f"/{part.lower()}"), by_extension)
+    if allowed and found not in allowed:
+        what = f"the type of {part} is {found or 'not stated'}"
+        raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {' or '.join(allowed)}")
 
 
 def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
@@ -174,101 +200,30 @@ def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
         raise FileError(f"{foreign[0] if foreign else path} is not a part of camgeo's packages")
 
 
-def _check_model(content: bytes, ours: bool, name: str, plate: Sequence[Piece]) -> None:
-    """Raise FileError or SyntaxError unless the model is valid."""
-    prefixes: dict[str, str] = {}
-    root: ET.Element | None = None
-    for event, item in ET.iterparse(io.BytesIO(content), events=("start-ns", "start")):
-        if event == "start-ns":
-            prefixes[item[0]] = item[1]
-        elif root is None:
-            root = item
-    if root is None or root.tag != f"{{{CORE}}}model":
-        raise FileError(f"its root is not the model of {CORE}")
-    own = PLATE_ATTRIBUTES if plate else OUR_ATTRIBUTES
-    _check_elements(root, own if ours else ATTRIBUTES, ours)
-    for prefix in root.get("requiredextensions", "").split():
-        if prefixes.get(prefix) not in READ_EXTENSIONS:
-            raise FileError(f"it requires the extension {prefix!r}, which is not read")
-    metadata = _metadata(root, prefixes)
-    objects = _objects(root)
-    items = root.findall(f"{{{CORE}}}build/{{{CORE}}}item")
-    if len(root.findall(f"{{{CORE}}}build")) != 1 or not items:
-        raise FileError("it builds nothing: its build has no item")
-    for each in items:
-        if PATH in each.attrib:
-            raise FileError("it builds an object of another part, which is not read")
-        if each.get("objectid", "") not in objects:
-            raise FileError(f"it builds the object {each.get('objectid')!r}, which does not exist")
-        found = objects[each.get("objectid", "")]
-        if found.get("type", "model") != "model":
-            raise FileError(
-                f"the object that it builds is of type {found.get('type')!r}, not a model"
-            )
-    if ours and plate:
-        _check_plate(root, list(objects.values()), items, plate)
-        _check_title(metadata, name)
-    elif ours:
-        _check_ours(metadata, list(objects.values()), items, name)
-
-
-def _check_elements(root: ET.Element, allowed: Mapping[str, Collection[str]], ours: bool) -> None:
-    """Every element and attribute of the core namespace is known; ours has no others."""
-    core = f"{{{CORE}}}"
-    for each in root.iter():
-        if not each.tag.startswith(core):
-            if ours:
-                raise FileError(f"the element {each.tag} is not one of camgeo's")
-            continue
-        tag = each.tag.removeprefix(core)
-        if tag not in allowed:
-            raise FileError(f"the element {tag} is not expected")
-        for attribute in each.attrib:
-            if attribute not in allowed[tag] and (ours or not attribute.startswith("{")):
-                raise FileError(f"the attribute {attribute} of {tag} is not expected")
-
-
-def _metadata(root: ET.Element, prefixes: Mapping[str, str]) -> dict[str, str]:
-    """Texts of the metadata by name, each of which is known and there once."""
-    found: dict[str, str] = {}
-    for each in root.findall(f"{{{CORE}}}metadata"):
-        name = each.get("name", "")
-        prefix, colon, _ = name.partition(":")
-        if name in found or (prefix not in prefixes if colon else name not in METADATA):
-            raise FileError(f"the metadata {name!r} is not expected, or appears twice")
-        found[name] = each.text or ""
-    return found
-
-
-def _objects(root: ET.Element) -> dict[str, ET.Element]:
-    """The objects by their ids, which are positive whole numbers and unique."""
-    found: dict[str, ET.Element] = {}
-    for each in root.findall(f"{{{CORE}}}resources/{{{CORE}}}object"):
-        key = each.get("id", "")
-        if not re.fullmatch(r"[1-9]\d{0,8}", key) or key in found:
-            raise FileError(f"the object id {key!r} is not valid, or appears twice")
-        if each.get("type", "model") not in TYPES:
-            raise FileError(f"{each.get('type')!r} is not a type of object")
-        found[key] = each
-    return found
-
-
-def _check_ours(
-    metadata: Mapping[str, str],
-    objects: Sequence[ET.Element],
-    items: Sequence[ET.Element],
-    name: str,
+def _check_model(
+    content: bytes, thumbnails: Collection[str], ours: bool, name: str, plate: Sequence[Piece]
 ) -> None:
+    """Raise FileError or SyntaxError unless the model is valid, and ours as it should be."""
+    if not ours:
+        model_of(content, thumbnails)
+        return
+    model = model_of(content, own=PLATE_ATTRIBUTES if plate else OUR_ATTRIBUTES)
+    objects = list(model.objects.values())
+    if any(each.get("type", "model") != "model" for each in objects):
+        raise FileError("not all of its objects are models")
+    if model.metadata.get("Title") != name:
+        raise FileError(f"its title is named {model.metadata.get('Title')!r}, not {name!r}")
+    if plate:
+        _check_plate(model.root, objects, model.items, plate)
+    else:
+        _check_one(objects, model.items, name)
+
+
+def _check_one(objects: Sequence[ET.Element], items: Sequence[ET.Element], name: str) -> None:
     if len(objects) != 1 or len(items) != 1:
         raise FileError(f"it has {len(objects)} objects, built {len(items)} times, not one")
-    _check_title(metadata, name)
     if objects[0].get("name") != name:
         raise FileError(f"its object is named {objects[0].get('name')!r}, not {name!r}")
-
-
-def _check_title(metadata: Mapping[str, str], name: str) -> None:
-    if metadata.get("Title") != name:
-        raise FileError(f"its title is named {metadata.get('Title')!r}, not {name!r}")
 
 
 def _check_plate(
@@ -281,7 +236,7 @@ def _check_plate(
     if len(objects) != len(plate) or len(items) != len(plate):
         found = f"{len(objects)} objects, built {len(items)} times"
         raise FileError(f"it has {found}, not the {len(plate)} of the plate")
-    groups = root.findall(f"{{{CORE}}}resources/{{{CORE}}}basematerials")
+    groups = root.findall(core("resources", "basematerials"))
     colours = [dict(base.attrib) for group in groups for base in group]
     if colours != [{"name": each.name, "displaycolor": each.colour} for each in plate]:
         raise FileError("its colours are not those of the bodies on the plate")

@@ -13,6 +13,7 @@ from camgeo_export.errors import FileError
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.verify.body import compensation_checks, mesh_checks
+from camgeo_export.verify.model import core
 from camgeo_export.verify.package import model_path, package_checks
 from camgeo_export.verify.plate import plate_checks
 
@@ -77,12 +78,11 @@ def _head(parts: Mapping[str, bytes]) -> tuple[str, dict[str, str]]:
     metadata: dict[str, str] = {}
     unit = "millimeter"
     for event, element in ET.iterparse(io.BytesIO(model), events=("start", "end")):
-        tag = element.tag.rpartition("}")[2]
-        if event == "start" and tag == "model":
+        if event == "start" and element.tag == core("model"):
             unit = element.get("unit", unit)
-        elif event == "start" and tag in ("resources", "build"):
+        elif event == "start" and element.tag in (core("resources"), core("build")):
             break
-        elif event == "end" and tag == "metadata":
+        elif event == "end" and element.tag == core("metadata"):
             metadata[element.get("name", "")] = element.text or ""
     return unit, metadata
 
