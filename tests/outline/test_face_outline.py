@@ -271,7 +271,7 @@ def snapped(law: str, rise: str, fall: str, base: float, offset: float, turns: i
     spans = [Decimal(30), Decimal(rise), Decimal(40), Decimal(fall)]
     up = Move(spans[1], math.radians(16.0), make_law(law))
     down = Move(spans[3], 0.0, make_law("modified-sine"))
-    rests = Dwell(spans[0]), Dwell(spans[2]), Dwell(360 - sum(spans))
+    rests = Dwell(spans[0]), Dwell(spans[2]), Dwell(360 - sum(spans, Decimal(0)))
     plan = MotionPlan((rests[0], up, rests[1], down, rests[2]))
     return PitchCurve(plan, OscillatingFlat(complex(-70.0, 50.0), base, offset, 1), turns)
 
