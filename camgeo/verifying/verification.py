@@ -45,9 +45,10 @@ class Check:
     def in_unit(self, length: LengthUnit) -> Check:
         """The check with the lengths in its texts in the unit of a scene; its numbers stay."""
         found = ((name, getattr(self, name)) for name in ("of", "value", "expected", "note"))
-        return replace(
-            self, **{name: in_unit(each, length) for name, each in found if isinstance(each, str)}
-        )
+        texts: dict[str, Any] = {
+            name: in_unit(each, length) for name, each in found if isinstance(each, str)
+        }
+        return replace(self, **texts)
 
     def record(self) -> dict[str, Any]:
         """As data; what is empty is left out."""
