@@ -268,7 +268,7 @@ def test_a_scene_with_faults_is_not_told_to_be_well(page: Page) -> None:
     assert verdict.get_attribute("href") == "#text"
     text.fill(stated)
     settled(page, old)
-    page.wait_for_function("() => document.querySelector('a.verdict').textContent.startsWith('✓')")
+    page.wait_for_selector("a.verdict.warning")  # its keyway is to be broached
     assert verdict.get_attribute("href") == "#findings"
 
 
@@ -276,7 +276,8 @@ def test_what_is_no_verdict_has_no_sign_of_one(page: Page) -> None:
     """A figure and a note stand among what is kept, without its sign and its colour."""
     shown = page.locator(".finding strong")
     told = {each.rpartition(" ")[::2] for each in shown.all_text_contents()}
-    assert {("✓", "ok"), ("=", "figure")} <= told <= {("✓", "ok"), ("=", "figure"), ("–", "note")}
+    signs = {("✓", "ok"), ("!", "warning"), ("=", "figure"), ("–", "note")}
+    assert {("✓", "ok"), ("=", "figure")} <= told <= signs
     assert set(page.locator(".severity.ok").all_text_contents()) == {"✓ ok"}
 
 
