@@ -314,7 +314,11 @@ def of_grbl(text: str) -> Verdict:
     return int(errors[0].split()[1].rstrip(":")), errors[0], legs
 
 
-CONTROLS: Final = {"linuxcnc": (rs274.absent, of_linuxcnc), "grbl": (grbl.absent, of_grbl)}
+CONTROLS: Final[dict[str, tuple[Callable[[], str], Callable[[str], Verdict]]]] = {
+    "linuxcnc": (rs274.absent, of_linuxcnc),
+    "grbl": (grbl.absent, of_grbl),
+}
+"""By profile: why a control is not there, and what it makes of a program."""
 
 
 def ours(found: Run, control: str) -> tuple[int | None, str, int | None]:

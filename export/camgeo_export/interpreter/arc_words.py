@@ -186,7 +186,8 @@ class ArcReader:
         """Whether the controller takes the arc."""
         limit = self._reading.radius_difference
         inch = self._state.mode("unit") == "inch"
-        least = self._difference(limit and (limit.inch if inch else limit.mm))
+        stated = None if limit is None else limit.inch if inch else limit.mm
+        least = self._difference(stated)
         larger = max(abs(self._start - arc.centre), abs(end - arc.centre))
         most = max(least, min(limit.relative * larger, MUCH * least)) if limit else least
         if "R" not in block.values and arc.mismatch > most + SLACK:
