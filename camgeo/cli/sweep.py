@@ -143,7 +143,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     except KeyboardInterrupt:
         if store is not None and store.exists():
-            notify(f"{store}: keeps the rows that were finished; --resume computes the others")
+            old = ", or the old ones if none were" if arguments.force else ""
+            notify(f"{store}: keeps the rows that were finished{old}; --resume computes the others")
         raise
     try:
         found = answer_of(result)

@@ -64,6 +64,12 @@ def test_ctrl_c_keeps_what_is_done(
     monkeypatch.undo()
     assert call(*FAMILY, "-o", str(store), "--resume") == 0
     assert "8 rows, 1 of them known before" in capsys.readouterr().err
+    monkeypatch.setattr(engine, "rows_of", interrupted)  # at once, for it was called before
+    assert call(*FAMILY, "-o", str(store), "--force") == 130
+    assert "were finished, or the old ones if none were; --resume" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert call(*FAMILY, "-o", str(store), "--resume") == 0
+    assert "8 rows, 8 of them known before" in capsys.readouterr().err
 
 
 def test_a_picture_beside_the_rows(tmp_path: Path, capsys: Capture) -> None:
