@@ -87,8 +87,7 @@ def _again(totals: Sequence[float], most_runs: int) -> bool:
     count, spent = len(totals), math.fsum(totals)
     if count < min(RUNS, most_runs):
         return spent < LONG
-    done = count >= most_runs or spent >= SHORT
-    return not done and (count < SHORT_RUNS or _spread(totals) > ALIKE)
+    return count < most_runs and spent < SHORT and (count < SHORT_RUNS or _spread(totals) > ALIKE)
 
 
 def _spread(totals: Sequence[float]) -> float:

@@ -21,6 +21,7 @@ from camgeo.outline.path import Flank, Path
 from camgeo.outline.replay import replay_contour
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.boundary import written_contour
+from camgeo.product.drawn import TOPOLOGY_TOLERANCE
 from camgeo.product.product import Product
 from camgeo.toolpath.cut import ContourCut
 from camgeo.toolpath.machine import Machine, load
@@ -79,7 +80,8 @@ def contour_rows(
     for form in forms:
         for effort in efforts:
             drawn = drawn_as(design, form, effort)
-            _warm(drawn, form, effort, max(tolerances))
+            with suppress(*NOT_WRITTEN):  # which the row will state
+                file_cost(drawn.disc, DRAWING, max(tolerances), runs=1)
             for tolerance in tolerances:
                 progress(f"{form}, {effort}, {tolerance:g} mm")
                 rows.append(
@@ -94,14 +96,6 @@ def contour_rows(
 def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
     """The same design with its drawing in another form."""
     return design.with_output({"fit": effort, "dxf.entity": form})
-
-
-def _warm(design: Design, form: Form, effort: Effort, tolerance: float) -> None:
-    """Compute what does not depend on a tolerance, so that its time is in no row."""
-    with suppress(*NOT_WRITTEN):  # which the row will state
-        for flank in flanks_of(design):
-            written_contour(flank, form, effort, tolerance)
-        file_cost(design.disc, DRAWING, tolerance, runs=1)
 
 
 def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs: int) -> ContourRow:
@@ -215,8 +209,8 @@ def file_cost(
 def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool = False) -> None:
     """Make what was computed for a file be computed again: proofs, and if asked for fits and plans.
 
-    Fits looser than `tolerance` [mm] are kept: the polygons by which contours are told apart are
-    the same for all files.
+    Fits looser than `tolerance` [mm] are kept, and those by which contours are told apart, which
+    are the same for all files.
     """
     boundaries = list(product.drawn.part.boundaries)
     if plans:
@@ -227,7 +221,10 @@ def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool
         if isinstance(boundary, CurveBoundary | ExactBoundary):
             known = boundary.known
             for key in [
-                each for each in known if isinstance(each, bytes) or (fits and each[1] <= tolerance)
+                each
+                for each in known
+                if isinstance(each, bytes)
+                or (fits and each[1] <= tolerance and each[1] != TOPOLOGY_TOLERANCE)
             ]:
                 del known[key]
 

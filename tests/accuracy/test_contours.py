@@ -210,3 +210,26 @@ def test_solids_are_of_all_formats_and_one_that_is_too_large_is_told(
     step = found["step"].file
     assert step is not None
     assert int(step.facts["faces"]) > 10
+
+
+def test_each_row_fits_and_proves_anew_and_not_what_tells_contours_apart() -> None:
+    """As the ledger of the design records it: for warming up at the loosest tolerance, and in each
+    row, the fit; and the proof of the finished contour and of what was read.
+    """
+    only: dict[str, Any] = {"forms": ("polyline",), "efforts": ("fast",), "programs": False}
+    design = drawn_as(load("setzhub"), "polyline", "fast")
+    runs, arcs = flanks_of(design)[0].ledger.runs, []
+
+    def started(_: str) -> None:
+        arcs.append([run.name for run in runs].count("arcs of outline"))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measuring, "drawn_as", lambda each, *_: each)
+        contour_rows(
+            design, (*TOLERANCES, 1e-4), ripple=False, progress=started, timed=False, **only
+        )
+    names = [run.name for run in runs]
+    assert names.count("chords of outline") == 1 + 3
+    assert names.count("proof of outline") == 1 + 2 * 3
+    started("")
+    assert len(set(arcs)) == 1
