@@ -68,6 +68,7 @@ class Given:
     name: str
     hole: bool
     points: ComplexArray
+    corner_radius: None = None
 
     def polyline(self, tolerance: float, effort: str = "fewest") -> Fit:
         return Fit(Contour.polygon(self.points), 0.0, tolerance)
