@@ -251,11 +251,12 @@ def test_holes_are_the_moves_that_a_cycle_makes() -> None:
     assert [(m.kind, m.end, round(m.z_end, 9)) for m in moves] == wanted
 
 
-def test_a_program_makes_no_more_moves_than_are_read() -> None:
-    """Neither by many turns nor by many holes."""
+def test_a_program_makes_no_more_moves_than_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither by many turns nor by a large radius."""
+    monkeypatch.setattr("camgeo_export.interpreter.motion.PROGRAM_MOVES", 5_000)
     head = "G21 G90 G18 F100\nG0 X0 Y0 Z0\n"
-    arcs = head + "G2 Z0 X0 K1 P1000\n" * 10
-    with pytest.raises(FileError, match="more than 500,000 moves"):
+    arcs = head + "G2 Z0 X0 K1 P1000\n"
+    with pytest.raises(FileError, match="more than 5,000 moves"):
         run(arcs, load("linuxcnc"))
     moves = run(head + "G2 Z0 X0 K900000000\nM2\n", load("linuxcnc")).moves
     assert 1000 < len(moves) < 5000
