@@ -62,6 +62,9 @@ SVG_PIECES: Final = 50_000
 PROGRAM_LINES: Final = 200_000
 PROGRAM: Final = Limits("milling program", 16_000_000, PROGRAM_LINES)
 
+PROGRAM_MOVES: Final = 500_000
+"""Of a program, of which cycles and arcs in other planes than XY make many in a block."""
+
 STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
 """Lines are those of a text, seven for each facet."""
 

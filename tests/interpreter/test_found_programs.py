@@ -14,6 +14,7 @@ from typing import Final
 
 import pytest
 
+from camgeo.errors import FileError
 from camgeo.toolpath.machine import load
 from camgeo_export.interpreter.run import Run, run, run_bytes
 from tests.interpreter.programs import GOOD
@@ -248,6 +249,24 @@ def test_holes_are_the_moves_that_a_cycle_makes() -> None:
         place = complex(1 + 4 * k, 2 + 5 * k)
         wanted += [("rapid", place, 4.8), ("line", place, 4.2), ("rapid", place, 4.8)]
     assert [(m.kind, m.end, round(m.z_end, 9)) for m in moves] == wanted
+
+
+def test_a_program_makes_no_more_moves_than_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither by many turns nor by a large radius."""
+    monkeypatch.setattr("camgeo_export.interpreter.motion.PROGRAM_MOVES", 5_000)
+    head = "G21 G90 G18 F100\nG0 X0 Y0 Z0\n"
+    arcs = head + "G2 Z0 X0 K1 P1000\n"
+    with pytest.raises(FileError, match="more than 5,000 moves"):
+        run(arcs, load("linuxcnc"))
+    moves = run(head + "G2 Z0 X0 K900000000\nM2\n", load("linuxcnc")).moves
+    assert 1000 < len(moves) < 5000
+
+
+def test_a_rounding_is_of_the_next_move_alone() -> None:
+    text = (FOLDER / "msg.mpf").read_text()
+    for between in ("N85 G0 Z10\n", "N86 SUPA G0 Z0\n", "N87 G18 G2 X12 Z-1 CR=1\n"):
+        found = run(text.replace("N90 G1 Y10\n", f"{between}N90 G17 G1 Y10\n"), load("sinumerik"))
+        assert not any(move.kind == "arc" for move in found.moves)
 
 
 def test_what_a_cycle_of_holes_needs() -> None:

@@ -21,6 +21,9 @@ NEARLY_FULL: Final = math.radians(1.0)
 CHORDS: Final = 1e-3
 """How far chords of an arc in another plane than XY may be off it [mm]."""
 
+SHORTEST: Final = math.radians(0.1)
+"""Sweep of the shortest chord [rad]: beyond a radius of 2.6 m chords are off by more."""
+
 AMBIGUOUS: Final = math.radians(15.0)
 """An arc given by its radius is ill defined so near to half a turn and to a whole one: from 165 to
 195 degrees and above 345 (LinuxCNC, docs/src/gcode/g-code.adoc, "Radius Format Arcs")."""
@@ -136,7 +139,7 @@ def chords(start: complex, end: complex, arc: Arc) -> list[complex]:
     """Ends of chords along an arc, from its radius at the start to that at its end."""
     first, last = start - arc.centre, end - arc.centre
     size = max(abs(first), abs(last), CHORDS)
-    count = math.ceil(abs(arc.sweep) / (2.0 * math.acos(1.0 - CHORDS / size)))
+    count = math.ceil(abs(arc.sweep) / max(2.0 * math.acos(1.0 - CHORDS / size), SHORTEST))
     grown = (abs(last) / abs(first) - 1.0) / count
     found = [
         arc.centre + first * (1.0 + k * grown) * cmath.exp(1j * arc.sweep * k / count)

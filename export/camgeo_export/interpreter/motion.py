@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from camgeo.numeric.arrays import phase
+from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
 from camgeo.verifying.linting import Bench
 from camgeo_export.gcode.moves import CutterMove, Kind
 from camgeo_export.interpreter.arc_words import ArcReader
@@ -128,21 +129,22 @@ class Mover:
                 return
             end, arc = found
             kind = "line" if arc is None else "arc"
-            if arc is not None and state.mode("plane") not in ("", "plane XY"):
-                self._make_chords(block, end, z_end, arc)
-                return
         if state.rounding:
             self._round_corner(block, kind, end, z_end)
+        if arc is not None and state.mode("plane") not in ("", "plane XY"):
+            self._make_chords(block, end, z_end, arc)
+            return
         self._make(block, kind, end, z_end, arc)
         state.rounding = block.value("RND") * self._scale
 
     def _round_corner(self, block: Block, kind: Kind, end: complex, z_end: float) -> None:
         """Round the corner between the last move and one to `end`."""
         state, before = self._state, self.moves[-1]
-        flat = before.z_start == before.z_end == z_end
+        radius, state.rounding = state.rounding, 0.0
+        flat = before.z_start == before.z_end == z_end and before.end == state.at
         found = None
         if before.kind == kind == "line" and flat:
-            found = rounded(before.start, before.end, end, state.rounding)
+            found = rounded(before.start, before.end, end, radius)
         if found is None:
             what = "a rounding other than between two lines in the plane that have room for it"
             self._findings.add(block.line, "unsupported", what)
@@ -253,8 +255,12 @@ class Mover:
         return STRAIGHT
 
     def _make(self, block: Block, kind: Kind, end: complex, z_end: float, arc: Arc | None) -> None:
-        """Make a move, judge it, and go on from its end."""
+        """Make a move, judge it, and go on from its end; FileError for one too many."""
         state = self._state
+        if len(self.moves) >= PROGRAM_MOVES:
+            raise beyond(
+                "the program", f"more than {PROGRAM_MOVES:,} moves", PROGRAM_MOVES, PROGRAM
+            )
         turning = -1.0 if state.mode("spindle") == "spindle counter-clockwise" else 1.0
         move = CutterMove(
             kind=kind,
