@@ -186,12 +186,10 @@ def _text(data: bytes) -> str:
     if len(data) > SCENE.size:
         raise refused(f"is larger than {SCENE.size:,} bytes, too large for a scene")
     try:
-        text = data.decode("utf-8")
+        text = data.decode("utf-8").removeprefix(BYTE_ORDER_MARK)
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise refused("is not UTF-8 text; save it in that encoding", line) from error
-    if text.startswith(BYTE_ORDER_MARK):
-        raise refused("starts with a byte order mark; save it as UTF-8 without BOM", 1)
     if not text.strip():
         raise refused("is empty; `camgeo new` writes a scene to start from")
     return text

@@ -166,7 +166,7 @@ def load(machine: str, key: str = KEY) -> Machine:
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
         raise SceneError([Fault(key, repr(machine), message, meant(machine, known))])
     try:
-        text = read_within(Path(machine), MACHINE).decode("utf-8")
+        text = read_within(Path(machine), MACHINE).decode("utf-8-sig")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
         message = f"the profile cannot be read: {unreadable(error)}"
         raise SceneError([Fault(key, repr(machine), message)]) from None

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+import camgeo
 from camgeo.errors import SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.load import load_scene, parse_scene
@@ -23,7 +24,6 @@ BYTES = [
     (b"{\n", "not valid TOML"),
     (b"camgeo = 1\n# gr\xfcn\n", "line 2: the scene is not UTF-8 text"),
     (PLATE.encode("utf-16"), "the scene is not UTF-8 text"),
-    (b"\xef\xbb\xbf" + PLATE.encode(), "line 1: the scene starts with a byte order mark"),
     (b"\x00\x01\x02", "not valid TOML"),
     (b"x = " + 5000 * b"9", "a number with too many digits"),
     (b"x = " + 5000 * b"[" + 5000 * b"]", "nested too deeply"),
@@ -41,6 +41,19 @@ def test_no_scene(data: bytes, message: str, tmp_path: pathlib.Path) -> None:
         load_scene(file)
     assert caught.value.file == str(file)
     assert str(caught.value).startswith(f"{file}: 1 fault")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_byte_order_mark_is_no_part_of_a_scene(end: str, tmp_path: pathlib.Path) -> None:
+    data = PLATE.replace("\n", end).encode()
+    marked = tmp_path / "marked.toml"
+    marked.write_bytes(b"\xef\xbb\xbf" + data)
+    assert load_scene(marked).identity == camgeo.Scene.from_text(data).identity
+    found = pathlib.Path(__file__).parents[2] / "fixtures" / "found" / "byte_order_mark.toml"
+    assert found.read_bytes().startswith(b"\xef\xbb\xbf")
+    assert load_scene(found).follower is not None or load_scene(found).linkage is not None
+    with pytest.raises(SceneError, match="line 1: the scene is not valid TOML"):
+        camgeo.Scene.from_text(b"\xef\xbb\xbfcamgeo =" + data)
 
 
 def test_missing_file(tmp_path: pathlib.Path) -> None:
