@@ -76,6 +76,7 @@ class Reading:
     open_comment : whether a comment in brackets may end with its line.
     bare : words that may stand without the coordinates without which they say nothing.
     takes_axes : words of a tool's length that take the coordinates of their block.
+    cancelled_axes : whether G28 may take coordinates behind G80, which cancels the motion.
     machine_position : in which of `TO_MACHINE` a position of the machine may be stated, too.
     feed_unit : whether F counts in the unit of its "block", or of that "before" it.
     feed_mode : whether G94 or G95, stated again, "keeps" or "resets" the feed.
@@ -103,6 +104,7 @@ class Reading:
     open_comment: Flag = False
     bare: Texts = ()
     takes_axes: Texts = ("G43.1",)
+    cancelled_axes: Flag = True
     machine_position: Annotated[tuple[str, ...], partial(_choices, allowed=TO_MACHINE)] = ()
     feed_unit: Annotated[str, partial(one_of, choices=("block", "before"))] = "block"
     feed_mode: Annotated[str, partial(one_of, choices=("keeps", "resets"))] = "keeps"

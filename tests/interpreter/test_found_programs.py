@@ -134,6 +134,8 @@ PUT_IN: Final = (
     ("grbl", "N5 G1 X10.0", ""),
     ("grbl", "G1 X9.0\rG1 X10.0", ""),
     ("grbl", "G1 X10.0\nG53", ""),
+    ("grbl", "G80 G28 Z2", "no-motion"),  # error 31
+    ("linuxcnc", "G80 G28 Z2", ""),
     ("grbl", "G91\nG53 G1 Z9.0\nG90", ""),
     ("grbl", "G2 X10.006 Y5.0 I-3.0", "arc-radius"),
     ("grbl", "G2 X10.004 Y5.0 I-3.0", ""),

@@ -86,9 +86,12 @@ class Mover:
             state.modes["motion"] = block.codes["motion"]
             if block.codes["motion"] not in CYCLES:
                 state.cycle, state.hole, state.above = "", {}, math.nan
+        axes = [axis for axis in AXES if axis in block.values]
+        off = state.mode("cycle") == "motion off" and not state.mode("motion")
+        if axes and off and not self._reading.cancelled_axes:
+            self._findings.add(block.line, "no-motion", "coordinates behind G80")
         if "home" in block.actions:
             return self._home(block)
-        axes = [axis for axis in AXES if axis in block.values]
         if block.words.get("length") in self._reading.takes_axes:
             return STRAIGHT  # Z is the length itself
         motion = "rapid" if block.arc == "rapid" else state.mode("motion")
