@@ -41,15 +41,19 @@ SCENE: Final = Limits("scene", 2_000_000)
 MACHINE: Final = Limits("machine profile", 200_000)
 
 TABLE: Final = Limits("table", 16_000_000, lines=400_000)
-"""Of lifts, speeds or loads: 200,000 rows, and as many comments."""
+"""Of lifts, speeds, loads, points or a contour: 200,000 rows, and as many comments."""
 
 PROJECT: Final = Limits("project", 2_000_000)
 
 CERTIFICATE: Final = Limits("certificate", 2_000_000)
 
-DRAWING_LINES: Final = 800_000
-DRAWING: Final = Limits("DXF drawing", 32_000_000, DRAWING_LINES)
-"""A polyline takes four lines for each vertex, a single line or arc about twenty."""
+DRAWING_LINES: Final = 40_000_000
+DRAWING: Final = Limits("DXF drawing", 256_000_000, DRAWING_LINES)
+"""A polyline takes four lines for each vertex, a single line or arc about twenty: a million and a
+half of these."""
+
+PLACED: Final = 100_000
+"""Entities of a drawing that come from blocks, each as often as it is inserted."""
 
 SVG: Final = Limits("SVG drawing", 16_000_000)
 
@@ -78,9 +82,7 @@ PARAMETERS: Final = 500_000
 NESTED: Final = 8
 """Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
 
-CONTOUR: Final = Limits("CSV contour", 16_000_000, lines=200_000)
-
-VERIFIED: Final = Limits("file to be verified", 32_000_000)
+VERIFIED: Final = Limits("file to be verified", DRAWING.size)
 """Of any format; the limit of the format itself may be lower."""
 
 FACETS: Final = 150_000

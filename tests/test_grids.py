@@ -166,6 +166,7 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.arange(PARTS + 1)": VERTICES,
         "np.arange(PARTS)": VERTICES,
         "np.arange(1, PARTS)": VERTICES,
+        "np.linspace(0.0, 1.0, PARTS + 1)": VERTICES,
     },
     "camgeo/contour/chords/fast.py": {"np.arange(PARTS)": VERTICES},
     "camgeo/contour/chords/two_sided.py": {

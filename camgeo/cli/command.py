@@ -65,6 +65,14 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
+def add_origin(parser: argparse.ArgumentParser, of: str) -> None:
+    """Add the option that says where the cam axis lies in the axes of files."""
+    parser.add_argument(
+        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0),
+        help=f"where the cam axis lies in {of} [mm]; default 0 0",
+    )  # fmt: skip
+
+
 def add_output(
     parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
 ) -> None:

@@ -7,9 +7,11 @@ import math
 from decimal import Decimal
 from typing import Final
 
-from camgeo.answers.replay import FLAT, GAP, STEP, Reading, replay
+from camgeo.answers.replay import STEP, replay
+from camgeo.answers.replay.contour_file import FLAT, GAP, Reading
 from camgeo.cli.command import (
     add_json,
+    add_origin,
     add_output,
     add_scene,
     check_step,
@@ -50,9 +52,9 @@ def options(parser: argparse.ArgumentParser) -> None:
         "contours",
         metavar="CONTOUR",
         nargs="*",
-        help="drawing (DXF), or vertices (CSV: x, y, bulge), in the axes of the scene's cam;"
-        " default the scene's real outline. Of a conjugate pair one of each disc, or of one disc"
-        " alone: that of the return disc has a name that ends in -return",
+        help="drawing (DXF, SVG), or vertices (CSV: x, y, and bulge if a heading names it), in the"
+        " axes of the scene's cam; default the scene's real outline. Of a conjugate pair one of"
+        " each disc, or of one disc alone: that of the return disc has a name that ends in -return",
     )
     parser.add_argument("--layer", metavar="NAME", help="layer of the drawing; default CUT, or all")
     parser.add_argument(
@@ -62,6 +64,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--gap", metavar="MM", type=from_0, default=GAP,
         help=f"end points of a drawing up to this far apart are joined; default {GAP:g}",
     )  # fmt: skip
+    add_origin(parser, "CONTOUR")
     parser.add_argument(
         "--corner", metavar="DEG", type=from_0, default=FLAT,
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
@@ -82,17 +85,19 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay, and print or write the results."""
     check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
     corner = math.radians(arguments.corner)
-    reading = Reading(arguments.layer, arguments.unit, arguments.gap, corner)
+    origin = complex(*arguments.origin)
+    reading = Reading(arguments.layer, arguments.unit, arguments.gap, corner, origin)
     found = replay(
         opened(arguments),
         arguments.contours,
         arguments.flank,
         step=arguments.step,
         reading=reading,
+        progress=arguments.progress,
     )
     for each in found.discs:
-        if each.note:
-            notify(each.note)
+        for note in filter(None, (each.note, *each.notes)):
+            notify(note)
     if (arguments.output or "").endswith(TABLE):
         files = tables(found, arguments.output)
     else:

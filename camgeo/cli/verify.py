@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo._version import __version__
 from camgeo.answers.verify import verify
-from camgeo.cli.command import CallError, add_json, number, settle, show
+from camgeo.cli.command import CallError, add_json, add_origin, number, settle, show
 from camgeo.cli.streams import notify
 from camgeo.errors import Fault, SceneError, unreadable
 from camgeo.verifying.verify import Wanted, endings, files_in, write_verification
@@ -42,6 +42,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         "--unit", choices=("mm", "inch"), help="unit of files that do not state it; STL: default mm"
     )
     parser.add_argument("--layer", metavar="NAME", help="layer of drawings; default CUT, or all")
+    add_origin(parser, "drawings (DXF) of others")
     add_json(parser)
     parser.add_argument(
         "-o", metavar="FILE", dest="output",
@@ -62,7 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
         if len(folders) > 1:
             raise CallError("the files are in several folders: say with -o where to write")
         target = folders.pop() / VERIFICATION
-    wanted = Wanted(arguments.tolerance, arguments.layer, arguments.unit)
+    origin = complex(*arguments.origin)
+    wanted = Wanted(arguments.tolerance, arguments.layer, arguments.unit, origin)
     found = verify(paths, wanted, scene=arguments.scene)
     code = show(found, arguments)
     if any(verdict.measured for verdict in found.verdicts):

@@ -23,7 +23,7 @@ from camgeo.mechanism.follower_path import Bows, FollowerPath, path_of
 from camgeo.mechanism.lift_jet import lift_jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, dot, joined
 from camgeo.outline.path import Flank
-from camgeo.outline.replay import CORNER, compared
+from camgeo.outline.replay import CORNER, STEP, compared
 from camgeo.outline.replay_lift import ActualLift
 from camgeo.outline.replay_result import Replay
 from camgeo.outline.roller_path import Branches, Parallel, branches, cut
@@ -161,7 +161,14 @@ class Chain:
         raise GeometryError("the roller does not touch the spline where it should")
 
 
-def replay_spline(pitch: PitchCurve, contour: SplineContour, flank: str = Flank.INNER) -> Replay:
+def replay_spline(
+    pitch: PitchCurve,
+    contour: SplineContour,
+    flank: str = Flank.INNER,
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+) -> Replay:
     """The roller of `pitch` on a closed contour of cubics, arcs and lines, counter-clockwise.
 
     Otherwise as `camgeo.outline.replay.replay_contour`.
@@ -182,7 +189,7 @@ def replay_spline(pitch: PitchCurve, contour: SplineContour, flank: str = Flank.
     if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(order):
         raise GeometryError("the spline does not lead the roller once round the cam axis")
     lift = ActualLift(path, pitch.motion, chain, lows[order], order)
-    return compared(pitch, lift, press)
+    return compared(pitch, lift, press, step, corner)
 
 
 def _chain(

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, frozen
-from camgeo.numeric.columns import Asked, Column, fault, read_columns
+from camgeo.numeric.columns import Asked, Column, Columns, fault, read_columns
 from camgeo.pickled import Pickled
 from camgeo.reading import COORDINATE
 from camgeo.units import MM_PER, LengthUnit
@@ -49,6 +49,25 @@ class MeasuredPoints(Pickled):
             object.__setattr__(self, "normals", frozen(self.normals, np.complex128))
 
 
+def places_of(found: Columns, file: str, unit: LengthUnit) -> ComplexArray:
+    """(n,) complex [mm] the places in the first two columns, x and y; `unit` if they state none.
+
+    Raises GeometryError with file and line if they have different units, or one is too large.
+    """
+    units = {UNITS[each.lower()] for each in found.units[:2] if each}
+    if len(units) > 1:
+        raise fault(file, found.lines[0], "", "x and y have different units; allowed: one")
+    x, y = found.values[:2]
+    for values in (x, y):
+        beyond = np.flatnonzero(np.abs(values) > COORDINATE)
+        if len(beyond):
+            row = int(beyond[0])
+            message = f"too large; allowed: coordinates up to {COORDINATE:g}"
+            raise fault(file, found.lines[row], repr(float(values[row])), message)
+    places: ComplexArray = (x + 1j * y) * MM_PER[units.pop() if units else unit]
+    return places
+
+
 def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> MeasuredPoints:
     """Read measured points.
 
@@ -66,22 +85,12 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
         coordinate is too large or a normal is zero, or there are fewer than 12 different points.
     """
     found = read_columns(data, file, ASKED)
-    units = {UNITS[each.lower()] for each in found.units[:2] if each}
-    if len(units) > 1:
-        raise fault(file, found.lines[0], "", "x and y have different units; allowed: one")
-    scale = MM_PER[units.pop() if units else unit]
-    x, y, *stated = found.values
-    for values in (x, y):
-        beyond = np.flatnonzero(np.abs(values) > COORDINATE)
-        if len(beyond):
-            row = int(beyond[0])
-            message = f"too large; allowed: coordinates up to {COORDINATE:g}"
-            raise fault(file, found.lines[row], repr(float(values[row])), message)
-    points = (x + 1j * y) * scale
+    points = places_of(found, file, unit)
+    stated = found.values[len(LENGTHS) :]
     if len(np.unique(points)) < FEWEST:
         message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
         raise fault(file, found.lines[-1], "", message)
-    if not stated:
+    if not len(stated):
         return MeasuredPoints(points)
     size = np.hypot(*stated)
     normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)

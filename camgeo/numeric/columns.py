@@ -25,6 +25,9 @@ LONGEST_HEADING: Final = 200
 
 MOST_COLUMNS: Final = 1_000
 
+BLANKS: Final = re.compile(r"(?<!\s)\s++(?![\[(]|[^\[\]()\s]{0,20}+\s{0,5}+[\])])")
+"""What separates cells without any other separator; a unit in brackets belongs to its name."""
+
 LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
 
@@ -55,18 +58,20 @@ class Asked:
     needed : those that it must have.
     besides : those that it may have, all of them or none.
     fewest, most : rows.
+    named : whether `besides` are only found by their names in a heading.
     """
 
     needed: tuple[Column, ...]
     besides: tuple[Column, ...] = ()
     fewest: int = 2
     most: int = MOST_ROWS
+    named: bool = False
 
     @property
     def sets(self) -> tuple[tuple[Column, ...], ...]:
         """The columns of a table without a heading, one set or two."""
         both = (self.needed, self.needed + self.besides)
-        return both if self.besides else both[:1]
+        return both if self.besides and not self.named else both[:1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,9 +104,10 @@ class _Layout:
 def read_columns(data: bytes | str, file: str, asked: Asked) -> Columns:
     """Read a table of numbers.
 
-    Cells are separated by ; or tab or comma, the first of these that occurs in the first row.
-    The decimal mark is a point; with ; or tab it may be a comma, the same in all rows. Empty lines
-    and lines that begin with # are skipped. A heading may name the columns: then there may be more
+    Cells are separated by ; or tab or comma or blanks, the first of these that occurs in the first
+    row; commas in numbers between which blanks stand are decimal ones. The decimal mark is a point;
+    with other separators than a comma it may be a comma, the same in all rows. Empty lines and
+    lines that begin with # are skipped. A heading may name the columns: then there may be more
     than those asked for, which are found by their names, in any case, with or without a unit in
     brackets. Without a heading there are just those asked for.
 
@@ -140,15 +146,11 @@ def _values(rows: list[tuple[int, str]], layout: _Layout, file: str) -> FloatArr
     out = np.empty((len(layout.places), len(rows)))
     decimal = ""
     for row, (number, line) in enumerate(rows):
-        count = 1 + line.count(layout.separator)
+        cells = _cells(line, layout.separator)
+        count = len(cells)
         if count != layout.cells:
-            raise fault(
-                file,
-                number,
-                line,
-                f"{counted(count, 'column')}; allowed: {layout.cells} in this file",
-            )
-        cells = line.split(layout.separator)
+            message = f"{counted(count, 'column')}; allowed: {layout.cells} in this file"
+            raise fault(file, number, line, message)
         for column, cell in enumerate(layout.places):
             text = cells[cell].strip()
             if len(text) > DIGITS or not NUMBER.fullmatch(text):
@@ -191,24 +193,28 @@ def _lines(data: bytes | str, file: str) -> list[str]:
 
 def _layout(line: str, file: str, number: int, asked: Asked) -> _Layout:
     """Separator and columns, from the first line that is not skipped."""
-    separator = next((mark for mark in (";", "\t", ",") if mark in line), "")
-    if not separator:
-        raise fault(file, number, line, "one column; allowed separators are ; and tab and comma")
-    columns_found = 1 + line.count(separator)
-    if columns_found > MOST_COLUMNS:
-        message = f"{counted(columns_found, 'column')}; allowed: at most {MOST_COLUMNS:,}"
+    separator = next((mark for mark in (";", "\t", ",") if mark in line), " ")
+    words = BLANKS.split(line.strip(), MOST_COLUMNS + 1)
+    if separator == "," and all(map(NUMBER.fullmatch, words)) and len(words) > 1:
+        separator = " "
+    if separator == " " and len(words) == 1:
+        message = "one column; allowed separators are ; and tab and comma and blanks"
         raise fault(file, number, line, message)
-    cells = [cell.strip().strip('"').strip() for cell in line.split(separator)]
+    cells = [cell.strip().strip('"').strip() for cell in _cells(line, separator)]
+    if len(cells) > MOST_COLUMNS:
+        message = f"{counted(len(cells), 'column')} or more; allowed: at most {MOST_COLUMNS:,}"
+        raise fault(file, number, line, message)
     if NUMBER.fullmatch(cells[0]):
         if len(cells) not in map(len, asked.sets):
             allowed = " or ".join(str(len(each)) for each in asked.sets)
             what = ", or ".join(listed([column.what for column in each]) for each in asked.sets)
+            more = f"; {listed([c.what for c in asked.besides])} by name" if asked.named else ""
             raise fault(
                 file,
                 number,
                 line,
                 f"{counted(len(cells), 'column')}; without a heading {allowed} are allowed,"
-                f" {what} (a decimal comma needs ; or tab as separator)",
+                f" {what}{more} (a decimal comma needs ; or tab or blanks as separator)",
             )
         places = tuple(range(len(cells)))
         return _Layout(separator, len(cells), places, ("",) * len(cells), has_heading=False)
@@ -228,6 +234,13 @@ def _layout(line: str, file: str, number: int, asked: Asked) -> _Layout:
             )
     units = tuple(headings[place][1] for place in found)
     return _Layout(separator, len(cells), found, units, has_heading=True)
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """The cells of a row, at most one more than are allowed."""
+    if separator == " ":
+        return BLANKS.split(line.strip(), MOST_COLUMNS)
+    return line.split(separator, MOST_COLUMNS)
 
 
 def _heading(cell: str) -> tuple[str, str]:

@@ -126,12 +126,14 @@ class Reading:
     ours : whether camgeo wrote it; then it must hold everything that our writer puts in.
     layer : the one read in a drawing; None for CUT if it exists, else for all layers.
     unit : of the file if it does not state one; None if the user has not given it either.
+    origin : of a drawing: where the cam axis lies in its axes [mm].
     """
 
     name: str
     ours: bool
     layer: str | None = None
     unit: LengthUnit | None = None
+    origin: complex = 0j
 
 
 class Verifier(Protocol):

@@ -46,12 +46,13 @@ class Wanted:
     Attributes
     ----------
     tolerance : [mm], or None for what the files, their certificate or the scene state.
-    layer, unit : as of `Reading`.
+    layer, unit, origin : as of `Reading`.
     """
 
     tolerance: float | None = None
     layer: str | None = None
     unit: LengthUnit | None = None
+    origin: complex = 0j
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +209,7 @@ def _verdict(
         if certain is not None:
             note = f"the file names a different tolerance from {CERTIFICATE}"
             checks.append(equal("tolerance", origin.tolerance, certain, note=note))
-    reading = Reading(path.name, origin.ours, wanted.layer, wanted.unit)
+    reading = Reading(path.name, origin.ours, wanted.layer, wanted.unit, wanted.origin)
     try:
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from camgeo.answers.render import figure, table, text
-from camgeo.answers.replay import DiscReplay, FollowerReplay, Reading, replay
+from camgeo.answers.replay import DiscReplay, FollowerReplay, replay
+from camgeo.answers.replay.contour_file import Reading
 from camgeo.design import Design
 from camgeo.errors import GeometryError
 from camgeo.numeric.extremes import Extreme

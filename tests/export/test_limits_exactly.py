@@ -7,8 +7,6 @@ from collections.abc import Callable
 import pytest
 
 from camgeo.errors import FileError
-from camgeo.reading import Limits
-from camgeo_export.contour_csv import reader as csv_reader
 from camgeo_export.dxf import reader as dxf_reader
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.solid import prism
@@ -41,10 +39,6 @@ def read_drawing() -> None:
     dxf_reader.drawing_of(data).contours("CUT")
 
 
-def read_contour() -> None:
-    csv_reader.READER.read(b"0,0\n1,0\n1,1\n", "a.csv", layer=None, unit=None, gap=0.0)
-
-
 CASES: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
     # Outline, bore and pitch curve, of four lines of text for each piece.
     "dxf": (dxf_writer, "DRAWING_LINES", 4 * 3 * PIECES, drawing, "36 pieces of at least 4 lines"),
@@ -69,12 +63,3 @@ def test_as_much_as_a_limit_allows_and_no_more(name: str, monkeypatch: pytest.Mo
     monkeypatch.setattr(module, limit, most - 1)
     with pytest.raises(FileError, match=message):
         make()
-
-
-def test_a_table_of_points_has_so_many_lines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(csv_reader, "CONTOUR", Limits("CSV contour", 12, lines=3))
-    read_contour()
-    for limits in (Limits("CSV contour", 11, lines=3), Limits("CSV contour", 12, lines=2)):
-        monkeypatch.setattr(csv_reader, "CONTOUR", limits)
-        with pytest.raises(FileError, match="CSV contour"):
-            read_contour()

@@ -11,7 +11,7 @@ from typing import Final
 
 import camgeo
 from camgeo.answers.inspect import of_points
-from camgeo.answers.replay import Reader
+from camgeo.answers.replay.contour_file import Reader
 from camgeo.effects.effect import DataFile
 from camgeo.effects.load.profile import read_load_table
 from camgeo.effects.speed_fluctuation.table import read_motor
@@ -79,7 +79,7 @@ def verified(data: bytes, kind: str) -> str:
 def replayed(data: bytes, reader: Reader) -> str:
     """Why `camgeo replay` does not take a contour."""
     try:
-        reader.read(data, "contour", layer=None, unit="mm", gap=1e-3)
+        reader.read(data, "contour", layer=None, unit="mm", gap=1e-3, progress=lambda _: None)
     except CamgeoError as error:
         return str(error)
     return ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 
+from camgeo.reading import DRAWING, DRAWING_LINES
 from tests.long_form import examples
 
 Named = Iterator[tuple[str, bytes]]
@@ -120,7 +121,25 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(times(20_000))))
     many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(350_000))
     yield "open polyline", dxf(f"0 LWPOLYLINE 8 0 70 0 {many}")
-    yield "too many lines", dxf(f"0 LWPOLYLINE 8 0 70 1 {many} {many}")
+    yield "too many lines", b"0\nSECTION\n" + b"0\n" * DRAWING_LINES
+    yield "too many bytes", b"0\nSECTION\n" + bytes(DRAWING.size)
+    yield "tags of nothing", b"0\nSECTION\n" + b"0\n\n" * times(1_000_000)
+    chain = " ".join(f"0 BLOCK 2 C{k} 10 0 20 0 0 INSERT 8 0 2 C{k + 1} 10 0 20 0 0 ENDBLK"
+                     for k in range(times(4_000)))  # fmt: skip
+    head = "0\nSECTION\n2\nBLOCKS\n" + "\n".join(chain.split(" ")) + "\n0\nENDSEC\n"
+    yield "blocks in blocks in blocks", dxf("0 INSERT 8 0 2 C0 10 0 20 0", head=head)
+    grid = "70 30000 71 30000 44 1 45 1"
+    head = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nG\n0\nENDBLK\n0\nENDSEC\n"
+    yield "rows of an empty block", dxf(f"0 INSERT 8 0 2 G 10 0 20 0 {grid}", head=head)
+    wild = " ".join(f"40 {k}" for k in range(times(40_000) + 4))
+    spikes = " ".join(f"10 {(-1) ** k * 1e9} 20 {k} 41 {1 + k % 2 * 1e9}"
+                      for k in range(times(40_000)))  # fmt: skip
+    yield "rational spikes", dxf(f"0 SPLINE 8 0 71 3 {wild} {spikes}")
+    yield "flat ellipse", dxf("0 ELLIPSE 8 0 10 0 20 0 11 1e9 21 0 40 1e-9 41 0 42 1e-9")
+    fit = " ".join(f"11 {k % 7} 21 {k % 11}" for k in range(times(40_000)))
+    yield "spline through points", dxf(f"0 SPLINE 8 0 71 3 {fit}")
+    web = (line(k, 0, j, 9) for k in range(150) for j in range(150))
+    yield "web of lines", dxf(*web)
 
 
 PROGRAM = "G17 G21 G40 G49 G54 G80 G90 G94\nG91.1\nT1 M6\nG43 H1\nS1000 M3\nG64 P0.001 Q0\nF100\n"
@@ -169,7 +188,7 @@ def contours(good: bytes) -> Named:
     yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
     yield "one place", b"1,1\n" * times(100_000)
     yield "rows", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001))
-    yield "semicolons", b"0;0\n1;1\n1;0\n"
+    yield "rows of three", b"0;0;1\n1;0;1\n1;1;1\n"
     yield "three columns, then two", b"0,0,0\n1,1\n"
     yield "too few", b"0,0\n1,0\n"
 

@@ -74,7 +74,7 @@ def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], sp
         ("# nothing\n", 2, "no rows"),
         ("0,0\n", 1, "1 row of numbers; allowed: 2"),
         ("phi,s\n", 2, "0 rows of numbers"),
-        ("0 0\n360 0\n", 1, "allowed separators are ; and tab and comma"),
+        ("0\n360\n", 1, "allowed separators are ; and tab and comma and blanks"),
         ("0,0,1\n360,0,1\n", 1, "3 columns; without a heading 2 are allowed"),
         ("0,5,1,5\n360,0,1,0\n", 1, "4 columns; without a heading 2"),
         ("0,0\n1\n360,0\n", 2, "1 column; allowed: 2"),

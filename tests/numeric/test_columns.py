@@ -69,7 +69,7 @@ def test_other_tables_are_refused(text: str, message: str) -> None:
         read(text)
 
 
-MARKS = {";": (",", "."), "\t": (",", "."), ",": (".",)}
+MARKS = {";": (",", "."), "\t": (",", "."), ",": (".",), "  ": (",", ".")}
 
 
 @given(
@@ -142,7 +142,10 @@ def table(rows: int) -> str:
         ),
         (
             "1\n2\n",
-            "points.csv, line 1: '1': one column; allowed separators are ; and tab and comma",
+            (
+                "points.csv, line 1: '1': one column; allowed separators are ; and tab and comma"
+                " and blanks"
+            ),
             "1",
         ),
         (b"1,2\n3,\xff4\n", "points.csv, line 2: not UTF-8 text", ""),
@@ -150,7 +153,7 @@ def table(rows: int) -> str:
             "\n1,2,3\n",
             (
                 "points.csv, line 2: '1,2,3': 3 columns; without a heading 2 are allowed, x and y"
-                " (a decimal comma needs ; or tab as separator)"
+                " (a decimal comma needs ; or tab or blanks as separator)"
             ),
             "1,2,3",
         ),
@@ -196,7 +199,7 @@ def test_limits_of_tables_are_allowed_and_one_more_is_not() -> None:
         with pytest.raises(GeometryError) as caught:
             read_columns(wide, "points.csv", asked)
         assert caught.value.message.startswith("points.csv, line 1: 'x,y,c0")
-        assert caught.value.message.endswith("1,001 columns; allowed: at most 1,000")
+        assert caught.value.message.endswith("1,001 columns or more; allowed: at most 1,000")
         assert caught.value.value.endswith("...")
         assert len(caught.value.value) == 60
     for spaces, unit in ((LONGEST_HEADING - 5, "kg"), (LONGEST_HEADING - 4, "")):

@@ -6,73 +6,38 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import ClassVar, Final, Protocol
+from typing import ClassVar, Final
 
 import numpy as np
 
 from camgeo.answers.answer import Answer
+from camgeo.answers.replay.contour_file import (
+    ARCS,
+    Progress,
+    Reading,
+    outline_in,
+)
 from camgeo.cam.cam import Cam
-from camgeo.contour.contour import Contour
-from camgeo.contour.simple import crossing
+from camgeo.contour.spline import SplineContour
+from camgeo.contour.spline_replay import replay_spline
 from camgeo.design import Design
-from camgeo.errors import Fault, FileError, SceneError, unreadable
+from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.motion.time_course import in_time
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.outline.face_lift import FaceLift
-from camgeo.outline.moments import area
 from camgeo.outline.path import Flank
 from camgeo.outline.replay import CORNER, replay_contour, replay_outline
 from camgeo.outline.replay_result import Jumps, Replay, closing_error
 from camgeo.product.product import Product, disc_of
-from camgeo.reading import DRAWING, read_within
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER, TURN, LengthUnit, in_unit
-from camgeo.wording import counted
+from camgeo.units import MM_PER, TURN
 
 STEP: Final = Decimal("0.1")
 """Of the cam angle [deg]."""
 
-READERS: Final = "camgeo.readers"
-"""Entry points that read contours from files, by what the file's name ends in without the dot."""
-
-GAP: Final = 1e-3
-"""End points of a drawing up to this far apart [mm] are joined: the last digit that most programs
-write."""
-
-FLAT: Final = 1e-3
-"""Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
-written with six decimals meet at angles of this size."""
-
 SLACK: Final = 1e-12
 """Rounding of a contact's place, as a fraction of the base radius."""
-
-
-class Reader(Protocol):
-    """Reads closed contours [mm] from a file of one format, the largest first."""
-
-    def read(
-        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
-    ) -> tuple[Contour, ...]: ...
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """How contours are read from files.
-
-    Attributes
-    ----------
-    layer : of a drawing; None for CUT, or all.
-    unit : of a file that does not say one.
-    gap : end points up to this far apart are joined [mm].
-    corner : corners up to this angle count as none [rad].
-    """
-
-    layer: str | None = None
-    unit: LengthUnit | None = None
-    gap: float = GAP
-    corner: float = math.radians(FLAT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +79,7 @@ class DiscReplay:
     disc : whose cam demands the motion.
     contour : on which the roller runs, in words.
     note : which contour of a file was chosen; empty if it has only one.
+    notes : what of the file was left out, is not exact or may be meant otherwise.
     replay : the motion itself [mm or rad].
     of : "rocker" behind a linkage, else "follower".
     unit : that of the scene, or "deg".
@@ -131,6 +97,7 @@ class DiscReplay:
     disc: Product
     contour: str
     note: str
+    notes: tuple[str, ...]
     replay: Replay
     of: str
     unit: str
@@ -176,6 +143,7 @@ def replay(
     *,
     step: Decimal = STEP,
     reading: Reading | None = None,
+    progress: Progress = lambda _: None,
 ) -> FollowerReplay:
     """Press the follower against the real outline, or against contours from files.
 
@@ -185,17 +153,18 @@ def replay(
     flank : "inner" or "outer"; None for that of the scene.
     step : of the cam angle [deg].
     reading : how the files are read.
+    progress : called with how far reading has come.
 
     Raises
     ------
     SceneError
-        If there are more files than discs, or one has no contour of a disc.
+        If there are more files than discs, or one has no contour on which the follower can run.
     GeometryError
         As `replay_contour` and `replay_outline`.
     """
     side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
     found = tuple(
-        _replayed(disc, file, side, math.radians(step), reading)
+        _replayed(disc, file, side, math.radians(step), reading, progress)
         for disc, file in _discs(design, side, tuple(map(Path, files)))
     )
     closing = None
@@ -226,52 +195,41 @@ def _discs(
 
 
 def _replayed(
-    disc: Product, file: Path | None, flank: Flank, step: float, reading: Reading
+    disc: Product,
+    file: Path | None,
+    flank: Flank,
+    step: float,
+    reading: Reading,
+    progress: Progress,
 ) -> DiscReplay:
     """The roller of a disc on its outline, or on the contour of a file; `step` in rad."""
     cam, pitch = disc.cam, disc.cam.disc.pitch_curve
     if file is None:
         outline = cam.disc.outline(flank).path
         found = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
-        return _result(disc, "the real outline", "", found)
-    contour, note = _contour_of(disc, flank, file, reading)
+        return _result(disc, "the real outline", "", (), found)
+    chosen, plain, note, notes = outline_in(file, disc, flank, reading, progress)
     corner = max(reading.corner, CORNER)
-    found = replay_contour(pitch, contour, flank, step=step, corner=corner)
-    return _result(disc, file.name, note, found)
-
-
-def _contour_of(disc: Product, flank: Flank, file: Path, reading: Reading) -> tuple[Contour, str]:
-    """The contour of the file whose area is nearest to that of the flank, and a note on the choice.
-
-    Raises SceneError if the file cannot be read or the contour crosses itself.
-    """
-    readers = entry_points(group=READERS)
-    kind = file.suffix.removeprefix(".").lower()
-    if kind not in readers.names:
-        endings = ", ".join(f".{name}" for name in sorted(readers.names))
-        raise SceneError([Fault("CONTOUR", str(file), f"the name must end in one of {endings}")])
-    reader: Reader = readers[kind].load()
     try:
-        data = read_within(file, DRAWING)
-    except FileError:
-        raise
-    except (OSError, ValueError) as error:
-        message = f"cannot be read: {unreadable(error)}"
-        raise SceneError([Fault("CONTOUR", str(file), message)]) from error
-    found = reader.read(data, file.name, layer=reading.layer, unit=reading.unit, gap=reading.gap)
-    paths = dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))
-    own = abs(area(paths[flank]))
-    chosen = min(found, key=lambda contour: abs(contour.area - own))
-    size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
-    note = f"the one of {size} is used" if len(found) > 1 else ""
-    place = crossing(chosen)
-    if place is not None:
-        message = f"crosses itself ({place}): no disc has this outline"
-        raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    return chosen, note and f"{file.name}: {counted(len(found), 'contour')}; {note}"
+        if isinstance(chosen, SplineContour) and pitch.follower.has_pitch_curve:
+            try:
+                found = replay_spline(pitch, chosen, flank, step=step, corner=corner)
+                return _result(disc, file.name, note, notes, found)
+            except GeometryError:  # it is curved more tightly than that follows
+                pass
+        found = replay_contour(pitch, plain, flank, step=step, corner=corner)
+    except GeometryError as error:
+        if error.key:  # it is the call's
+            raise
+        raise SceneError([Fault("CONTOUR", str(file), error.message)]) from error
+    if plain is not chosen:
+        notes.append(f"{file.name}: splines are followed by arcs within {ARCS:g} mm")
+    return _result(disc, file.name, note, notes, found)
 
 
-def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscReplay:
+def _result(
+    disc: Product, contour: str, note: str, notes: Sequence[str], replay: Replay
+) -> DiscReplay:
     """The result of a replay, in the unit of the scene."""
     cam, unit = disc.cam, disc.scene.unit
     turns = cam.lift_unit == "rad"
@@ -291,6 +249,7 @@ def _result(disc: Product, contour: str, note: str, replay: Replay) -> DiscRepla
         disc=disc,
         contour=contour,
         note=note,
+        notes=tuple(notes),
         replay=replay,
         of="rocker" if cam.drive.linkage is not None and turns else "follower",
         unit="deg" if turns else unit,

@@ -19,6 +19,7 @@ from typing import Self
 
 import numpy as np
 
+from camgeo.contour.bezier import at
 from camgeo.contour.chain import Chain
 from camgeo.contour.hermite import highest
 from camgeo.curve.working_curve import WorkingCurve
@@ -157,6 +158,23 @@ class Biarcs:
         least = np.min(np.abs(np.diff(points, axis=1)), axis=1)
         parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
         return cls(first[:, None] + step[:, None] * angles, *parts, distances, least)
+
+    @classmethod
+    def along_cubics(cls, pieces: ComplexArray) -> Self:
+        """Biarcs along Bezier `pieces` (S, 4) [mm], with its tangents; `angles` are parts."""
+        t = np.linspace(0.0, 1.0, PARTS + 1)
+        points, sides = at(pieces, t), 3.0 * np.diff(pieces, axis=1)
+        rates = sides @ np.stack(((1.0 - t) ** 2, 2.0 * t * (1.0 - t), t * t))
+        # Where the first side has no length the tangent is that of the next one, or of the chord.
+        for place, side in ((0, points[:, 1] - points[:, 0]), (-1, points[:, -1] - points[:, -2])):
+            rates[:, place] = np.where(rates[:, place] == 0.0, side, rates[:, place])
+        slopes = np.abs(rates)
+        tangents = rates / np.where(slopes > 0.0, slopes, 1.0)
+        arcs = _Arcs.between(points, tangents[:, 0], tangents[:, -1])
+        angles, apart, peaks = arcs.distances_to(points, tangents, slopes / PARTS)
+        distances = np.maximum(peaks, np.max(np.abs(apart), axis=1))
+        parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
+        return cls(angles, *parts, distances, np.min(np.abs(np.diff(points, axis=1)), axis=1))
 
     def turned_over(self, curve: WorkingCurve) -> BoolArray:
         """(S,) spans with an arc whose parallel on the pitch curve has turned inside out."""

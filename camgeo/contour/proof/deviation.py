@@ -205,6 +205,8 @@ def _uncompared(run: Run, place: float) -> GeometryError:
     a formula of it holds there for no longer than `SHORT`.
     """
     message = "the contour cannot be compared with the exact curve"
+    if run.leg.closed:  # its pieces may begin anywhere, and end a turn later
+        place %= TURN
     ends = np.concatenate(([run.leg.start], run.leg.borders, [run.leg.end]))
     start, end = np.max(ends[ends <= place]), np.min(ends[ends > place], initial=run.leg.end)
     if isinstance(run.leg, TurnLeg) or end - start > SHORT:

@@ -1,45 +1,62 @@
-"""CSV of a contour: x, y and, if there are arcs, bulge; one vertex per row.
+"""CSV of a contour: x, y and, if a heading names it, bulge; one vertex per row.
 
+It is a table as `camgeo.numeric.columns` reads them all, with x and y as those of measured points.
 The bulge is tan(sweep/4) of the piece that starts at the row, positive counter-clockwise, as in
-DXF. The last piece leads back to the first row. A header and lines that begin with # are allowed.
+DXF; a third column without a heading may as well be z. The last piece leads back to the first row.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Final
+
 import numpy as np
 
 from camgeo.contour.contour import Contour
-from camgeo.reading import CONTOUR, check_text
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.contour.foreign import Outlines
+from camgeo.errors import GeometryError
+from camgeo.inspection.measured_points import LENGTHS, places_of
+from camgeo.numeric.columns import Asked, Column, read_columns
+from camgeo.units import LengthUnit
 from camgeo.wording import counted
-from camgeo_export.errors import FileError, finite
+from camgeo_export.errors import FileError
 
-HEADERS = (("x", "y"), ("x", "y", "bulge"))
-
-FEWEST = 2
+FEWEST: Final = 2
 """Two rows with bulges are a lens or a circle."""
+
+ASKED: Final = Asked(LENGTHS, (Column("bulge", ("bulge",)),), FEWEST, named=True)
 
 
 class ContourCsvReader:
     """Reads a contour from CSV."""
 
     def read(
-        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
-    ) -> tuple[Contour, ...]:
-        """The only contour [mm], counter-clockwise; `unit` is that of the file, mm if None.
+        self,
+        data: bytes,
+        name: str,
+        *,
+        layer: str | None,
+        unit: LengthUnit | None,
+        gap: float,
+        progress: Callable[[str], object] = lambda _: None,
+    ) -> Outlines:
+        """The only contour [mm], counter-clockwise; `unit` of a file that states none, mm if None.
 
         Raises FileError, with `name` and line, for anything not allowed.
         """
         if layer is not None:
             raise FileError(f"{name}: a CSV file has no layers; leave out the layer {layer!r}")
-        rows = _rows(data, name)
-        x, y, bulge = np.array([row for _, row in rows]).T
-        vertices = (x + 1j * y) * MM_PER[unit or "mm"]
+        try:
+            rows = read_columns(data, name, ASKED)
+            vertices = places_of(rows, name, unit or "mm")
+        except GeometryError as error:
+            raise FileError(error.message) from None
+        bulge = rows.values[2] if len(rows.values) > len(LENGTHS) else np.zeros(len(vertices))
         apart = vertices != np.roll(vertices, -1)
         if not apart[-1]:  # the first point repeated at the end closes the contour
             vertices, bulge, apart = vertices[:-1], bulge[:-1], apart[:-1]
         if not np.all(apart):
-            line = rows[int(np.flatnonzero(~apart)[0]) + 1][0]
+            line = rows.lines[int(np.flatnonzero(~apart)[0]) + 1]
             raise FileError(f"{name}, line {line}: the same point as in the previous row")
         if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
             raise FileError(
@@ -48,39 +65,7 @@ class ContourCsvReader:
         contour = Contour.through(vertices, 4.0 * np.arctan(bulge))
         if contour.area == 0.0:
             raise FileError(f"{name}: the points enclose no area")
-        return (contour.counter_clockwise(),)
-
-
-def _rows(data: bytes, name: str) -> list[tuple[int, list[float]]]:
-    """Line numbers and x, y, bulge of the rows."""
-    check_text(data, CONTOUR, name)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(f"{name}: is not UTF-8 text") from None
-    rows: list[tuple[int, list[float]]] = []
-    width = 0
-    for line, written in enumerate(text.splitlines(), start=1):
-        if not written.strip() or written.lstrip().startswith("#"):
-            continue
-        count = 1 + written.count(",")
-        if width and count != width:
-            raise FileError(
-                f"{name}, line {line}: {counted(count, 'value')} where {width} are expected"
-            )
-        if count not in (2, 3):
-            raise FileError(
-                f"{name}, line {line}: {counted(count, 'column')}; allowed: x, y and x, y, bulge"
-            )
-        cells = [cell.strip() for cell in written.split(",")]
-        if not width:
-            width = count
-            if tuple(cell.lower() for cell in cells) in HEADERS:
-                continue
-        rows.append((line, [finite(cell, name, line) for cell in cells] + [0.0] * (3 - width)))
-    if not rows:
-        raise FileError(f"{name}: holds no points; allowed: rows x, y and x, y, bulge")
-    return rows
+        return Outlines((contour.counter_clockwise(),))
 
 
 READER = ContourCsvReader()

@@ -1,65 +1,63 @@
 """Reader of closed contours from any DXF drawing, whichever program wrote it.
 
-It reads lines, arcs, circles, polylines with bulges and, for callers that accept curves, polynomial
-splines of degree 1 to 3; open pieces are chained at their end points. What has no exact form in
-these is refused rather than approximated.
+It reads what a drawing shows: lines, arcs, circles, ellipses, polylines with bulges and splines, in
+blocks too, on layers that are on; open pieces are chained at their end points. What closes nothing
+is left, and told.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
 
-import numpy as np
-
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import Arc, CubicSpline
-from camgeo.reading import CONTOURS, DRAWING, beyond
+from camgeo.contour.foreign import Outlines, middle_of
+from camgeo.contour.spline import Arc
+from camgeo.reading import CONTOURS, DRAWING, PLACED, beyond
 from camgeo.units import MM_PER, LengthUnit
 from camgeo.wording import counted
-from camgeo_export.dxf.curves import Curve, Strand, arc_of, closed, spline_of
-from camgeo_export.dxf.items import Item, Tag, read_items
+from camgeo_export.dxf.chains import BRANCH, DOUBLE, EMPTY, LOOSE, Left, Loop, Run, chained
+from camgeo_export.dxf.curves import CURVES, NEAR, Curve, Placement, closed, strands_of
+from camgeo_export.dxf.items import EntityError, Item, Items, Progress, Tag, read_contents
 from camgeo_export.errors import FileError, finite
 from camgeo_export.layers import CUT, of_the_part
 
-MM_PER_INSUNIT = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
+MM_PER_INSUNIT: Final = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}
 """Millimetres of the units that $INSUNITS names: inch, foot, mm, cm, m."""
 
-LINES_AND_ARCS = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE")
-CURVES = (*LINES_AND_ARCS, "SPLINE")
+DEFPOINTS: Final = "defpoints"
+"""Layer of points that dimensions refer to, in lower case; it is never plotted."""
 
-REFUSED = ("SPLINE", "ELLIPSE", "INSERT", "HELIX", "MLINE", "REGION", "3DFACE", "SOLID", "HATCH")
-"""Entities that may be part of an outline but are neither lines nor arcs."""
+FROZEN: Final = 1
+"""Bit of group 70 that marks a layer as frozen."""
 
-CLOSED = 1
-"""Bit of group 70 that marks a polyline as closed."""
+PARTS: Final = ("ATTRIB", "ATTDEF", "ENDBLK", "SEQEND", "VERTEX", "VIEWPORT")
+"""Entities that are no curves and of no interest."""
 
-NOT_FLAT = 2 | 4 | 8 | 16 | 64
-"""Bits of group 70 of a POLYLINE that is curve-fitted, a polygon mesh or three-dimensional."""
+GAPS: Final = (0.0, 1e-9, 1e-7, 1e-5, 1e-3, 1e-1)
+"""Gaps [mm] that are joined in turn: pieces may be shorter than the largest that is allowed."""
+
+ALIKE: Final = 1e-6
+NEARLY: Final = 1e-3
+"""Contours lie on each other if their areas and lengths differ by less than the first fraction and
+their middles by less than the second one, of a length and its square."""
+
+DEEPEST: Final = 32
+"""Blocks within blocks."""
+
+EVERY: Final = 100_000
+"""Entities after which progress is reported again."""
+
+SHOWN: Final = 3
+"""Of what is left for one reason, places that are named."""
 
 
-JOINED = 1e-12
-"""Ends closer than this fraction of the drawing's reach are the same, written once as an angle and
-once as a point."""
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """Pieces of the drawing joined end to end; `item` is the entity of the first."""
-
-    item: Item
-    pieces: Sequence[Strand]
-
-    @property
-    def closed(self) -> bool:
-        """True if its last piece leads back to where the first begins."""
-        return self.pieces[-1].end == self.pieces[0].start
-
-    def reversed(self) -> Run:
-        """The same in the opposite direction."""
-        return Run(self.item, [piece.reversed() for piece in self.pieces[::-1]])
+def gaps_up_to(most: float) -> tuple[float, ...]:
+    """The gaps [mm] to be tried, up to `most`."""
+    return (*(gap for gap in GAPS if gap < most), most)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +70,16 @@ class Drawing:
     header : the header variables, each with its first value.
     items : the entities of the model space, in the order of the file.
     layers : the records of the layers.
+    names : of the layers that entities are on, by their lower case, without which they are alike.
+    blocks : record, with name and base point, and entities of each, by its name in lower case.
     """
 
     name: str
-    header: dict[str, Tag]
-    items: tuple[Item, ...]
-    layers: tuple[Item, ...]
+    header: Mapping[str, Tag]
+    items: Items | tuple[Item, ...]
+    layers: Items | tuple[Item, ...]
+    names: Mapping[str, str] = field(default_factory=dict)
+    blocks: Mapping[str, tuple[Item, Items]] = field(default_factory=dict)
 
     def value(self, variable: str) -> str:
         """The value of a header variable; empty if there is none."""
@@ -101,25 +103,23 @@ class Drawing:
             raise FileError(f"{name}: $INSUNITS is {code}, which is not {unit}")
         return MM_PER_INSUNIT[code]
 
-    def contours(
-        self,
-        layer: str | None,
-        unit: LengthUnit | None = None,
-        gap: float | None = None,
-        kinds: tuple[str, ...] = CURVES,
-    ) -> tuple[Curve, ...]:
-        """The closed contours [mm], counter-clockwise, the largest first; see `joined`."""
-        return self.joined(layer, unit, None if gap is None else (gap,), kinds)[0]
+    def contours(self, layer: str | None, gap: float = 0.0) -> tuple[Curve, ...]:
+        """The closed contours [mm] of a drawing in which all must be part of one, as `outlines`.
 
-    def joined(
+        Raises FileError as that does, and for the first entity that is part of none.
+        """
+        return self.outlines(layer, gaps=(gap,), strict=True).contours
+
+    def outlines(
         self,
         layer: str | None,
         unit: LengthUnit | None = None,
-        gaps: Sequence[float] | None = None,
-        kinds: tuple[str, ...] = CURVES,
-    ) -> tuple[tuple[Curve, ...], float]:
-        """The closed contours [mm], counter-clockwise, the largest first, and the largest gap
-        [mm] that was joined.
+        gaps: Sequence[float] = (0.0,),
+        *,
+        strict: bool = False,
+        progress: Progress = lambda _: None,
+    ) -> Outlines:
+        """The closed contours [mm], counter-clockwise, the largest first, and what is left.
 
         A contour without splines consists of lines and arcs. Where two ends lie apart, one is moved
         to the other: that of an arc or line to that of a spline.
@@ -129,190 +129,240 @@ class Drawing:
         layer : whose entities are read; None for layer CUT and those of edges that do not go
             through, if CUT exists, else for all.
         unit : of the drawing, needed if the drawing does not state it.
-        gaps : end points up to this far apart [mm] are joined, by the first of these that joins
-            all pieces to closed contours; None for rounding only.
-        kinds : of entities that are read.
+        gaps : end points up to this far apart [mm] are joined, by that of these with which the
+            least is left, the smallest of such; 0 for rounding only.
+        strict : whether what is left is an error.
 
         Raises
         ------
         FileError
-            With name and line, if the unit is unknown, an entity is of another kind, or pieces do
-            not form closed contours.
+            With name and line, if the unit is unknown, a number is none, or there is no contour.
         """
-        scale = self.scale(unit)
-        runs = [run for item in self.on(layer, kinds) if (run := _run(item, scale)).pieces]
-        if gaps is None:
-            gaps = (JOINED * max((abs(run.pieces[0].start) for run in runs), default=0.0),)
-        chains, largest = _first_chained([run for run in runs if not run.closed], gaps)
-        found = [*(run for run in runs if run.closed), *chains]
-        if not found:
-            raise FileError(f"{self.name}: no contour found; supported: {', '.join(kinds)}")
-        if len(found) > CONTOURS:
-            raise beyond(self.name, counted(len(found), "closed contour"), CONTOURS, DRAWING)
-        return tuple(sorted(map(_contour, found), key=lambda contour: -contour.area)), largest
+        shown = _Shown(self, self._wanted(layer), progress)
+        runs = list(shown.runs(Placement(complex(self.scale(unit)))))
+        ends = [(run.pieces[-1].end, run.pieces[0].start) for run in runs]
+        open_runs = [run for run, (end, start) in zip(runs, ends, strict=True) if end != start]
+        loops, left = chained(open_runs, gaps[0])
+        for gap in gaps[1:]:
+            if all(each.why == DOUBLE for each in left):
+                break
+            progress(f"{self.name}, pieces joined with gaps up to {gap:g} mm")
+            found = chained(open_runs, gap)
+            loops, left = found if len(found[1]) < len(left) else (loops, left)
+        whole = (run for run, (end, start) in zip(runs, ends, strict=True) if end == start)
+        loops = [(list(run.pieces), [run]) for run in whole] + loops
+        if len(loops) > CONTOURS:
+            raise beyond(self.name, counted(len(loops), "closed contour"), CONTOURS, DRAWING)
+        contours, others = _contours(loops, doubles=strict)
+        left = sorted([*left, *others], key=lambda each: each.why == DOUBLE)
+        reasons = [str(error) for error in shown.faults]
+        reasons += [self._fault(each, gaps[-1]) for each in left[:1]]
+        notes = tuple(shown.notes(runs, left))
+        if reasons and (strict or not contours):
+            raise FileError(reasons[0])
+        if not contours:
+            told = "; ".join(notes) or f"supported: {', '.join(CURVES)}, INSERT"
+            raise FileError(f"{self.name}: no contour found; {told}")
+        gap = max(
+            abs(before.end - piece.start)
+            for pieces, _ in loops
+            for before, piece in zip([pieces[-1], *pieces], pieces, strict=False)
+        )
+        followed = 0.0 if all(run.exact for run in runs) else NEAR
+        loose = reasons[-1] if left and left[0].why == LOOSE else ""
+        return Outlines(tuple(contours), gap, notes, followed, loose)
 
-    def on(self, layer: str | None, kinds: tuple[str, ...] = CURVES) -> list[Item]:
-        """The entities of those `kinds` on a layer; see `joined`."""
-        layers = {item.layer for item in self.items}
-        if layer is not None and layer not in layers:
-            known = ", ".join(sorted(layers))
+    def on(self, layer: str | None) -> Iterator[Item]:
+        """The curves that are shown on a layer; see `outlines`."""
+        shown = _Shown(self, self._wanted(layer))
+        return (item for item, _ in shown.placed(Placement()) if item.kind in CURVES)
+
+    def _wanted(self, layer: str | None) -> set[str]:
+        """The layers that are read, in lower case; all if there is none."""
+        if layer is not None and layer.lower() not in self.names:
+            known = ", ".join(sorted(self.names.values()))
             raise FileError(f"{self.name}: has no layer {layer!r}; there are {known}")
-        ours = of_the_part(layers) if CUT in layers else layers
-        wanted = ours if layer is None else {layer}
-        chosen = [item for item in self.items if item.layer in wanted]
-        for item in chosen:
-            if item.kind in REFUSED and item.kind not in kinds:
-                raise item.fault(f"is not a line or arc; supported: {', '.join(kinds)}")
-        return [item for item in chosen if item.kind in kinds]
+        if layer is not None or CUT.lower() not in self.names:
+            return set() if layer is None else {layer.lower()}
+        return {name.lower() for name in of_the_part(map(str.upper, self.names))}
+
+    def _fault(self, left: Left, gap: float) -> str:
+        """What is wrong with a run that is part of no contour."""
+        run, place, why = left
+        rest = f"; pieces must form closed contours, with gaps of at most {gap:g} mm"
+        where = f"{why} at {_place(place)}{rest if why in (LOOSE, BRANCH) else ''}"
+        return f"{self.name}, line {run.line}: {run.kind} {where}"
 
 
-def drawing_of(data: bytes, name: str = "the drawing") -> Drawing:
+@dataclass(slots=True)
+class _Shown:
+    """What is shown of a drawing on the layers `wanted`, and a count of what is not.
+
+    Attributes
+    ----------
+    hidden, unread : how many entities of which layer, of which kind are not shown, not read.
+    faults : of entities that cannot be used.
+    count : of entities in blocks.
+    """
+
+    drawing: Drawing
+    wanted: set[str]
+    progress: Progress = lambda _: None
+    hidden: Counter[str] = field(default_factory=Counter)
+    unread: Counter[str] = field(default_factory=Counter)
+    faults: list[EntityError] = field(default_factory=list)
+    count: int = 0
+
+    def runs(self, place: Placement) -> Iterator[Run]:
+        """The curves, as far as they have any length, where `place` puts them."""
+        for number, (item, inner) in enumerate(self.placed(place)):
+            if not number % EVERY:
+                self.progress(f"{self.drawing.name}, {number:,} entities taken")
+            if item.kind not in CURVES:
+                self.unread[item.kind] += item.kind not in PARTS
+                continue
+            try:
+                pieces, exact = strands_of(item, inner)
+            except EntityError as error:
+                self.faults.append(error)
+                continue
+            if pieces:
+                yield Run(item.kind, item.line, pieces, exact)
+
+    def placed(
+        self,
+        place: Placement,
+        items: Iterable[Item] | None = None,
+        layer: str | None = None,
+        within: tuple[str, ...] = (),
+    ) -> Iterator[tuple[Item, Placement]]:
+        """The entities that are shown with their places, those of blocks in place of these.
+
+        `layer` is that of the insertion of the block with the `items`, `within` names all around.
+        """
+        off = {record.text(2).lower() for record in self.drawing.layers if _is_off(record)}
+        for item in self.drawing.items if items is None else items:
+            own = item.layer.lower()
+            own = layer if layer is not None and own == "0" else own
+            if own in off or own == DEFPOINTS or item.number(60, 0.0) == 1.0:
+                self.hidden[self.drawing.names.get(own, own)] += 1
+            elif item.kind == "INSERT":
+                yield from self._inserted(item, place, own, within)
+            elif not self.wanted or own in self.wanted:
+                yield item, place
+
+    def _inserted(
+        self, item: Item, place: Placement, layer: str, within: tuple[str, ...]
+    ) -> Iterator[tuple[Item, Placement]]:
+        """The entities of the block that `item` inserts, once or in rows and columns."""
+        name = item.text(2).lower()
+        record, items = self.drawing.blocks.get(name, (None, ()))
+        if record is None or name in within or len(within) == DEEPEST:
+            what = "that is not there" if record is None else "into itself, or too deeply"
+            self.faults.append(item.fault(f"inserts a block {what}: {item.text(2)[:60]!r}"))
+            return
+        x, y = item.number(41, 1.0), item.number(42, 1.0)
+        turn = cmath.rect(1.0, math.radians(item.number(50, 0.0)))
+        base = Placement(shift=-record.point(10, 0.0))
+        columns, rows = (max(1, int(item.number(code, 1.0))) for code in (70, 71))
+        for row, column in (divmod(number, columns) for number in range(columns * rows)):
+            step = complex(column * item.number(44, 0.0), row * item.number(45, 0.0))
+            corner = item.point(10) + turn * step
+            own = Placement(turn * (0.5 * (x + y)), turn * (0.5 * (x - y)), corner).after(base)
+            for each in self.placed(place.seen(item).after(own), items, layer, (*within, name)):
+                yield each
+                self.count += 1
+            self.count += 1
+            if self.count > PLACED:
+                found = counted(self.count, "entity", "entities")
+                raise beyond(self.drawing.name, f"{found} in blocks", PLACED, DRAWING)
+
+    def notes(self, runs: Sequence[Run], left: Sequence[Left]) -> Iterator[str]:
+        """What is not shown, not read, cannot be used, is left or not exact."""
+        name = self.drawing.name
+        if self.hidden:
+            count = counted(self.hidden.total(), "entity", "entities")
+            layers = ", ".join(sorted(self.hidden))
+            yield f"{name}: {count} not read that the drawing does not show, on layer {layers}"
+        if kinds := +self.unread:
+            yield f"{name}: not read: {_listed(kinds)}"
+        yield from (f"{error}; left out" for error in self.faults[:SHOWN])
+        for why in (LOOSE, BRANCH, DOUBLE, EMPTY):
+            each = [one for one in left if one.why == why]
+            places = [f"{r.kind} in line {r.line} {why} at {_place(z)}" for r, z, _ in each[:SHOWN]]
+            if each:
+                count = f"{counted(len(each), 'piece')} left out"
+                yield f"{name}: {count}: {'; '.join(places)}{'; ...' * (len(each) > SHOWN)}"
+        if kinds := Counter(run.kind for run in runs if not run.exact):
+            yield f"{name}: {_listed(kinds)} followed by cubics within {NEAR:g} mm"
+
+
+def _is_off(record: Item) -> bool:
+    return record.number(62, 7.0) < 0.0 or int(record.number(70, 0.0)) & FROZEN != 0
+
+
+def _place(place: complex) -> str:
+    return f"({place.real:.6g}, {place.imag:.6g}) mm"
+
+
+def _listed(kinds: Counter[str]) -> str:
+    return ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+
+
+def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[Curve], list[Left]]:
+    """The contours of closed chains, the largest first, each once unless `doubles` count too, and
+    the runs of the others.
+    """
+    left = []
+    found: list[tuple[Curve, Loop]] = []
+    for pieces, runs in loops:
+        single = len(pieces) < 2 and isinstance(pieces[0], Arc)
+        if single or (contour := closed(pieces)).area == 0.0:
+            left.append(Left(runs[0], pieces[0].start, EMPTY))
+        else:
+            found.append((contour.counter_clockwise(), (pieces, runs)))
+    kept: list[tuple[Curve, complex]] = []
+    for contour, (pieces, runs) in sorted(found, key=lambda each: -each[0].area):
+        middle = middle_of(contour)
+        if not doubles and any(_same(contour, middle, *each) for each in kept):
+            left += [Left(run, pieces[0].start, DOUBLE) for run in runs]
+        else:
+            kept.append((contour, middle))
+    return [contour for contour, _ in kept], left
+
+
+def _same(one: Curve, middle: complex, other: Curve, place: complex) -> bool:
+    """Whether two contours lie on each other, to all appearances."""
+    return (
+        abs(one.area - other.area) <= ALIKE * one.length**2
+        and abs(one.length - other.length) <= ALIKE * one.length
+        and abs(middle - place) <= NEARLY * one.length
+    )
+
+
+def drawing_of(
+    data: bytes, name: str = "the drawing", progress: Progress = lambda _: None
+) -> Drawing:
     """The drawing in the file `name`; FileError if it is not DXF, or truncated."""
-    header, layers, items = read_items(data, name)
-    return Drawing(name, header, tuple(items), tuple(layers))
+    return Drawing(name, *read_contents(data, name, progress))
 
 
 class DxfReader:
-    """Reads closed contours of lines and arcs from a DXF drawing."""
+    """Reads closed contours from a DXF drawing."""
 
     def read(
-        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
-    ) -> tuple[Contour, ...]:
-        """See `Drawing.contours`."""
-        found = drawing_of(data, name).contours(layer, unit, gap, LINES_AND_ARCS)
-        return tuple(contour for contour in found if isinstance(contour, Contour))  # all of them
-
-
-def _run(item: Item, scale: float) -> Run:
-    """The pieces of an entity [mm], possibly none."""
-    if item.kind == "LINE":
-        start, end = (complex(item.number(x), item.number(x + 10)) * scale for x in (10, 11))
-        return Run(item, [Arc(start, end, 0.0, 0j)] if start != end else [])
-    if item.kind == "SPLINE":
-        return Run(item, [_spline(item, scale)])
-    pieces = _arcs(item, scale) if item.kind in ("ARC", "CIRCLE") else _polyline(item, scale)
-    if item.mirrored:
-        pieces = [_mirrored(arc) for arc in pieces]
-    return Run(item, pieces)
-
-
-def _mirrored(arc: Arc) -> Arc:
-    start, end, centre = (-each.conjugate() for each in (arc.start, arc.end, arc.centre))
-    return Arc(start, end, -arc.sweep, centre)
-
-
-def _arcs(item: Item, scale: float) -> list[Arc]:
-    """An ARC or CIRCLE; a whole circle in two halves."""
-    centre = complex(item.number(10), item.number(20)) * scale
-    radius = item.number(40) * scale
-    if radius <= 0.0:
-        raise item.fault("has no radius above 0")
-    if item.kind == "ARC":
-        arc = arc_of(centre, radius, item.number(50), item.number(51))
-        if arc.sweep < 2.0 * math.pi:
-            return [arc]
-    ends = (centre + radius, centre - radius)
-    return [Arc(start, end, math.pi, centre) for start, end in (ends, ends[::-1])]
-
-
-def _spline(item: Item, scale: float) -> CubicSpline:
-    numbers = [(tag.code, item.value(tag)) for tag in item.tags if 10 <= tag.code < 80]
-    try:
-        return spline_of(numbers, scale)
-    except FileError as error:
-        raise item.fault(str(error)) from None
-
-
-def _polyline(item: Item, scale: float) -> list[Arc]:
-    """Its pieces, without those of zero length."""
-    flags = int(item.number(70, 0.0))
-    rows: list[list[float]] = []
-    if item.kind == "POLYLINE":
-        if flags & NOT_FLAT:
-            raise item.fault("is curve-fitted or not flat; explode it into lines and arcs")
-        for vertex in item.vertices:
-            rows.append([vertex.number(10), vertex.number(20), vertex.number(42, 0.0)])
-    else:
-        for tag in item.tags:
-            if tag.code == 10:
-                rows.append([item.value(tag), 0.0, 0.0])
-            elif tag.code in (20, 42) and rows:
-                rows[-1][1 if tag.code == 20 else 2] = item.value(tag)
-        if len(rows) != item.number(90, len(rows)):
-            found = counted(len(rows), "vertex", "vertices")
-            raise item.fault(f"has {found}, not as many as it states")
-    points = [complex(x, y) * scale for x, y, _ in rows]
-    sweeps = (4.0 * np.arctan([bulge for _, _, bulge in rows])).tolist()
-    following = [*points[1:], *points[:1]] if flags & CLOSED else points[1:]
-    pieces = zip(points, following, sweeps, strict=False)
-    return [Arc(start, end, sweep, 0j) for start, end, sweep in pieces if start != end]
-
-
-def _first_chained(runs: list[Run], gaps: Sequence[float]) -> tuple[list[Run], float]:
-    """As `_chained`, with the first of `gaps` [mm] that makes all runs closed ones."""
-    for gap in gaps[:-1]:
-        try:
-            return _chained(runs, gap)
-        except FileError:
-            continue
-    return _chained(runs, gaps[-1])
-
-
-def _chained(runs: list[Run], gap: float) -> tuple[list[Run], float]:
-    """Open runs joined at their ends into closed ones, and the largest gap between two [mm]."""
-    partner, largest = _partners(runs, gap)
-    left = set(range(len(runs)))
-    found = []
-    while left:
-        start = min(left)
-        pieces: list[Strand] = []
-        end = 2 * start  # where the next run starts
-        while end // 2 in left:
-            left.remove(end // 2)
-            run = runs[end // 2]
-            pieces += run.pieces if end % 2 == 0 else run.reversed().pieces
-            end = partner[end ^ 1]
-        found.append(Run(runs[start].item, pieces))
-    return found, largest
-
-
-def _partners(runs: list[Run], gap: float) -> tuple[list[int], float]:
-    """For each end, 2 k and 2 k + 1 of run k, the other end at the same place, and the largest
-    distance between two such ends [mm].
-    """
-    ends = [end for run in runs for end in (run.pieces[0].start, run.pieces[-1].end)]
-    cells: dict[tuple[int, int], list[int]] = defaultdict(list)
-    size = 2.0 * gap if gap > 0.0 else 1.0
-    for number, point in enumerate(ends):
-        cells[math.floor(point.real / size), math.floor(point.imag / size)].append(number)
-    partner = []
-    for number, point in enumerate(ends):
-        x, y = math.floor(point.real / size), math.floor(point.imag / size)
-        near = [
-            other
-            for i in (-1, 0, 1)
-            for j in (-1, 0, 1)
-            for other in cells.get((x + i, y + j), ())
-            if other != number and abs(ends[other] - point) <= gap
-        ]
-        if len(near) != 1:
-            what = "has a loose end" if not near else "meets more than one other piece"
-            raise runs[number // 2].item.fault(
-                f"{what} at ({point.real:.6g}, {point.imag:.6g}) mm; pieces must form closed"
-                f" contours, with gaps of at most {gap:g} mm"
-            )
-        partner.append(near[0])
-    apart = (abs(ends[one] - ends[other]) for one, other in enumerate(partner))
-    return partner, max(apart, default=0.0)
-
-
-def _contour(run: Run) -> Curve:
-    if len(run.pieces) < 2 and isinstance(run.pieces[0], Arc):
-        raise run.item.fault("encloses nothing")
-    contour = closed(run.pieces)
-    if contour.area == 0.0:
-        raise run.item.fault("encloses no area")
-    return contour.counter_clockwise()
+        self,
+        data: bytes,
+        name: str,
+        *,
+        layer: str | None,
+        unit: LengthUnit | None,
+        gap: float,
+        progress: Progress = lambda _: None,
+    ) -> Outlines:
+        """See `Drawing.outlines`."""
+        drawing = drawing_of(data, name, progress)
+        return drawing.outlines(layer, unit, gaps_up_to(gap), progress=progress)
 
 
 READER = DxfReader()

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from camgeo.contour.contour import Contour
+from camgeo.contour.foreign import Outlines
 from camgeo.units import LengthUnit
 from camgeo_export.errors import FileError
 from camgeo_export.layers import CUT, of_the_part
@@ -13,8 +16,15 @@ class SvgReader:
     """Reads contours from SVG; its groups with an id are its layers."""
 
     def read(
-        self, data: bytes, name: str, *, layer: str | None, unit: LengthUnit | None, gap: float
-    ) -> tuple[Contour, ...]:
+        self,
+        data: bytes,
+        name: str,
+        *,
+        layer: str | None,
+        unit: LengthUnit | None,
+        gap: float,
+        progress: Callable[[str], object] = lambda _: None,
+    ) -> Outlines:
         """The closed contours [mm], counter-clockwise, the largest first, of the group `layer`;
         without one of the part's edges if there is a group CUT, else all.
 
@@ -31,7 +41,8 @@ class SvgReader:
         if CUT in names:
             names = of_the_part(names)
         found = [each for name in names for each in drawing.layers[name]]
-        return tuple(sorted(found, key=lambda each: (-each.area, *_place(each))))
+        found.sort(key=lambda each: (-each.area, *_place(each)))
+        return Outlines(tuple(found))
 
 
 def _place(contour: Contour) -> tuple[float, float]:

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from camgeo.contour.contour import Contour
 from camgeo.contour.exact import distance_between
+from camgeo.contour.foreign import Outlines
+from camgeo.contour.spline import SplineContour
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.formats.dxf import FORMAT
 from camgeo.part.part import Boundary
@@ -23,7 +25,7 @@ from camgeo.verifying.verification import (
     reported,
 )
 from camgeo_export.dxf.measure import MEASUREMENT
-from camgeo_export.dxf.reader import Drawing, drawing_of
+from camgeo_export.dxf.reader import Drawing, drawing_of, gaps_up_to
 from camgeo_export.errors import FileError
 from camgeo_export.layers import CUT, layered
 from camgeo_export.matching import AnyContour
@@ -44,10 +46,6 @@ Boundaries = tuple[Boundary, ...]
 
 NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
-
-GAPS = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
-"""Gaps [mm] allowed in turn when joining the pieces of a drawing, up to the tolerance: pieces may
-be shorter than that."""
 
 
 class DxfVerifier:
@@ -97,17 +95,25 @@ class DxfVerifier:
             read = {name: _contours(drawing, reading, name, tolerance) for name in layers}
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
-        gap = max(largest for _, largest in read.values())
+        gap = max(each.gap for each in read.values())
         checks.append(at_most("closure", gap, tolerance, "mm", note="largest gap between pieces"))
+        notes = [note for each in read.values() for note in each.notes]
+        checks += [reported("not compared", CUT, note=note) for note in notes]
         items = drawing.items if reading.ours else drawing.on(reading.layer)
         checks += flat_checks(items, drawing.scale(reading.unit), tolerance)
-        for name, (contours, _) in read.items():
+        for name, found in read.items():
             boundaries = layers[name] or product.drawn.part.boundaries
             shapes = shapes_of(boundaries, product.drawn.base_radius, tolerance)
-            pairs, count = matched(contours, shapes)
+            if found.loose and len(found.contours) < len(shapes):
+                checks.append(failed("closure", found.loose))
+            outline = found.contours[0]
+            axis = "" if isinstance(outline, SplineContour) else found.off_axis(outline)
+            if axis and not reading.ours:
+                checks.append(reported("axis", "elsewhere", note=axis))
+            pairs, count = matched(found.contours, shapes)
             checks.append(count if len(read) == 1 else replace(count, of=f"layer {name}"))
             for shape, contour in pairs:
-                checks += contour_checks(shape, contour, tolerance, extra=gap)
+                checks += contour_checks(shape, contour, tolerance, extra=gap + found.followed)
         if reading.ours and product.options[FORMAT].auxiliary:
             checks += _auxiliary(product, drawing, reading, tolerance)
             checks.append(_centre(drawing, tolerance))
@@ -152,12 +158,10 @@ def _auxiliary_of(product: Product) -> tuple[str, ...]:
     return tuple(name for name in AUXILIARY if pitch or name != "PITCH_CURVE")
 
 
-def _contours(
-    drawing: Drawing, reading: Reading, layer: str | None, tolerance: float
-) -> tuple[tuple[AnyContour, ...], float]:
-    """The closed contours of `layer` [mm], and the largest gap that was joined [mm]."""
-    gaps = [*(gap for gap in GAPS if gap < tolerance), tolerance]
-    return drawing.joined(layer, reading.unit, gaps)
+def _contours(drawing: Drawing, reading: Reading, layer: str | None, tolerance: float) -> Outlines:
+    """The closed contours of `layer`; in one of our drawings there is nothing else."""
+    found = drawing.outlines(layer, reading.unit, gaps_up_to(tolerance), strict=reading.ours)
+    return found.about(reading.origin)
 
 
 def _auxiliary(
@@ -167,12 +171,12 @@ def _auxiliary(
     checks = []
     if product.drawn.has_pitch_curve:
         try:
-            (pitch,) = _contours(drawing, reading, "PITCH_CURVE", tolerance)[0]
+            (pitch,) = _contours(drawing, reading, "PITCH_CURVE", tolerance).contours
             checks += contour_checks(_pitch(product, tolerance), pitch, tolerance)
         except (CamgeoError, ValueError) as error:
             checks.append(failed("deviation", str(error), "pitch curve"))
     try:
-        (circle,) = _contours(drawing, reading, "BASE_CIRCLE", tolerance)[0]
+        (circle,) = _contours(drawing, reading, "BASE_CIRCLE", tolerance).contours
         assert isinstance(circle, Contour)  # it is drawn as a circle
         exact = Contour.circle(product.drawn.base_radius)
         value = distance_between(exact, circle)

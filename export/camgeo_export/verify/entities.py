@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Final
 
 from camgeo.verifying.verification import Check, at_most, failed
@@ -71,29 +72,33 @@ HEADER: Final[Mapping[str, str]] = {"$ACADVER": VERSION, "$TILEMODE": "1", "$INS
 a block made of the drawing is placed by its origin."""
 
 
-def flat_checks(items: Sequence[Item], scale: float, limit: float) -> list[Check]:
+def flat_checks(items: Iterable[Item], scale: float, limit: float) -> list[Check]:
     """That `items` lie at height 0 and have neither width nor thickness, within `limit` [mm].
 
     `scale` is in mm per unit of the drawing.
     """
-    tags = [(each, tag) for item in items for each in (item, *item.vertices) for tag in each.tags]
-    heights = [(item, tag) for item, tag in tags if tag.code in HEIGHTS]
-    thick = [(item, tag) for item, tag in tags if tag.code == THICKNESS]
-    wide = [(item, tag) for item, tag in tags if tag.code in WIDTHS.get(item.kind, ())]
-    groups = (("elevation", heights), ("thickness", thick), ("width", wide))
-    return [_at_most(name, found, scale, limit) for name, found in groups]
+    worst = {name: at_most(name, 0.0, limit, "mm") for name in ("elevation", "thickness", "width")}
+    for each in (each for item in items for each in (item, *item.vertices)):
+        wide = WIDTHS.get(each.kind, ())
+        for tag in each.tags:
+            name = "elevation" if tag.code in HEIGHTS else "width" if tag.code in wide else ""
+            name = "thickness" if tag.code == THICKNESS else name
+            if name and worst[name].value is not None:
+                worst[name] = max(worst[name], _at_most(name, each, tag, scale, limit), key=_size)
+    return list(worst.values())
 
 
-def _at_most(name: str, found: Sequence[tuple[Item, Tag]], scale: float, limit: float) -> Check:
-    worst, note = 0.0, ""
-    for item, tag in found:
-        try:
-            value = abs(item.value(tag)) * scale
-        except FileError as error:
-            return failed(name, str(error))
-        if value > worst:
-            worst, note = value, f"line {tag.line}: {item.kind} on layer {item.layer}"
-    return at_most(name, worst, limit, "mm", note="" if worst <= limit else note)
+def _at_most(name: str, item: Item, tag: Tag, scale: float, limit: float) -> Check:
+    try:
+        value = abs(item.value(tag)) * scale
+    except FileError as error:
+        return failed(name, str(error))
+    note = f"line {tag.line}: {item.kind} on layer {item.layer}"
+    return at_most(name, value, limit, "mm", note="" if value <= limit else note)
+
+
+def _size(check: Check) -> float:
+    return check.value if isinstance(check.value, float) else math.inf
 
 
 def contents_check(drawing: Drawing, layers: Sequence[str]) -> Check:

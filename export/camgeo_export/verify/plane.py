@@ -103,6 +103,10 @@ def _deviation(shape: Shape, contour: AnyContour, tolerance: float, extra: float
         value = shape.deviation(contour) + extra
     except (GeometryError, ToleranceError) as error:
         reason = error.message if isinstance(error, GeometryError) else error.reason
+        if (
+            isinstance(error, GeometryError) and error.key
+        ):  # the fault is the contour's all the same
+            reason = "the contour cannot be compared with the exact curve"
         return failed("deviation", f"{reason}; {_where(shape, contour, tolerance)}", of)
     note = "" if value <= tolerance else _where(shape, contour, tolerance)
     return at_most("deviation", value, tolerance, "mm", of, note)
