@@ -188,7 +188,7 @@ def contours(good: bytes) -> Named:
     yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
     yield "one place", b"1,1\n" * times(100_000)
     yield "rows", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001))
-    yield "semicolons", b"0;0\n1;1\n1;0\n"
+    yield "rows of three", b"0;0;1\n1;0;1\n1;1;1\n"
     yield "three columns, then two", b"0,0,0\n1,1\n"
     yield "too few", b"0,0\n1,0\n"
 
