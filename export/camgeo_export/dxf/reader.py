@@ -161,7 +161,8 @@ class Drawing:
         if reasons and (strict or not contours):
             raise FileError(reasons[0])
         if not contours:
-            told = "; ".join(notes) or f"supported: {', '.join(CURVES)}, INSERT"
+            own = [note.removeprefix(f"{self.name}: ") for note in notes]
+            told = "; ".join(own) or f"supported: {', '.join(CURVES)}, INSERT"
             raise FileError(f"{self.name}: no contour found; {told}")
         gap = max(
             abs(before.end - piece.start)
