@@ -116,10 +116,10 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     yield "layers", dxf(*(f"0 LINE 8 L{k}" for k in range(times(100_000))))
     yield "one line's end", dxf(line(0, 0, 1e-320, 0), line(1e-320, 0, 0, 0))
     yield "loose lines", dxf(*(line(k, 0, k, 1) for k in range(100_000)))
-    yield "lines at one place", dxf(*(line(0, 0, 1, k % 3) for k in range(100_000)))
+    yield "lines at one place", dxf(*(line(0, 0, 1, k % 3) for k in range(times(100_000))))
     yield "far and near lines", dxf(line(1e9, 1e9, 1e-9, 0), line(1e-9, 0, 1e9, 1e9))
     yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(times(20_000))))
-    many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(350_000))
+    many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(times(350_000)))
     yield "open polyline", dxf(f"0 LWPOLYLINE 8 0 70 0 {many}")
     yield "too many lines", b"0\nSECTION\n" + b"0\n" * DRAWING_LINES
     yield "too many bytes", b"0\nSECTION\n" + bytes(DRAWING.size)
@@ -138,7 +138,7 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     yield "flat ellipse", dxf("0 ELLIPSE 8 0 10 0 20 0 11 1e9 21 0 40 1e-9 41 0 42 1e-9")
     fit = " ".join(f"11 {k % 7} 21 {k % 11}" for k in range(times(40_000)))
     yield "spline through points", dxf(f"0 SPLINE 8 0 71 3 {fit}")
-    web = (line(k, 0, j, 9) for k in range(150) for j in range(150))
+    web = (line(k, 0, j, 9) for k in range(150) for j in range(examples(75, long=150)))
     yield "web of lines", dxf(*web)
 
 
