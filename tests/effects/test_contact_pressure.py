@@ -513,7 +513,8 @@ def test_the_error_of_the_life_is_stated(tolerance: float) -> None:
     assert best.life is not None
     assert found.life is not None
     assert found.error is not None
-    assert found.error == found.life.error <= tolerance
+    assert found.error == pytest.approx(found.life.error, rel=1e-14)
+    assert found.life.error <= tolerance
     for exact, own in (
         (best.life.seconds, found.life.seconds),
         (best.life.load, found.life.load),

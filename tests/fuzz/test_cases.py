@@ -24,7 +24,7 @@ from tests.seeds import FIXED, FRESH
 
 @pytest.mark.parametrize("path", fixtures(), ids=lambda path: path.stem)
 def test_toml_is_read_back(path: Path) -> None:
-    values = tomllib.loads(path.read_text("utf-8"))
+    values = tomllib.loads(path.read_text("utf-8-sig"))
     assert tomllib.loads(toml(values)) == values
 
 

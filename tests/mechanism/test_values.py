@@ -154,7 +154,7 @@ SIGNED = {
 NOT_NEGATIVE = {
     "room", "allowance", "rest", "slack", "smallest_radius", "largest_radius", "radius_tolerance",
     "interpolation", "share", "smallest", "largest", "spin_up", "junction_deviation",
-    "velocity_jump", "block_time",
+    "velocity_jump", "block_time", "short_radius",
 }  # fmt: skip
 """Numbers that may be as near to 0 as doubles are."""
 
@@ -237,7 +237,7 @@ def bad_values(name: str, annotation: str, owner: str) -> list[Any]:
         values += [value for value in SMALL if name not in NOT_NEGATIVE or value < 0.0]
     if annotation.startswith("int"):
         values += [] if name == "springs" else [0]
-        values += [-2, 0.5, 100_000]
+        values += [-2, 0.5] if name == "largest_number" else [-2, 0.5, 100_000]
     if name in ANGLES:
         values += [90.0, -90.0, 1e30]
     return values

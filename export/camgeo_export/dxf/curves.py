@@ -219,6 +219,9 @@ def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
         return _through(
             item, fit, [z for code in (12, 13) for z in points_of(code).tolist()]
         ), False
+    for code, what, given in ((72, "knot", knots), (73, "control point", controls)):
+        if item.number(code, len(given)) != len(given):
+            raise item.fault(f"has {counted(len(given), what)}, not as many as it states")
     degree = item.number(71)
     if degree not in DEGREES or len(weights) not in (0, len(controls)) or np.any(weights <= 0.0):
         raise item.fault(
