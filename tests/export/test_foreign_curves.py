@@ -148,10 +148,10 @@ def test_blocks_without_end_are_refused() -> None:
     ("draw", "message"),
     [
         (lambda space: None, "no contour found; supported: LINE, ARC"),
-        (lambda space: space.add_text("A"), "no contour found; a.dxf: not read: 1 TEXT"),
+        (lambda space: space.add_text("A"), "no contour found; not read: 1 TEXT"),
         (
             lambda space: space.add_circle((0, 0), 5.0, dxfattribs={"layer": "DEFPOINTS"}),
-            "no contour found; a.dxf: 1 entity not read that the drawing does not show",
+            "no contour found; 1 entity not read that the drawing does not show",
         ),
         (lambda space: space.add_line((0, 0), (1, 0)), r"LINE has a loose end at \(0, 0\) mm"),
         (lambda space: space.add_mesh() and None, "no contour found"),
