@@ -43,6 +43,11 @@ def told_apart(one: float, other: float) -> tuple[str, str]:
     return next((pair for pair in found if pair[0] != pair[1]), found[0])
 
 
+def place_text(place: complex) -> str:
+    """A place [mm] in the plane of the disc."""
+    return f"({place.real:.6g}, {place.imag:.6g}) mm"
+
+
 def cam_angle(angle: float, form: str = ".6g") -> str:
     """The cam angle `angle` [rad], in any turn, in degrees from 0 to below 360."""
     text = format(math.degrees(angle % TURN), form)

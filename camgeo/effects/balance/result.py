@@ -27,6 +27,7 @@ from camgeo.part.mass import disc_moments
 from camgeo.part.part import Part
 from camgeo.part.spec import PartSpec
 from camgeo.units import RPM
+from camgeo.wording import place_text
 
 TAKEN: Final = 0.1
 """Share of the tolerance for each quadrature: the errors of the outlines add up, and relative to
@@ -157,7 +158,7 @@ def disc_findings(mass: float, unbalance: complex, *, balanced: bool) -> Iterato
     """Mass [t] and, from the unbalance [t mm], the centre of mass."""
     yield Finding("disc-mass", "ok", f"mass of the disc {KG * mass:.6g} kg", KG * mass, unit="kg")
     centre = unbalance / mass
-    where = f"at ({centre.real:.6g}, {centre.imag:.6g}) mm in cam coordinates"
+    where = f"at {place_text(centre)} in cam coordinates"
     yield Finding(
         "centre-of-mass",
         "ok",

@@ -187,9 +187,7 @@ def _polyline(item: Item) -> list[Arc]:
                 rows.append([item.value(tag), 0.0, 0.0])
             elif tag.code in (20, 42) and rows:
                 rows[-1][1 if tag.code == 20 else 2] = item.value(tag)
-        if len(rows) != item.number(90, len(rows)):
-            found = counted(len(rows), "vertex", "vertices")
-            raise item.fault(f"has {found}, not as many as it states")
+        _require_count(item, 90, len(rows), "vertex", "vertices")
     if not rows:
         return []
     x, y, bulges = np.array(rows).T
@@ -199,6 +197,12 @@ def _polyline(item: Item) -> list[Arc]:
     pieces = list(map(Arc, *(column.tolist() for column in columns)))
     drawn = pieces if flags & CLOSED else pieces[:-1]
     return [piece for piece in drawn if piece.start != piece.end]
+
+
+def _require_count(item: Item, code: int, found: int, *noun: str) -> None:
+    """EntityError unless as many are found as group `code` states, if it does."""
+    if item.number(code, found) != found:
+        raise item.fault(f"has {counted(found, *noun)}, not as many as it states")
 
 
 def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
@@ -219,9 +223,8 @@ def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
         return _through(
             item, fit, [z for code in (12, 13) for z in points_of(code).tolist()]
         ), False
-    for code, what, given in ((72, "knot", knots), (73, "control point", controls)):
-        if item.number(code, len(given)) != len(given):
-            raise item.fault(f"has {counted(len(given), what)}, not as many as it states")
+    _require_count(item, 72, len(knots), "knot")
+    _require_count(item, 73, len(controls), "control point")
     degree = item.number(71)
     if degree not in DEGREES or len(weights) not in (0, len(controls)) or np.any(weights <= 0.0):
         raise item.fault(

@@ -18,7 +18,7 @@ from camgeo.contour.foreign import Outlines, middle_of
 from camgeo.contour.spline import Arc
 from camgeo.reading import CONTOURS, DRAWING, PLACED, beyond
 from camgeo.units import MM_PER, LengthUnit
-from camgeo.wording import counted
+from camgeo.wording import counted, place_text
 from camgeo_export.dxf.chains import BRANCH, DOUBLE, EMPTY, LOOSE, Left, Loop, Run, chained
 from camgeo_export.dxf.curves import CURVES, NEAR, Curve, Placement, closed, strands_of
 from camgeo_export.dxf.items import EntityError, Item, Items, Progress, Tag, read_contents
@@ -191,7 +191,7 @@ class Drawing:
         """What is wrong with a run that is part of no contour."""
         run, place, why = left
         rest = f"; pieces must form closed contours, with gaps of at most {gap:g} mm"
-        where = f"{why} at {_place(place)}{rest if why in (LOOSE, BRANCH) else ''}"
+        where = f"{why} at {place_text(place)}{rest if why in (LOOSE, BRANCH) else ''}"
         return f"{self.name}, line {run.line}: {run.kind} {where}"
 
 
@@ -201,6 +201,7 @@ class _Shown:
 
     Attributes
     ----------
+    off : layers that are not shown, in lower case.
     hidden, unread : how many entities of which layer, of which kind are not shown, not read.
     faults : of entities that cannot be used.
     count : of entities in blocks.
@@ -209,10 +210,15 @@ class _Shown:
     drawing: Drawing
     wanted: set[str]
     progress: Progress = lambda _: None
+    off: frozenset[str] = field(init=False)
     hidden: Counter[str] = field(default_factory=Counter)
     unread: Counter[str] = field(default_factory=Counter)
     faults: list[EntityError] = field(default_factory=list)
     count: int = 0
+
+    def __post_init__(self) -> None:
+        records = filter(_is_off, self.drawing.layers)
+        self.off = frozenset(record.text(2).lower() for record in records)
 
     def runs(self, place: Placement) -> Iterator[Run]:
         """The curves, as far as they have any length, where `place` puts them."""
@@ -241,11 +247,10 @@ class _Shown:
 
         `layer` is that of the insertion of the block with the `items`, `within` names all around.
         """
-        off = {record.text(2).lower() for record in self.drawing.layers if _is_off(record)}
         for item in self.drawing.items if items is None else items:
             own = item.layer.lower()
             own = layer if layer is not None and own == "0" else own
-            if own in off or own == DEFPOINTS or item.number(60, 0.0) == 1.0:
+            if own in self.off or own == DEFPOINTS or item.number(60, 0.0) == 1.0:
                 self.hidden[self.drawing.names.get(own, own)] += 1
             elif item.kind == "INSERT":
                 yield from self._inserted(item, place, own, within)
@@ -290,7 +295,9 @@ class _Shown:
         yield from (f"{error}; left out" for error in self.faults[:SHOWN])
         for why in (LOOSE, BRANCH, DOUBLE, EMPTY):
             each = [one for one in left if one.why == why]
-            places = [f"{r.kind} in line {r.line} {why} at {_place(z)}" for r, z, _ in each[:SHOWN]]
+            places = [
+                f"{r.kind} in line {r.line} {why} at {place_text(z)}" for r, z, _ in each[:SHOWN]
+            ]
             if each:
                 count = f"{counted(len(each), 'piece')} left out"
                 yield f"{name}: {count}: {'; '.join(places)}{'; ...' * (len(each) > SHOWN)}"
@@ -300,10 +307,6 @@ class _Shown:
 
 def _is_off(record: Item) -> bool:
     return record.number(62, 7.0) < 0.0 or int(record.number(70, 0.0)) & FROZEN != 0
-
-
-def _place(place: complex) -> str:
-    return f"({place.real:.6g}, {place.imag:.6g}) mm"
 
 
 def _listed(kinds: Counter[str]) -> str:

@@ -13,10 +13,11 @@ import numpy as np
 
 from camgeo.contour.contour import Contour
 from camgeo.verifying.verification import Check, at_most, failed
+from camgeo.wording import place_text
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run
 from camgeo_export.matching import distances_from
-from camgeo_export.verify.plane import SLOPE, place_text
+from camgeo_export.verify.plane import SLOPE
 
 PARTS = 64
 """Points per lead; chords of half a turn lie 3e-4 of the radius off it."""

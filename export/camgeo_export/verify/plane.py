@@ -10,6 +10,7 @@ import numpy as np
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.verifying.verification import Check, at_most, failed, near
+from camgeo.wording import place_text
 from camgeo_export.matching import AnyContour, farthest, paired
 from camgeo_export.verify.shapes import Shape, joints_of
 
@@ -32,11 +33,6 @@ processor."""
 
 INCH_SHARE = 0.01
 """By how much a ratio of sizes may miss 25.4 for a mix-up of mm and inch to be suggested."""
-
-
-def place_text(place: complex) -> str:
-    """A place for a note."""
-    return f"({place.real:.6g}, {place.imag:.6g}) mm"
 
 
 def matched(
