@@ -36,7 +36,7 @@ CASES: Final = ROOT / "tests" / "expensive_tests.json"
 LIMIT: Final = 0.5
 """A module that takes more [s] counts as expensive."""
 
-LIMIT_OF_CASES: Final = 0.4
+LIMIT_OF_CASES: Final = 0.3
 """So does a function with several cases; `MOST` of tests.thinned."""
 
 INTO: Final = "CAMGEO_CPU_OF_TESTS"

@@ -40,7 +40,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-EXAMPLES: Final = examples(20, long=100)
+EXAMPLES: Final = examples(15, long=100)
 """Of a property that asks for no other number; 100 is hypothesis's own."""
 
 settings.register_profile("fixed", derandomize=True, deadline=None, max_examples=EXAMPLES)

@@ -206,8 +206,10 @@ def _near(kept: str, found: str, close: float) -> bool:
     return difference <= max(close * abs(float(kept)), unit, NOTHING)
 
 
-def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:
-    """Compare results, each with the head that says what it is, with the file of that name."""
+def compare(name: str, parts: Iterable[tuple[str, str]], *, whole: bool = True) -> None:
+    """Compare results, each with the head that says what it is, with the file of that name; of
+    which there are others, too, where `parts` are not the `whole`.
+    """
     found = "".join(f"## {head}\n{text.rstrip()}\n\n" for head, text in parts)
     found = HASH.sub("(...)", found.replace(f"{FOLDER.parents[1]}/", ""))
     path = Path(os.environ.get(WRITTEN_ANEW, FOLDER)) / name
@@ -216,6 +218,8 @@ def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:
         path.write_text(found, "utf-8")
         return
     before, after = path.read_text("utf-8").splitlines(), found.splitlines()
+    if not whole:
+        before = [line for head, line in _under_heads(before) if head in after]
     head = ""
     for number, (one, other) in enumerate(zip(before, after, strict=False), 1):
         head = one if one.startswith("## ") else head
@@ -225,10 +229,18 @@ def compare(name: str, parts: Iterable[tuple[str, str]]) -> None:
         pytest.fail(f"{path.name} has {len(before)} lines, found {len(after)}", pytrace=False)
 
 
-def compare_documents(name: str, parts: Mapping[str, Any]) -> None:
+def _under_heads(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Each line with the head that it stands under."""
+    head = ""
+    for line in lines:
+        head = line if line.startswith("## ") else head
+        yield head, line
+
+
+def compare_documents(name: str, parts: Mapping[str, Any], *, whole: bool = True) -> None:
     """Compare documents with the file of that name, in which small letters and digits stand."""
     path = re.sub(r"[^a-z0-9/]+", "_", name.lower())
-    compare(f"{path}.txt", ((head, document(each)) for head, each in parts.items()))
+    compare(f"{path}.txt", ((head, document(each)) for head, each in parts.items()), whole=whole)
 
 
 def called(

@@ -116,6 +116,7 @@ def test_names_of_modules() -> None:
     assert name_of("export/camgeo_export/dxf/writer.py") == "camgeo_export.dxf.writer"
 
 
+@pytest.mark.long  # reads all modules, as the tool does there
 def test_the_mirror_folder_is_asked_first_and_direct_importers_follow() -> None:
     modules = modules_for("camgeo/outline/clearance.py")
     inside = [each.startswith("tests/outline/") for each in modules]
@@ -150,6 +151,6 @@ def test_verdicts(
         "from hypothesis import settings\nsettings.register_profile('first')\n", "utf-8"
     )
     monkeypatch.setattr(mutants, "modules_for", lambda _: ["test_of_it.py"])
-    monkeypatch.setattr(mutants, "CPU", 10)
+    monkeypatch.setattr(mutants, "CPU", 2 if expected == "timed out" else 10)
     assert verdict(tmp_path, Mutant("product.py", 2, "", changed), 1) == expected
     assert (tmp_path / "product.py").read_text("utf-8") == original

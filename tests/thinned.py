@@ -15,13 +15,13 @@ import zlib
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from tests.long_form import LONG
 
 TESTS: Final = Path(__file__).with_name("expensive_tests.json")
 
-MOST: Final = 0.4
+MOST: Final = 0.3
 """CPU time [s] of the cases of one function that run."""
 
 EXPENSIVE: Final[dict[str, float]] = json.loads(TESTS.read_text("utf-8"))
@@ -29,6 +29,14 @@ EXPENSIVE: Final[dict[str, float]] = json.loads(TESTS.read_text("utf-8"))
 
 WHOLE: Final = LONG or bool(os.environ.get("CAMGEO_EVERY_CASE"))
 """Whether all cases run."""
+
+
+T = TypeVar("T")
+
+
+def share(items: Sequence[T], one_of: int) -> Sequence[T]:
+    """Of `items` that a single test goes through, those of a usual run: one of so many."""
+    return items if WHOLE else items[::one_of]
 
 
 def function_of(test: str) -> str:

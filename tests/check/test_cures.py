@@ -536,7 +536,7 @@ def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: floa
             assert is_good(applied(cam, by_knob(found)[knob]))
 
 
-@pytest.mark.parametrize("contact", ["inner", "groove"])
+@pytest.mark.parametrize("contact", [pytest.param("inner", marks=pytest.mark.long), "groove"])
 def test_without_room_for_a_roller_the_radius_of_curvature_is_given(contact: Any) -> None:
     law = LAWS["polynomial-345"]
     rise, fall = Move(Decimal("0.0001"), 0.4, law), Move(Decimal(70), 0.0, law)

@@ -265,7 +265,7 @@ def test_a_scene_in_inches_gets_its_cure_in_inches() -> None:
     assert offset.sentence == "no other offset between -22 and 22 inch cures it"
 
 
-@settings(attack, max_examples=examples(3, long=200))
+@settings(attack, max_examples=examples(2, long=200))
 @given(scenes(), st.sampled_from(["mm", "inch"]))
 def test_every_cure_cures_when_applied_as_printed(values: Tables, unit: str) -> None:
     values["units"] = {"length": unit}

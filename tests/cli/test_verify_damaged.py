@@ -49,9 +49,9 @@ def verdicts(folder: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, dic
         ("a.3mf", b"PK\x03\x04", "not a complete 3MF package: cannot be unpacked"),
         ("a.ngc", b"G1 X" + b"9" * 310, "cut|more than 60 digits|move before unit"),
         (
-            "a.dxf",
+            "a.stl",
             b"0\n" * 20_000_000,
-            "has 40,000,000 bytes; at most 32,000,000 are allowed in a file",
+            "has 40,000,000 bytes; at most 32,000,000 are allowed in a STL",
         ),
         ("a.stl", b"solid\nfacet normal 0 0 nan\n", "endsolid missing"),
     ],

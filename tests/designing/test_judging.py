@@ -46,8 +46,9 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
         each.verdict for each in checked.everything
     ]
     assert [each["sentence"] for each in found["cures"]] == [
-        each.statement for each in checked.cures
+        f"{each.fault}: {each.sentence}" for each in checked.cures
     ]
+    assert [each["works"] for each in found["cures"]] == [each.works for each in checked.cures]
     bad = [each for each in found["findings"] if each["severity"] != "ok"]
     assert all(each["step"] for each in bad)
 

@@ -17,6 +17,7 @@ import pytest
 from camgeo.design import Design
 from tests.effects.recorded import NUMBER, PLACED, SHOWN, result_of
 from tests.effects.recorded_scenes import OF_SMALL, SMALL, small
+from tests.thinned import share
 
 M, L, T = 3.0, 2.0, math.sqrt(2.0)
 
@@ -125,7 +126,7 @@ def in_other_units(name: str, made: Design) -> Design:
 
 
 def test_each_figure_goes_with_its_dimension() -> None:
-    for name in SCENES:
+    for name in share(SCENES, 3):
         made = stated(name)
         other = in_other_units(name, made)
         for effect in made.scene.effects:

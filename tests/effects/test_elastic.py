@@ -187,8 +187,12 @@ CHAINS = [
     pytest.param(press(600.0), id="fast"),
     pytest.param(pressing(330.0), id="with a load"),
     pytest.param(lever(900.0), id="two masses"),
-    pytest.param(valve(500.0), id="three masses"),
-    pytest.param(valve(500.0, output=2, load=(-20.0, 35.0, 0.0)), id="with a load in between"),
+    pytest.param(valve(500.0), id="three masses", marks=pytest.mark.long),
+    pytest.param(
+        valve(500.0, output=2, load=(-20.0, 35.0, 0.0)),
+        id="with a load in between",
+        marks=pytest.mark.long,
+    ),
 ]
 
 

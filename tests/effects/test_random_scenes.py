@@ -422,7 +422,7 @@ def accepted_or_refused(file: str, text: str) -> dict[str, str]:
     return {fault.key: "fault" for fault in faults}
 
 
-@settings(max_examples=examples(6, long=25))
+@settings(max_examples=examples(4, long=25))
 @given(st.randoms(use_true_random=False))
 def test_effects_of_any_scene_are_finite_or_refused(rng: Random) -> None:
     accepted_or_refused(*scene_of(rng))

@@ -89,6 +89,7 @@ def share_apart(here: FloatArray, there: FloatArray) -> float:
     return float(np.max(np.abs(here - there) / np.max(np.abs(here), axis=0)))
 
 
+@pytest.mark.long  # the kernels are those of files; a sweep computes with no others
 def test_rows_of_a_sweep_agree_on_other_processors(tmp_path: Path) -> None:
     here, there = tmp_path / "here.json", tmp_path / "there.json"
     assert main([*SWEEP, "-o", str(here)]) == 0

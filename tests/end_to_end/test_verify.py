@@ -36,7 +36,7 @@ DAMAGES: dict[str, tuple[str, d.Damage, set[str]]] = {
     "gcode: a lead left out": (".ngc", d.leave_out_line("G3"), {"leads"}),
     "gcode: a lead reversed": (".ngc", d.reverse_lead, {"kink"}),
     "gcode: a lead into the part": (".ngc", d.lead_into_the_part, {"gouge"}),
-    "gcode: an I changed": (".ngc", d.change_word("I", 0.1), {"arc ends", "arcs", "deviation"}),
+    "gcode: an I changed": (".ngc", d.change_word("I", 0.1), {"arc ends", "deviation"}),
     "gcode: a J changed": (".ngc", d.change_word("J", 0.1), {"arc ends", "arcs", "deviation"}),
     "gcode: a block left out": (".ngc", d.leave_out_block, {"arc ends", "deviation"}),
     "gcode: another unit": (".ngc", d.replaced(b"G21", b"G20", -1), {"unit", "deviation"}),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TypeVar
 
 import numpy as np
@@ -28,6 +29,7 @@ def marks(design: Design, kind: type[Kind]) -> list[Kind]:
     return [each for each in row.panels[0].marks if isinstance(each, kind)]
 
 
+@cache
 def steady() -> Design:
     """The press at the constant speed that it states, where both moves take as long."""
     text = PRESS.read_text(encoding="utf-8")

@@ -27,10 +27,10 @@ SECONDS: Final = examples(6.0, long=18.0)
 
 MEGABYTES: Final = 300.0
 
-EVERY: Final = examples(6, long=1)
+EVERY: Final = examples(12, long=1)
 """One of so many inputs is read."""
 
-MUTATIONS: Final = examples(4, long=12)
+MUTATIONS: Final = examples(2, long=12)
 """Of each good file; `--mutations 300` of another seed runs more."""
 
 pytestmark = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.kept import compare_documents
+from tests.thinned import WHOLE, share
 from tests.toolpath.programs import TOLERANCE, milled, toolpath
 from tests.toolpath.wrongs import REFUSED, RUN, WAYS, flawed, refusal, shifted
 
@@ -14,7 +15,8 @@ DEEPER = ("a second side, the other half",)
 
 def test_what_is_said_of_scenes_is_as_kept() -> None:
     """The key that is at fault, its value, what is allowed; or what is told of the program."""
-    compare_documents("toolpath/refused", {name: refusal(name) for name in REFUSED})
+    said = {name: refusal(name) for name in share(REFUSED, 3)}
+    compare_documents("toolpath/refused", said, whole=WHOLE)
 
 
 @pytest.mark.parametrize("way", WAYS)
