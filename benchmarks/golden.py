@@ -1,20 +1,24 @@
-"""Bytes of every file, compared with those of an earlier revision; both are made in this run.
+"""Bytes of every file and the answer of every command, compared with those of an earlier revision.
 
-Builds each scene in every format that it can be written in, with this tree and with the tree of
-`--against REV`, which needs git, and compares file by file. What may differ is masked: hashes (the
-scene's identity is in the files, and changes their own hashes too) and the size of a 3MF file,
-which contains one in compressed form. Scenes that the earlier tree does not have are left out.
-Exits with 1 if anything else differs.
+Both are made in this run. Each scene of all folders of fixtures is built in every format that
+pyproject.toml declares and that it can be written in, and with each machine profile where it is
+milled; its report, setup sheet, pictures and tables are written, and what the commands answer is
+kept as JSON. What is asked without a scene follows. What the earlier tree lacks is left out.
 
-    python benchmarks/golden.py --against REV [--keep FOLDER] [SCENE ...]
+What may differ is masked: hashes (the identity of the scene is in the files, and changes their own
+ones), the size of a 3MF file, which contains one in compressed form, and measured seconds. JSON is
+compared key by key. Exits with 1 if anything else differs.
 
-`--keep` holds the earlier files for the next run against the same revision.
+    python benchmarks/golden.py --against REV [--keep FOLDER] [--processes N] [SCENE ...]
+
+`--keep` holds the earlier answers for the next run against the same revision.
 """
 
 from __future__ import annotations
 
 import argparse
 import io
+import itertools
 import json
 import os
 import re
@@ -25,105 +29,231 @@ import tarfile
 import tempfile
 import tomllib
 import zipfile
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
-FORMATS: Final = ("dxf", "gcode", "stl", "3mf", "step", "csv", "svg", "png", "asc")
+PROFILES: Final = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "mach3", "sinumerik")
 
-HASH: Final = re.compile(rb"(?<![0-9a-f])[0-9a-f]{64}(?![0-9a-f])")
+HASH: Final = re.compile(rb"(?<![0-9a-f])[0-9a-f]{64}(?![0-9a-f])|(?<=sha256[ :])[0-9a-f]{12,}")
 
 SIZE: Final = re.compile(rb'("format": "3mf",\s+"sha256": "0+",\s+"bytes": )\d+')
 
+MACHINE: Final = re.compile(r'^machine = ".*"$', re.MULTILINE)
+
+MEASURED: Final = re.compile(r"(.*_)?seconds|spread|sha256")
+"""Keys of what is measured anew in each run, and of hashes."""
+
+WITH_TIMES: Final = ("explain", "accuracy", "sweep", "optimise")
+"""Commands whose JSON has measured times."""
+
 CERTIFICATE: Final = "certificate.json"
 
+ANSWER, SAID, CODE = "answer.txt", "said.txt", "code.txt"
+"""Files with what a command printed, with its notes, and its exit code."""
 
-def scenes(revision: str) -> list[Path]:
-    """All fixture scenes that can be built and that both trees have."""
-    folders = [f"fixtures/{name}" for name in ("scenes", "effects", "milling", "pairs")]
-    listed = subprocess.run(
-        ("git", "ls-tree", "-r", "--name-only", revision, *folders),
-        cwd=ROOT, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    earlier = {ROOT / name for name in listed.stdout.splitlines()}
-    found = {path for folder in folders for path in (ROOT / folder).glob("*.toml")}
-    return sorted(found & earlier)
-
-
-def environment(tree: Path, folder: Path) -> dict[str, str]:
-    """Runs the camgeo of `tree`, with the entry points that its pyproject.toml declares."""
-    project = tomllib.loads((tree / "pyproject.toml").read_text("utf-8"))["project"]
-    info = folder / "camgeo-0.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: camgeo\nVersion: 0\n", "utf-8")
-    groups = project.get("entry-points", {})
-    lines = [
-        line
-        for group, points in groups.items()
-        for line in (f"[{group}]", *(f"{name} = {place}" for name, place in points.items()))
-    ]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n", "utf-8")
-    path = os.pathsep.join(map(str, (folder, tree, tree / "export")))
-    return {**os.environ, "PYTHONPATH": path}
+BARE: Final = {
+    **{f"machine {name}": f"machines {name} --json" for name in PROFILES},
+    "machines": "machines --json",
+    "laws": "laws --task all --json",
+    "laws, places": "laws --places --json",
+    "table of a law": "table --law modified-sine --step 0.05 --json",
+    "printed table": "table --law modified-sine --step 0.1 --printed",
+    "slotted lever": "slotted-lever --frame 150 --swing 60 --speed 90 --json",
+    "import": "import {fixtures}/reference/ocv/setzhub.ocv -o {out}/setzhub.toml",
+    "compare": "compare {fixtures}/scenes/inch.toml {fixtures}/scenes/tappet.toml --json",
+    "sweep": "sweep {fixtures}/scenes/setzhub.toml --vary follower.base_radius=45:56:4 "
+    "--ask transmission-angle,peak:kappa,diameter,verdict --json -o {out}/rows.csv",
+    "optimise": "optimise {fixtures}/scenes/setzhub.toml --vary follower.base_radius=45:56 "
+    "--least diameter --keep transmission-angle>=42 --evaluations 20 --json -o {out}/best.toml",
+    "accuracy": "accuracy {fixtures}/scenes/tappet.toml --tolerances 1e-1,1e-2 --ripple --json",
+    "tolerance": "tolerance {fixtures}/tolerance/lever.toml --count 128 --json",
+    "tolerance of a pair": "tolerance {fixtures}/tolerance/pair.toml --count 0 --json",
+}
+"""Calls without a scene of their own; scenes to start from follow."""
 
 
-def build(scene: Path, out: Path, formats: tuple[str, ...], env: dict[str, str]) -> str:
-    """Write the files of a scene into `out`; return the error of the command, or nothing."""
-    command = (sys.executable, "-m", "camgeo", "build", str(scene), "-o", str(out), "--force")
-    done = subprocess.run(
-        (*command, "--only", ",".join(formats)),
-        env=env, cwd=out.parent, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return "" if (out / CERTIFICATE).exists() else done.stderr.strip()[-500:]
+def scene_calls(scene: Path, text: str, folder: Path) -> dict[str, str]:
+    """The calls for a scene, by name, in an order in which later ones may read earlier files."""
+    calls = {
+        "check": "check {scene} --json",
+        "check, text": "check {scene}",
+        "build": "build {scene} -o {out} --force --only {formats}",
+        "verify": "verify {all}/build --scene {scene} --json -o {out}/verification.json",
+        "table": "table {scene} --step 5 -o {out}/table.csv",
+        "table, JSON": "table {scene} --step 30 --json",
+        "size": "size {scene} --json",
+        "explain": "explain {scene} build --json",
+        "report": "report {scene} --quick -o {out}/report.html",
+        "report, JSON": "report {scene} --quick --json",
+        "replay": "replay {scene} --step 10 --json",
+        "probe": "probe {scene} --step 10 -o {out}/points.csv --json",
+        "inspect": "inspect {scene} {all}/probe/points.csv --align free --json",
+        "plot": "plot {scene} -o {out}/plot.svg",
+    }
+    if MACHINE.search(text):
+        calls |= {
+            "setup": "setup {scene} -o {out}/setup.html",
+            "setup, JSON": "setup {scene} --json",
+        }
+        for name in PROFILES:
+            copy = with_machine(scene, text, name, folder)
+            calls[f"gcode for {name}"] = f"build {copy} -o {{out}} --force --only gcode"
+    return calls
 
 
-def build_all(scene: Path, out: Path, env: dict[str, str]) -> None:
-    """Write a scene in all formats at once, or, where one is refused, in those that can be."""
-    if not build(scene, out, FORMATS, env):
-        return
-    trial = out.with_name(f"{out.name}-trial")
-    possible = []
-    for name in FORMATS:
-        shutil.rmtree(trial, ignore_errors=True)
-        if not build(scene, trial, (name,), env):
-            possible.append(name)
-    shutil.rmtree(trial, ignore_errors=True)
-    if not possible or build(scene, out, tuple(possible), env):
-        raise SystemExit(f"{scene.name}: the earlier revision cannot build it")
+def with_machine(scene: Path, text: str, name: str, folder: Path) -> Path:
+    """The scene with another machine, beside what it may name."""
+    place = folder / name / scene.parent.name
+    if not place.exists():
+        place.mkdir(parents=True)
+        for each in scene.parent.iterdir():
+            if each.suffix != ".toml":
+                (place / each.name).symlink_to(each)
+    copy = place / scene.name
+    copy.write_text(MACHINE.sub(f'machine = "{name}"', text), "utf-8")
+    return copy
 
 
-def masked(path: Path, scene_hash: str) -> bytes:
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """A checkout whose commands are called, with the formats that it declares."""
+
+    env: Mapping[str, str]
+    formats: tuple[str, ...]
+
+    @classmethod
+    def of(cls, root: Path, folder: Path) -> Tree:
+        """With the entry points of its pyproject.toml, as if it were installed."""
+        project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
+        info = folder / "camgeo-0.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: camgeo\nVersion: 0\n", "utf-8")
+        groups = project.get("entry-points", {})
+        lines = [
+            line
+            for group, points in groups.items()
+            for line in (f"[{group}]", *(f"{name} = {place}" for name, place in points.items()))
+        ]
+        (info / "entry_points.txt").write_text("\n".join(lines) + "\n", "utf-8")
+        path = os.pathsep.join(map(str, (folder, root, root / "export")))
+        env = {**os.environ, "PYTHONPATH": path}
+        env.pop("PYTHONDONTWRITEBYTECODE", None)
+        return cls(env, tuple(groups["camgeo.writers"]))
+
+    def call(self, words: str, out: Path, **places: object) -> int:
+        """Run a command; what it prints and writes lies in `out`."""
+        out.mkdir(parents=True)
+        given = {"out": out, "all": out.parent, "fixtures": ROOT / "fixtures", **places}
+        done = subprocess.run(
+            (sys.executable, "-m", "camgeo", *(word.format(**given) for word in words.split())),
+            env=self.env, cwd=out, capture_output=True, check=False,
+        )  # fmt: skip
+        (out / ANSWER).write_bytes(done.stdout)
+        (out / SAID).write_bytes(done.stderr)
+        (out / CODE).write_text(f"{done.returncode}\n", "utf-8")
+        return done.returncode
+
+    def call_all(self, calls: Mapping[str, str], place: Path, scene: Path | None = None) -> None:
+        """All calls, each into a folder of its name; of formats those that can be written."""
+        for name, words in calls.items():
+            out = place / name
+            if "{formats}" not in words:
+                self.call(words, out, scene=scene)
+                continue
+            if self.call(words, out, scene=scene, formats=",".join(self.formats)) == 0:
+                continue
+            possible = [
+                each
+                for each in self.formats
+                if not self.call(words, out / f"only {each}", scene=scene, formats=each)
+            ]
+            shutil.rmtree(out)
+            self.call(words, out, scene=scene, formats=",".join(possible) or "dxf")
+
+
+def masked(path: Path, hashes: list[bytes], folders: list[bytes]) -> bytes:
     """The content of a file without what may differ."""
     data = path.read_bytes()
     if path.suffix == ".3mf":
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             data = b"".join(name.encode() + archive.read(name) for name in archive.namelist())
-    for digits in range(64, 7, -1):  # a file may name the first digits alone
-        data = data.replace(scene_hash[:digits].encode(), b"0" * digits)
+    for folder in folders:
+        data = data.replace(folder, b"...")
+    for each in hashes:
+        for digits in range(64, 7, -1):  # a file may name the first digits alone
+            data = data.replace(each[:digits], b"0" * digits)
     return SIZE.sub(rb"\1?", HASH.sub(b"0" * 64, data))
 
 
-def content(folder: Path) -> dict[str, bytes]:
-    """The files of a folder by name, masked."""
-    certificate = json.loads((folder / CERTIFICATE).read_bytes())
-    scene_hash = certificate["scene"]["sha256"]
-    return {path.name: masked(path, scene_hash) for path in sorted(folder.iterdir())}
+def leaves(data: Any, measured: bool, way: str = "") -> Iterator[tuple[str, str]]:
+    """The values of a JSON document by their keys, without what is measured."""
+    if isinstance(data, dict):
+        for key, each in data.items():
+            if not (measured and MEASURED.fullmatch(key)):
+                yield from leaves(each, measured, f"{way}.{key}" if way else key)
+    elif isinstance(data, list):
+        for number, each in enumerate(data):
+            yield from leaves(each, measured, f"{way}[{number}]")
+    else:
+        yield way, json.dumps(data)
 
 
-def compare(scene: Path, before: Path, env: dict[str, str], work: Path) -> list[str]:
-    """What differs between the files in `before` and those that are made now."""
-    certificate = json.loads((before / CERTIFICATE).read_bytes())
-    formats = tuple(dict.fromkeys(each["format"] for each in certificate["files"]))
-    now = work / "now" / scene.stem
-    now.parent.mkdir(parents=True, exist_ok=True)
-    trouble = build(scene, now, formats, env)
-    if trouble:
-        return [f"not built: {trouble}"]
-    old, new = content(before), content(now)
+def differing(name: str, before: bytes, after: bytes) -> str:
+    """Where two files or answers differ first; "" if they do not."""
+    if before == after:
+        return ""
+    measured = name.startswith(WITH_TIMES)
+    try:
+        old, new = (list(leaves(json.loads(each), measured)) for each in (before, after))
+    except ValueError:
+        pairs = itertools.zip_longest(before.splitlines(), after.splitlines())
+        line, (one, other) = next(
+            (n, each) for n, each in enumerate(pairs, 1) if each[0] != each[1]
+        )
+        return f"line {line}: {(one or b'')[:80]!r} became {(other or b'')[:80]!r}"
+    for one, two in itertools.zip_longest(old, new, fillvalue=("nothing", "")):
+        if one != two:
+            return f"{' '.join(one)[:120]} became {' '.join(two)[:120]}"
+    return ""
+
+
+def files(place: Path) -> dict[str, bytes]:
+    """What lies below a folder, by path, masked."""
+    hashes = {
+        json.loads(each.read_bytes())["scene"]["sha256"].encode()
+        for each in place.rglob(CERTIFICATE)
+    }
+    folders = [str(place).encode(), str(ROOT).encode()]
+    found = sorted(each for each in place.rglob("*") if each.is_file())
+    return {
+        each.relative_to(place).as_posix(): masked(each, sorted(hashes), folders) for each in found
+    }
+
+
+def compare(before: Path, after: Path) -> list[str]:
+    """What differs between two folders."""
+    old, new = files(before), files(after)
     found = [f"{name}: only before" for name in old.keys() - new.keys()]
     found += [f"{name}: only now" for name in new.keys() - old.keys()]
-    return found + [f"{name}: differs" for name in old if name in new and old[name] != new[name]]
+    for name in old.keys() & new.keys():
+        what = differing(name, old[name], new[name])
+        found += [f"{name}: {what}"] if what else []
+    return sorted(found)
+
+
+def tracked(revision: str) -> list[Path]:
+    """The scenes of fixtures that both trees have."""
+    listed = subprocess.run(
+        ("git", "ls-tree", "-r", "--name-only", revision, "fixtures"),
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    found = (ROOT / each for each in listed.stdout.splitlines() if each.endswith(".toml"))
+    return [each for each in found if each.is_file() and "[follower]" in each.read_text("utf-8")]
 
 
 def tree_of(revision: str, folder: Path) -> Path:
@@ -136,32 +266,56 @@ def tree_of(revision: str, folder: Path) -> Path:
     return folder
 
 
+def templates(earlier: Tree, folder: Path) -> dict[str, str]:
+    """Calls for all scenes to start from."""
+    earlier.call("new", folder / "new")
+    said = (folder / "new" / SAID).read_text("utf-8") + (folder / "new" / ANSWER).read_text("utf-8")
+    kinds = sorted({*re.findall(r"[a-z]+(?:-[a-z]+)+(?=[,} \n])", said)})
+    return {f"new {kind}": f"new {kind} -o {{out}}/scene.toml" for kind in kinds}
+
+
 def main() -> int:
-    """Build, compare, print what differs."""
+    """Call, compare, print what differs."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--against", metavar="REV", required=True)
     parser.add_argument("--keep", metavar="FOLDER", type=Path)
+    parser.add_argument("--processes", metavar="N", type=int, default=os.cpu_count() or 1)
     parser.add_argument("scenes", metavar="SCENE", nargs="*", type=Path)
     arguments = parser.parse_args()
-    bad = 0
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
-        (work / "here").mkdir()
-        here = environment(ROOT, work / "here")
-        earlier: dict[str, str] = {}
+        here = Tree.of(ROOT, work / "here")
+        earlier = Tree.of(tree_of(arguments.against, work / "tree"), work / "earlier")
         keep: Path = (arguments.keep or work / "before").resolve()
-        for scene in [each.resolve() for each in arguments.scenes] or scenes(arguments.against):
-            before = keep / scene.parent.name / scene.stem
-            if not (before / CERTIFICATE).exists():
-                if not earlier:
-                    tree = tree_of(arguments.against, work / "tree")
-                    earlier = environment(tree, work / "earlier")
-                before.parent.mkdir(parents=True, exist_ok=True)
-                build_all(scene, before, earlier)
-            found = compare(scene, before, here, work)
-            bad += bool(found)
-            count = len(list(before.iterdir()))
-            print(f"{scene.stem:24} {count:3} files {'; '.join(found) or 'same'}", flush=True)
+        scenes = [each.resolve() for each in arguments.scenes] or tracked(arguments.against)
+
+        def judge(scene: Path | None) -> tuple[str, int, list[str]]:
+            if scene is None:
+                name, calls = "without a scene", BARE | templates(earlier, work / "kinds")
+            else:
+                name = "-".join(scene.relative_to(ROOT / "fixtures").with_suffix("").parts)
+                text = scene.read_text("utf-8")
+                calls = scene_calls(scene, text, keep.parent / "machines")
+            before = keep / name
+            if not (before / "whole").exists():
+                shutil.rmtree(before, ignore_errors=True)
+                earlier.call_all(calls, before, scene)
+                (before / "whole").touch()
+            now = work / "now" / name
+            here.call_all(calls, now, scene)
+            (now / "whole").touch()
+            found = compare(before, now)
+            count = sum(each.is_file() for each in now.rglob("*"))
+            shutil.rmtree(now)
+            return name, count, found
+
+        bad = 0
+        with ThreadPoolExecutor(arguments.processes) as pool:
+            for name, count, found in pool.map(judge, [*scenes, *[None] * (not arguments.scenes)]):
+                bad += bool(found)
+                print(f"{name:40} {count:4} files {'' if found else 'same'}", flush=True)
+                for each in found:
+                    print(f"    {each}", flush=True)
     return 1 if bad else 0
 
 
