@@ -6,6 +6,7 @@ write-ahead log, so that others read what is finished. Queries are bounded, what
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -60,9 +61,11 @@ def errors_told(path: Path | None) -> Iterator[None]:
         if code == sqlite3.SQLITE_FULL:
             message = "the disk is full; the rows finished before are kept, resume the run later"
             raise OutputError(f"{name}: {message}") from error
-        if code in OF_THE_DISK:
+        # A header that names a later SQLite makes a file read-only, whatever the disk allows.
+        is_later = code == sqlite3.SQLITE_READONLY and path and os.access(path, os.W_OK)
+        if code in OF_THE_DISK and not is_later:
             raise OutputError(f"{name} cannot be written: {error}") from error
-        if code == sqlite3.SQLITE_NOTADB:
+        if code == sqlite3.SQLITE_NOTADB or is_later:
             message = f"is no store of a sweep, or not known as one any more; {ELSEWHERE}"
             raise FileError(f"{name} {message}") from error
         raise FileError(f"{name} is damaged: {error}; {ANEW}") from error

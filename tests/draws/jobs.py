@@ -41,6 +41,9 @@ UNSURE: Final = 0.06
 CHORD: Final = 0.002
 """Deviation of chords from arcs [mm]."""
 
+FOOT: Final = 0.1
+"""Height [mm] of the slabs where waste may hang on the part."""
+
 SMALL: Final = 1.0
 """Volume [mm^3] of pieces that are not compared: splinters at the ends of paths."""
 
@@ -483,6 +486,9 @@ def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
     heights = {low, 0.0, job.top, low - job.bottom}
     if math.isfinite(job.joined):
         heights.add(job.joined)
+        # The flanks of tabs slope, and hold at their feet what is farther off than their tops.
+        steps = math.ceil((job.joined - low) / FOOT)
+        heights |= {low + FOOT * k for k in range(1, steps)}
     for run in runs:
         for move in run.moves:
             (_, _, z0), (_, _, z1) = move.points[0], move.points[-1]

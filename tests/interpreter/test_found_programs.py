@@ -253,6 +253,15 @@ def test_holes_are_the_moves_that_a_cycle_makes() -> None:
     assert [(m.kind, m.end, round(m.z_end, 9)) for m in moves] == wanted
 
 
+@pytest.mark.parametrize("end", ["G18\nG2 Z5 K-3", "G18\nG3 Z5 K-3", "G19\nG3 Y-5 J3"])
+@pytest.mark.parametrize("control", ["grbl", "linuxcnc"])
+def test_an_arc_whose_ends_lie_on_one_side_of_its_centre_is_refused(control: str, end: str) -> None:
+    """At other radii: it turns by nothing, or by a whole turn."""
+    found = run(f"G21 G90 F100\nG0 X0 Y0 Z0\n{end}\nM2\n", load(control))
+    assert "arc-radius" in {each.rule for each in found.findings}
+    assert abs(complex(abs(found.moves[-1].end), found.moves[-1].z_end)) == 5.0
+
+
 def test_a_program_makes_no_more_moves_than_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither by many turns nor by a large radius."""
     monkeypatch.setattr("camgeo_export.interpreter.motion.PROGRAM_MOVES", 5_000)

@@ -265,6 +265,19 @@ def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path) -> N
         assert file.read_bytes() == before
 
 
+def test_a_store_of_a_later_sqlite_is_read_and_left_alone(tmp_path: Path) -> None:
+    """SQLite reads such a file and does not write it; byte 18 is the version of its writing."""
+    path = tmp_path / "runs.sqlite"
+    found = rows(run(path))
+    data = bytearray(path.read_bytes())
+    data[18] = 3
+    path.write_bytes(data)
+    assert rows(run(path, existing="resume")) == found
+    with pytest.raises(FileError, match=r"runs\.sqlite is no store of a sweep.*delete it"):
+        run(path, existing="replace")
+    assert path.read_bytes() == data
+
+
 def test_a_second_writer_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "runs.sqlite"
     with closing(Store(path, heading(family()))) as first:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from camgeo.answers.check import check
 from camgeo.answers.render import text
 from camgeo.answers.setup import setup_sheet
 from camgeo.check.finding import Finding
+from camgeo.design import Design
 from camgeo.product.milled import compared
 from camgeo.toolpath.features import Feature
 from tests.answers.documents import document
@@ -23,9 +25,15 @@ CHAMFERS = "chamfers = { outline = { width = 0.8 }, bore = { width = 1 } }\n"
 MARK = "mark = { radius = 26, width = 3, depth = 1, angle = 90 }\n"
 
 
+@cache
+def designed(scene: str) -> Design:
+    """The design of a scene, computed once for all tests."""
+    return camgeo.loads(scene)
+
+
 def told(scene: str) -> dict[str, list[Finding]]:
     """The findings on the program, by their names, that are more than "ok"."""
-    found = check(camgeo.loads(scene)).machining
+    found = check(designed(scene)).machining
     assert found is not None
     names: dict[str, list[Finding]] = {}
     for each in found.findings:
@@ -35,7 +43,7 @@ def told(scene: str) -> dict[str, list[Finding]]:
 
 
 def test_a_chamfer_that_is_larger_than_that_of_the_part_is_refused(tmp_path: Path) -> None:
-    design = camgeo.loads(SCENE)
+    design = designed(SCENE)
     found = told(SCENE)
     larger = found["chamfers"][-1]
     assert (larger.severity, larger.value, larger.limit, larger.unit) == ("broken", 2.0, 0.8, "mm")
@@ -52,7 +60,7 @@ def test_a_chamfer_that_is_larger_than_that_of_the_part_is_refused(tmp_path: Pat
 
 def test_every_feature_is_named_with_what_makes_it() -> None:
     """In JSON of both answers the same."""
-    design = camgeo.loads(SCENE)
+    design = designed(SCENE)
     (program,) = document(check(design))["machining"]["programs"].values()
     rows = {each["name"]: each for each in program["features"]}
     assert document(setup_sheet(design))["features"] == program["features"]

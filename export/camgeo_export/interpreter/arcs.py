@@ -140,7 +140,7 @@ def chords(start: complex, end: complex, arc: Arc) -> list[complex]:
     first, last = start - arc.centre, end - arc.centre
     size = max(abs(first), abs(last), CHORDS)
     count = math.ceil(abs(arc.sweep) / max(2.0 * math.acos(1.0 - CHORDS / size), SHORTEST))
-    grown = (abs(last) / abs(first) - 1.0) / count
+    grown = (abs(last) / abs(first) - 1.0) / max(count, 1)
     found = [
         arc.centre + first * (1.0 + k * grown) * cmath.exp(1j * arc.sweep * k / count)
         for k in range(1, count)
