@@ -91,7 +91,7 @@ def value_at(tree: Any, path: Path) -> Any:
 
 
 def key_lines(text: str) -> dict[Path, int]:
-    """Return the line, counted from 1, of each header, key and array element of a TOML `text`.
+    """Return the line, counted from 1, of each table, key and array element of a TOML `text`.
 
     The text must be valid TOML. Keys inside inline tables have no entry of their own; where the
     scanner loses its way (an escape in a quoted key), the rest of the file has none.
@@ -115,6 +115,8 @@ def key_lines(text: str) -> dict[Path, int]:
                 counts[array] = counts.get(array, -1) + 1
                 lines.setdefault(array, line)
             table = _placed((*table, names[-1]), counts, len(table))
+            for depth in range(1, len(table)):  # a table that no header names is at its first part
+                lines.setdefault(table[:depth], line)
             lines[table] = line
             place += len(opening)
         else:

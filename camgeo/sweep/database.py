@@ -19,7 +19,7 @@ from camgeo.errors import FileError, OutputError, unreadable
 MEMORY: Final = ":memory:"
 
 MOST_STEPS: Final = 10**8
-"""Instructions of SQLite in one query, two seconds; a check of 1,000,000 rows takes 8 % of them."""
+"""Instructions of SQLite in one query, two seconds; a check of 1,000,000 rows takes a tenth."""
 
 LONGEST: Final = 2**26
 """Bytes of a cell, 64 MB: more than any scene."""
@@ -54,7 +54,7 @@ def errors_told(path: Path | None) -> Iterator[None]:
     name = "the rows in memory" if path is None else str(path)
     try:
         yield
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # messages quote what the file has
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code in IN_USE:
             raise OutputError(f"{name}: {BUSY}") from error

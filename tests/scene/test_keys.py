@@ -79,6 +79,8 @@ def test_nearest_line_around_a_key() -> None:
     assert line_of(("table", "sub", "k", "l", 0), lines) == 17
     assert line_of(("array", 1, "deep", 1, "q"), lines) == 27
     assert line_of(("nothing",), lines) is None
+    without_header = key_lines("a = 1\n[effects.spring]\n[effects.load]\n")
+    assert line_of(("effects", "inertia"), without_header) == 2
     assert line_of((), lines) is None
 
 

@@ -265,6 +265,25 @@ def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path) -> N
         assert file.read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    ("was", "becomes"),
+    [(b'"polynomial', b'"3olynomial'), (b"CREATE TABLE designs", b"CREATE TAB\xccE d    ")],
+)
+def test_what_sqlite_finds_damaged_is_refused(tmp_path: Path, was: bytes, becomes: bytes) -> None:
+    """A key out of order, behind which others are not found; and a text that is none."""
+    path = tmp_path / "runs.sqlite"
+    run(path).close()
+    before = path.read_bytes()
+    assert was in before
+    for count in range(1, before.count(was) + 1):
+        parts = before.split(was)
+        data = was.join(parts[:count]) + becomes + was.join(parts[count:])
+        path.write_bytes(data)
+        with pytest.raises(FileError, match=r"runs\.sqlite is damaged: "):
+            run(path, existing="resume")
+        assert path.read_bytes() == data
+
+
 def test_a_store_of_a_later_sqlite_is_read_and_left_alone(tmp_path: Path) -> None:
     """SQLite reads such a file and does not write it; byte 18 is the version of its writing."""
     path = tmp_path / "runs.sqlite"
