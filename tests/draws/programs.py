@@ -339,6 +339,9 @@ def compared(text: str, control: str) -> tuple[str, str]:
     refused, said, legs = CONTROLS[control][1](text)
     found = run_bytes(text.encode(), load(control), most=10_000)
     line, why, unread = ours(found, control)
+    if control == "linuxcnc":  # the length that G49 takes back is known to the control alone
+        _, *later = (n for n, each in enumerate(text.splitlines(), 1) if "G49" in each)
+        unread = min((each for each in (unread, *later) if each is not None), default=None)
     became = "unread" if unread is not None else "run" if refused is None else "refused"
     last = min(math.inf if each in (None, 0) else each for each in (refused, line, unread))
     if (refused, line) != (None, None) and refused != line:
