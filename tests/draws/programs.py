@@ -36,6 +36,11 @@ REFUSED: Final = frozenset(
 )
 """Rules that say that a control does not run a block; the others warn."""
 
+UNREAD: Final = frozenset(("unsupported", "unknown-position"))
+"""Rules that say that camgeo does not know where a block goes: it does not read what it needs, or
+the control alone knows, as it does the length of the tool that G49 takes back.
+"""
+
 NEAR: Final = {"linuxcnc": 1e-6, "grbl": 2e-2}
 """How far paths may differ [mm] and feeds [mm/min]; Grbl computes in single precision, which
 counts most in the centre of an arc by its radius."""
@@ -324,7 +329,7 @@ CONTROLS: Final[dict[str, tuple[Callable[[], str], Callable[[str], Verdict]]]] =
 def ours(found: Run, control: str) -> tuple[int | None, str, int | None]:
     """The line that we say is refused, why, and the first that is outside what is read."""
     by_line = sorted(found.findings, key=lambda each: each.line or math.inf)
-    unread = next((each.line for each in by_line if each.rule == "unsupported"), None)
+    unread = next((each.line for each in by_line if each.rule in UNREAD), None)
     for each in by_line:
         ends = each.rule == "no-end" and (each.line or control == "grbl")
         if each.rule in REFUSED and not ends:
@@ -339,9 +344,6 @@ def compared(text: str, control: str) -> tuple[str, str]:
     refused, said, legs = CONTROLS[control][1](text)
     found = run_bytes(text.encode(), load(control), most=10_000)
     line, why, unread = ours(found, control)
-    if control == "linuxcnc":  # the length that G49 takes back is known to the control alone
-        _, *later = (n for n, each in enumerate(text.splitlines(), 1) if "G49" in each)
-        unread = min((each for each in (unread, *later) if each is not None), default=None)
     became = "unread" if unread is not None else "run" if refused is None else "refused"
     last = min(math.inf if each in (None, 0) else each for each in (refused, line, unread))
     if (refused, line) != (None, None) and refused != line:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from random import Random
 from typing import Any, Final
 
 from tests.fuzz.case import SCENE, SCENE_STEPS, Case, toml
-from tests.fuzz.scenes import accepted, fixtures
+from tests.fuzz.scenes import accepted, fixtures, values_of
 
 FACTORS: Final = (1e-6, 1e-3, 0.05, 20.0, 1e3, 1e6)
 
@@ -21,7 +20,7 @@ def number_case(rng: Random) -> Case:
     """A scene that is accepted with one of its numbers changed; it is checked, built, verified."""
     for _ in range(20):
         path = rng.choice(fixtures())
-        values = tomllib.loads(path.read_text("utf-8"))
+        values = values_of(path)
         place, size = rng.choice([each for each in numbers(values) if each[0] != ("camgeo",)])
         changed = rng.choice((*(size * factor for factor in FACTORS), HUGE))
         _set(values, place, float(f"{changed:.6g}"))

@@ -37,6 +37,11 @@ def fixtures() -> tuple[Path, ...]:
     return tuple(path for name in FOLDERS for path in sorted((FIXTURES / name).glob("*.toml")))
 
 
+def values_of(path: Path) -> dict[str, Any]:
+    """What a scene states; its file may begin with a byte order mark."""
+    return tomllib.loads(path.read_text("utf-8-sig"))
+
+
 def scene_case(rng: Random) -> Case:
     """A scene, and some of the commands that take one."""
     values, files, source = scene(rng)
@@ -121,7 +126,7 @@ def _drawn(rng: Random) -> tuple[dict[str, Any], Path, str]:
     chance = rng.random()
     if chance < 0.25:
         path = rng.choice(fixtures())
-        return tomllib.loads(path.read_text("utf-8")), path.parent, path.stem
+        return values_of(path), path.parent, path.stem
     if chance < 0.5:
         name, text = scene_of(rng)
         return tomllib.loads(text), Path(name).parent, "effects"

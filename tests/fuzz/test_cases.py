@@ -18,13 +18,13 @@ from tests.fuzz.files import damaged
 from tests.fuzz.lines import ENDING, line
 from tests.fuzz.minimise import minimised
 from tests.fuzz.runner import Report
-from tests.fuzz.scenes import fixtures, scene_case
+from tests.fuzz.scenes import fixtures, scene_case, values_of
 from tests.seeds import FIXED, FRESH
 
 
 @pytest.mark.parametrize("path", fixtures(), ids=lambda path: path.stem)
 def test_toml_is_read_back(path: Path) -> None:
-    values = tomllib.loads(path.read_text("utf-8-sig"))
+    values = values_of(path)
     assert tomllib.loads(toml(values)) == values
 
 

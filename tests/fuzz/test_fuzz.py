@@ -11,11 +11,10 @@ from tests.long_form import examples
 
 SEED: Final = 2026
 
-FIRST: Final = examples(168, long=150)
-"""Number of the first case: from here all kinds come soon, and in the long form one builds files
-that verify."""
+FIRST: Final = examples(218, long=150)
+"""Number of the first case: from here all kinds come soon, and one builds files that verify."""
 
-CASES: Final = examples(12, long=31)
+CASES: Final = examples(10, long=31)
 
 
 def test_random_cases(capsys: pytest.CaptureFixture[str]) -> None:
@@ -25,5 +24,4 @@ def test_random_cases(capsys: pytest.CaptureFixture[str]) -> None:
     assert not report.found, "\n\n".join((*report.messages, report.text))
     assert report.cases.total() == CASES
     assert min(report.cases.values()) >= 2
-    assert report.verified >= examples(0, long=1)
-    assert report.built >= 1
+    assert report.verified >= 1
