@@ -48,6 +48,9 @@ MACHINE: Final = re.compile(r'^machine = ".*"$', re.MULTILINE)
 MEASURED: Final = re.compile(r"(.*_)?seconds|spread|sha256")
 """Keys of what is measured anew in each run, and of hashes."""
 
+TIME: Final = re.compile(r"[\d.]+ m?s\b")
+"""A measured time in a sentence."""
+
 WITH_TIMES: Final = ("explain", "accuracy", "sweep", "optimise")
 """Commands whose JSON has measured times."""
 
@@ -108,12 +111,12 @@ def scene_calls(scene: Path, text: str, folder: Path) -> dict[str, str]:
 
 def with_machine(scene: Path, text: str, name: str, folder: Path) -> Path:
     """The scene with another machine, beside what it may name."""
-    place = folder / name / scene.parent.name
-    if not place.exists():
-        place.mkdir(parents=True)
-        for each in scene.parent.iterdir():
-            if each.suffix != ".toml":
-                (place / each.name).symlink_to(each)
+    place = folder / name
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    for each in scene.parent.iterdir():
+        if each.suffix != ".toml":
+            (place / each.name).symlink_to(each)
     copy = place / scene.name
     copy.write_text(MACHINE.sub(f'machine = "{name}"', text), "utf-8")
     return copy
@@ -200,7 +203,8 @@ def leaves(data: Any, measured: bool, way: str = "") -> Iterator[tuple[str, str]
         for number, each in enumerate(data):
             yield from leaves(each, measured, f"{way}[{number}]")
     else:
-        yield way, json.dumps(data)
+        text = json.dumps(data)
+        yield way, TIME.sub("...", text) if measured else text
 
 
 def differing(name: str, before: bytes, after: bytes) -> str:
@@ -267,10 +271,10 @@ def tree_of(revision: str, folder: Path) -> Path:
 
 
 def templates(earlier: Tree, folder: Path) -> dict[str, str]:
-    """Calls for all scenes to start from."""
-    earlier.call("new", folder / "new")
-    said = (folder / "new" / SAID).read_text("utf-8") + (folder / "new" / ANSWER).read_text("utf-8")
-    kinds = sorted({*re.findall(r"[a-z]+(?:-[a-z]+)+(?=[,} \n])", said)})
+    """Calls for all scenes to start from, which the refusal of another one lists."""
+    earlier.call("new none", folder / "new")
+    _, listed = (folder / "new" / SAID).read_text("utf-8").split("choose from")
+    kinds = re.findall(r"[a-z]+(?:-[a-z]+)*", listed)
     return {f"new {kind}": f"new {kind} -o {{out}}/scene.toml" for kind in kinds}
 
 
@@ -295,7 +299,7 @@ def main() -> int:
             else:
                 name = "-".join(scene.relative_to(ROOT / "fixtures").with_suffix("").parts)
                 text = scene.read_text("utf-8")
-                calls = scene_calls(scene, text, keep.parent / "machines")
+                calls = scene_calls(scene, text, keep / "machines" / name)
             before = keep / name
             if not (before / "whole").exists():
                 shutil.rmtree(before, ignore_errors=True)
