@@ -65,6 +65,9 @@ WIDTH: Final = 100
 ROUNDING: Final = 1e-10
 """Numbers below this in a text are rounding errors of something else."""
 
+HEAD: Final = "## "
+"""Begins the line that says what a result is."""
+
 ANY: Final = "~"
 """Stands for a number that differs between processors."""
 
@@ -210,7 +213,7 @@ def compare(name: str, parts: Iterable[tuple[str, str]], *, whole: bool = True) 
     """Compare results, each with the head that says what it is, with the file of that name; of
     which there are others, too, where `parts` are not the `whole`.
     """
-    found = "".join(f"## {head}\n{text.rstrip()}\n\n" for head, text in parts)
+    found = "".join(f"{HEAD}{head}\n{text.rstrip()}\n\n" for head, text in parts)
     found = HASH.sub("(...)", found.replace(f"{FOLDER.parents[1]}/", ""))
     path = Path(os.environ.get(WRITTEN_ANEW, FOLDER)) / name
     if WRITTEN_ANEW in os.environ:
@@ -219,10 +222,10 @@ def compare(name: str, parts: Iterable[tuple[str, str]], *, whole: bool = True) 
         return
     before, after = path.read_text("utf-8").splitlines(), found.splitlines()
     if not whole:
-        before = [line for head, line in _under_heads(before) if head in after]
-    head = ""
-    for number, (one, other) in enumerate(zip(before, after, strict=False), 1):
-        head = one if one.startswith("## ") else head
+        heads = {line for line in after if line.startswith(HEAD)}
+        before = [line for head, line in _under_heads(before) if head in heads]
+    pairs = zip(_under_heads(before), after, strict=False)
+    for number, ((head, one), other) in enumerate(pairs, 1):
         if not same(one, other):
             pytest.fail(f"{path.name}:{number}, {head}\nkept  {one}\nfound {other}", pytrace=False)
     if len(before) != len(after):
@@ -233,7 +236,7 @@ def _under_heads(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Each line with the head that it stands under."""
     head = ""
     for line in lines:
-        head = line if line.startswith("## ") else head
+        head = line if line.startswith(HEAD) else head
         yield head, line
 
 

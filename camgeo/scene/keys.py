@@ -113,9 +113,9 @@ def key_lines(text: str) -> dict[Path, int]:
             if opening == "[[":
                 array = (*table, names[-1])
                 counts[array] = counts.get(array, -1) + 1
-                lines.setdefault(array, line)
             table = _placed((*table, names[-1]), counts, len(table))
-            for depth in range(1, len(table)):  # a table that no header names is at its first part
+            # An array begins at its first table, and so does a table without a header of its own.
+            for depth in range(1, len(table)):
                 lines.setdefault(table[:depth], line)
             lines[table] = line
             place += len(opening)

@@ -62,10 +62,11 @@ def errors_told(path: Path | None) -> Iterator[None]:
             message = "the disk is full; the rows finished before are kept, resume the run later"
             raise OutputError(f"{name}: {message}") from error
         # A header that names a later SQLite makes a file read-only, whatever the disk allows.
-        is_later = code == sqlite3.SQLITE_READONLY and path and os.access(path, os.W_OK)
-        if code in OF_THE_DISK and not is_later:
+        if code == sqlite3.SQLITE_READONLY and path is not None and os.access(path, os.W_OK):
+            code = sqlite3.SQLITE_NOTADB
+        if code in OF_THE_DISK:
             raise OutputError(f"{name} cannot be written: {error}") from error
-        if code == sqlite3.SQLITE_NOTADB or is_later:
+        if code == sqlite3.SQLITE_NOTADB:
             message = f"is no store of a sweep, or not known as one any more; {ELSEWHERE}"
             raise FileError(f"{name} {message}") from error
         raise FileError(f"{name} is damaged: {error}; {ANEW}") from error

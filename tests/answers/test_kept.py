@@ -62,9 +62,9 @@ def keeping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Keeping:
     monkeypatch.chdir(FIXTURES)
 
     def keep(name: str, text: str) -> None:
-        calls = text.strip().splitlines()
-        some = "\n".join(calls if name in FOLLOWING else share(calls, 3))
-        kept.compare(f"answers/{name}.txt", kept.called(some, tmp_path, judged), whole=WHOLE)
+        every, calls = name in FOLLOWING, text.strip().splitlines()
+        made = kept.called("\n".join(calls if every else share(calls, 3)), tmp_path, judged)
+        kept.compare(f"answers/{name}.txt", made, whole=every or WHOLE)
 
     return keep
 

@@ -212,6 +212,7 @@ def test_others_read_what_is_finished_while_it_is_written(tmp_path: Path) -> Non
         def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
             for chunk in super().rows(work, points):
                 yield chunk
+                # It does not wait for the lock: that it is held is what is asked.
                 with closing(sqlite3.connect(path, timeout=0.0)) as database:
                     seen.extend(database.execute("SELECT count(*) FROM designs").fetchone())
                     with pytest.raises(sqlite3.OperationalError, match="locked"):
