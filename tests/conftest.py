@@ -19,6 +19,7 @@ from typing import Any, Final
 
 import pytest
 from hypothesis import Phase, find, settings
+from hypothesis.internal.conjecture import providers
 from hypothesis.strategies import none
 
 from tests import thinned
@@ -39,6 +40,11 @@ sys.dont_write_bytecode = False
 signal.signal(signal.SIGINT, signal.default_int_handler)
 if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+# hypothesis draws constants of all modules that the process has imported by then, so that examples
+# depended on which tests ran before, and on the Python.
+assert callable(providers._get_local_constants)
+providers._get_local_constants = lambda: providers._local_constants
 
 EXAMPLES: Final = examples(15, long=100)
 """Of a property that asks for no other number; 100 is hypothesis's own."""

@@ -74,7 +74,7 @@ def doubtful(source: str) -> list[str]:
 
 
 def test_data_classes_with_arrays_or_nan_are_compared_by_identity() -> None:
-    found = {path.name: doubtful(path.read_text("utf-8")) for path in modules()}
+    found = {str(path): doubtful(path.read_text("utf-8")) for path in modules()}
     assert {name: each for name, each in found.items() if each} == {}
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -373,3 +375,29 @@ def test_a_second_of_computing_is_measured_once(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_start_of_an_interpreter_takes_processor_time() -> None:
     assert speed._started() > 0.0
+
+
+DRAWN: Final = """
+import tests.conftest{more}
+from hypothesis import given, settings, strategies as st
+@settings(max_examples=100, database=None)
+@given(st.floats(), st.integers(), st.text())
+def show(number, count, text):
+    print(number, count, ascii(text))
+show()
+"""
+
+
+def test_examples_do_not_depend_on_what_is_imported() -> None:
+    """Of a program's own modules hypothesis draws constants, unless it is kept from it."""
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", DRAWN.format(more=more)],
+            cwd=TESTS.parent,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for more in ("", ", camgeo.motion.plan, camgeo.numeric.roots, camgeo.scene.schema")
+    }
+    assert len(found) == 1

@@ -224,7 +224,8 @@ def _stop(number: int, _: FrameType | None) -> None:
 def _crash(error: Exception) -> str:
     """One line on an error that camgeo did not foresee."""
     steps = traceback.extract_tb(error.__traceback__)
-    ours = [step for step in steps if "camgeo" in Path(step.filename).parts[-4:]] or steps
+    package = Path(__file__).parents[1]
+    ours = [step for step in steps if package in Path(step.filename).parents] or steps
     place = f"{Path(ours[-1].filename).name}, line {ours[-1].lineno}"
     what = " ".join(f"{type(error).__name__}: {error}".split())
     return (

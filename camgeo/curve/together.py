@@ -24,7 +24,7 @@ Join = Callable[[tuple[Member, ...], IntArray, int], Member]
 """
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Repeated(Pickled):
     """A motion at the same cam angles for each of many followers.
 

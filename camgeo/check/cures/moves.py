@@ -109,7 +109,7 @@ def degrees(value: Decimal) -> str:
     return f"{value.normalize():f}" if value else "0"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Stretched(Repeated):
     """A motion at one cam angle, asked for n times, if the move there has n other spans.
 
